@@ -11,7 +11,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks import from_python, machine, report
+from benchmarks import from_python, machine, report, summary
 from benchmarks.build import BuildError, Built, Tools, build_contender, build_library
 from benchmarks.contender import Contender, Manifest, Missing
 from benchmarks.measure import Bench, Row
@@ -30,6 +30,7 @@ def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
         "--python-rounds", type=int, default=60, help="rounds in Python (default %(default)s)"
     )
     parser.add_argument("--out", type=Path, default=ROOT / "build" / "benchmarks")
+    parser.add_argument("--page", type=Path, help="a page whose tables to replace, docs/performance.md say")
     parser.add_argument("--cc", default="gcc")
     parser.add_argument("--cxx", default="g++")
     parser.add_argument(
@@ -132,6 +133,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         "rows": report.as_json(results, python),
     }
     (options.out / "results.json").write_text(json.dumps(data, indent=1, ensure_ascii=False) + "\n")
+    if options.page is not None:
+        summary.update(options.page, data)
     return 0 if all(row.correct for row in rows) else 1
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from benchmarks.contender import OURS, Missing
 from benchmarks.from_python import PythonResult, PythonRow
-from benchmarks.measure import Row, Series
+from benchmarks.measure import POOL, Row, Series
 from benchmarks.workloads import Workload
 
 HAND = "hand-written C"
@@ -287,9 +287,9 @@ def document(
     method = (
         "Medians over rounds in which all contenders take turns in random order in one process; thread "
         "CPU time; ± is half the interquartile range. Ratios are medians of the ratios within a round. "
-        "Throughput: independent calls over 256 random poses in cache. Latency: each call waits for every "
-        "word of the previous output. `.text`: the function and all that it calls in its object, without "
-        "libm. Error: largest difference from the reference, relative to the output's scale."
+        f"Throughput: independent calls over {POOL} random poses in cache. Latency: each call waits for "
+        "every word of the previous output. `.text`: the function and all that it calls in its object, "
+        "without libm. Error: largest difference from the reference, relative to the output's scale."
     )
     return "\n".join(["# Benchmark\n", *facts, *notes, "", method, "", *sections])
 
@@ -303,6 +303,7 @@ def as_json(results: Sequence[Result], python: Sequence[PythonResult]) -> list[d
             "language": language,
             "contender": entry.name,
             "variant": entry.variant,
+            "layout": entry.layout,
             "error": entry.error,
             "text_bytes": entry.text or None,
             "generate_ms": entry.generate_ms,

@@ -106,7 +106,7 @@ def _name(node: ast.stmt) -> str:
 def _c_function(text: str, name: str) -> str:
     """A C function's definition with the comment above it."""
     lines = text.splitlines()
-    definition = re.compile(rf"(KRHPR_\w+ )?(static inline )?\w+ \*?{name}\(")
+    definition = re.compile(rf"(KRHPR_\w+ )?\w+ \*?{name}\(")
     starts = [i for i, line in enumerate(lines) if definition.match(line)]
     starts = [i for i in starts if not lines[i].rstrip().endswith(";")]
     if not starts:

@@ -40,10 +40,13 @@
 #define KRHPR_OUTLINE static inline
 #endif
 
-/* What is always written into its caller: arrays of vectors then are registers. */
+/* Functions of this source alone, needed or not; KRHPR_INLINE: always written into their callers, so that arrays of vectors
+ * are registers. */
 #if defined(__GNUC__)
-#define KRHPR_INLINE __attribute__((always_inline)) static inline
+#define KRHPR_STATIC __attribute__((unused)) static inline
+#define KRHPR_INLINE __attribute__((always_inline, unused)) static inline
 #else
+#define KRHPR_STATIC static inline
 #define KRHPR_INLINE static inline
 #endif
 
@@ -76,17 +79,17 @@ typedef enum {
 } krhpr_status;
 
 /* Where the first operand is NaN the second is the result. */
-static inline double krhpr_min(double a, double b)
+KRHPR_STATIC double krhpr_min(double a, double b)
 {
     return a < b ? a : b;
 }
 
-static inline double krhpr_max(double a, double b)
+KRHPR_STATIC double krhpr_max(double a, double b)
 {
     return a > b ? a : b;
 }
 
-static inline void krhpr_copy(double *to, const double *from, int n)
+KRHPR_STATIC void krhpr_copy(double *to, const double *from, int n)
 {
     for (int k = 0; k < n; ++k) {
         to[k] = from[k];

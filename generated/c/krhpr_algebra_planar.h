@@ -12,21 +12,21 @@
 #include "krhpr_elementary.h"
 
 /* r = N s_dot, the rate along the leg's lines.  Thesis: (1.30).  (1 add, 2 multiply) */
-static inline void krhpr_algebra_planar_rate(
+KRHPR_STATIC void krhpr_algebra_planar_rate(
     const double N[2], const double s_dot[2], double *KRHPR_RESTRICT rate)
 {
     rate[0] = N[0] * s_dot[0] + N[1] * s_dot[1];
 }
 
 /* N s_ddot + bias, the right-hand side of (1.30) differentiated.  (2 add, 2 multiply) */
-static inline void krhpr_algebra_planar_rate_with_bias(
+KRHPR_STATIC void krhpr_algebra_planar_rate_with_bias(
     const double N[2], const double s_ddot[2], const double bias[1], double *KRHPR_RESTRICT rate)
 {
     rate[0] = bias[0] + N[0] * s_ddot[0] + N[1] * s_ddot[1];
 }
 
 /* s_ddot = M theta_ddot + bias.  (2 add) */
-static inline void krhpr_algebra_planar_sum(
+KRHPR_STATIC void krhpr_algebra_planar_sum(
     const double along[2], const double bias[2], double *KRHPR_RESTRICT s_ddot)
 {
     s_ddot[0] = along[0] + bias[0];
@@ -34,7 +34,7 @@ static inline void krhpr_algebra_planar_sum(
 }
 
 /* M theta_ddot = s_ddot - bias.  (2 add) */
-static inline void krhpr_algebra_planar_difference(
+KRHPR_STATIC void krhpr_algebra_planar_difference(
     const double s_ddot[2], const double bias[2], double *KRHPR_RESTRICT along)
 {
     along[0] = s_ddot[0] - bias[0];
@@ -43,7 +43,7 @@ static inline void krhpr_algebra_planar_difference(
 
 /* Angle of the passive joint at r_i: redundant link relative to the sub-leg's last link.  (2 add, 4
  * multiply) */
-static inline void krhpr_algebra_planar_wrist(
+KRHPR_STATIC void krhpr_algebra_planar_wrist(
     const double link[2], const double redundant_link[2], double *KRHPR_RESTRICT tail_y,
     double *KRHPR_RESTRICT tail_x)
 {
@@ -52,13 +52,13 @@ static inline void krhpr_algebra_planar_wrist(
 }
 
 /* Angles whose sines and cosines `rotation` reads.  (no operations) */
-static inline void krhpr_algebra_planar_rotation_angles(double phi, double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_algebra_planar_rotation_angles(double phi, double *KRHPR_RESTRICT angle)
 {
     angle[0] = phi;
 }
 
 /* Q from phi.  Thesis: (2.5).  (no operations) */
-static inline void krhpr_algebra_planar_rotation(
+KRHPR_STATIC void krhpr_algebra_planar_rotation(
     const double sine[1], const double cosine[1], double *KRHPR_RESTRICT Q)
 {
     Q[0] = cosine[0];

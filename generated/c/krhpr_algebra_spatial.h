@@ -12,7 +12,7 @@
 #include "krhpr_elementary.h"
 
 /* r = N s_dot, the rate along the leg's lines.  Thesis: (1.30).  (4 add, 6 multiply) */
-static inline void krhpr_algebra_spatial_rate(
+KRHPR_STATIC void krhpr_algebra_spatial_rate(
     const double N[6], const double s_dot[3], double *KRHPR_RESTRICT rate)
 {
     rate[0] = N[0] * s_dot[0] + N[1] * s_dot[1] + N[2] * s_dot[2];
@@ -20,7 +20,7 @@ static inline void krhpr_algebra_spatial_rate(
 }
 
 /* N s_ddot + bias, the right-hand side of (1.30) differentiated.  (6 add, 6 multiply) */
-static inline void krhpr_algebra_spatial_rate_with_bias(
+KRHPR_STATIC void krhpr_algebra_spatial_rate_with_bias(
     const double N[6], const double s_ddot[3], const double bias[2], double *KRHPR_RESTRICT rate)
 {
     rate[0] = bias[0] + N[0] * s_ddot[0] + N[1] * s_ddot[1] + N[2] * s_ddot[2];
@@ -28,7 +28,7 @@ static inline void krhpr_algebra_spatial_rate_with_bias(
 }
 
 /* s_ddot = M theta_ddot + bias.  (3 add) */
-static inline void krhpr_algebra_spatial_sum(
+KRHPR_STATIC void krhpr_algebra_spatial_sum(
     const double along[3], const double bias[3], double *KRHPR_RESTRICT s_ddot)
 {
     s_ddot[0] = along[0] + bias[0];
@@ -37,7 +37,7 @@ static inline void krhpr_algebra_spatial_sum(
 }
 
 /* M theta_ddot = s_ddot - bias.  (3 add) */
-static inline void krhpr_algebra_spatial_difference(
+KRHPR_STATIC void krhpr_algebra_spatial_difference(
     const double s_ddot[3], const double bias[3], double *KRHPR_RESTRICT along)
 {
     along[0] = s_ddot[0] - bias[0];
@@ -47,7 +47,7 @@ static inline void krhpr_algebra_spatial_difference(
 
 /* Rotation of the spherical joint: orientation of the redundant link seen from the sub-leg's last link.
  * (18 add, 27 multiply) */
-static inline void krhpr_algebra_spatial_wrist(
+KRHPR_STATIC void krhpr_algebra_spatial_wrist(
     const double link[9], const double redundant_link[9], double *KRHPR_RESTRICT spherical)
 {
     const double spherical_00 = link[0] * redundant_link[0] + link[3] * redundant_link[3] + link[6] * redundant_link[6];
@@ -71,7 +71,7 @@ static inline void krhpr_algebra_spatial_wrist(
 }
 
 /* Largest element of |Q^T Q - I|; at least 1 - det Q.  (21 add, 27 multiply, 12 select) */
-static inline void krhpr_algebra_spatial_rotation_error(const double Q[9], double *KRHPR_RESTRICT error)
+KRHPR_STATIC void krhpr_algebra_spatial_rotation_error(const double Q[9], double *KRHPR_RESTRICT error)
 {
     const double t1 = krhpr_max(fabs(Q[0] * Q[0] + Q[3] * Q[3] + Q[6] * Q[6] - 1.0), fabs(Q[0] * Q[1] + Q[3] * Q[4] + Q[6] * Q[7]));
     const double t2 = krhpr_max(krhpr_max(t1, fabs(Q[0] * Q[2] + Q[3] * Q[5] + Q[6] * Q[8])), fabs(Q[1] * Q[1] + Q[4] * Q[4] + Q[7] * Q[7] - 1.0));

@@ -19,7 +19,7 @@
 /* -- one number -------------------------------------------------------------------------------------------------------- */
 
 /* Sine and cosine for |x| <= 1e5. */
-static inline void krhpr_sincos_near(double x, double *sine, double *cosine)
+KRHPR_STATIC void krhpr_sincos_near(double x, double *sine, double *cosine)
 {
     /* x = n pi/2 + y with pi/2 in three parts (33 + 33 + 53 bits); n * part is exact for |n| < 2^20.
      * Adding and subtracting 1.5 * 2^52 rounds to the nearest integer, and leaves it in the last
@@ -52,7 +52,7 @@ static inline void krhpr_sincos_near(double x, double *sine, double *cosine)
     *cosine = along * c - across * s;
 }
 /* The angle of (x, y) where neither of the two is huge. */
-static inline double krhpr_atan2_near(double y, double x)
+KRHPR_STATIC double krhpr_atan2_near(double y, double x)
 {
     const double zero = 0.0;
     const double one = 1.0;
@@ -94,12 +94,12 @@ static inline int krhpr_sincos_is_near(double x)
     return fabs(x) <= 1e5;
 }
 
-static inline int krhpr_atan2_is_near(double y, double x)
+KRHPR_STATIC int krhpr_atan2_is_near(double y, double x)
 {
     return fabs(x) + fabs(y) <= 1e290;
 }
 
-static inline void krhpr_sincos(double x, double *sine, double *cosine)
+KRHPR_STATIC void krhpr_sincos(double x, double *sine, double *cosine)
 {
 #ifndef KRHPR_LIBM
     if (krhpr_sincos_is_near(x)) {
@@ -111,7 +111,7 @@ static inline void krhpr_sincos(double x, double *sine, double *cosine)
     *cosine = cos(x);
 }
 
-static inline double krhpr_atan2(double y, double x)
+KRHPR_STATIC double krhpr_atan2(double y, double x)
 {
 #ifndef KRHPR_LIBM
     if (krhpr_atan2_is_near(y, x)) {
@@ -124,12 +124,12 @@ static inline double krhpr_atan2(double y, double x)
 /* -- side by side ------------------------------------------------------------------------------------------------------ */
 
 #if KRHPR_LANES == 1
-static inline void krhpr_lanes_sincos_near(double x, double *sine, double *cosine)
+KRHPR_STATIC void krhpr_lanes_sincos_near(double x, double *sine, double *cosine)
 {
     krhpr_sincos_near(x, sine, cosine);
 }
 #else
-static inline void krhpr_lanes_sincos_near(krhpr_lanes x, krhpr_lanes *sine, krhpr_lanes *cosine)
+KRHPR_STATIC void krhpr_lanes_sincos_near(krhpr_lanes x, krhpr_lanes *sine, krhpr_lanes *cosine)
 {
     /* x = n pi/2 + y with pi/2 in three parts (33 + 33 + 53 bits); n * part is exact for |n| < 2^20.
      * Adding and subtracting 1.5 * 2^52 rounds to the nearest integer, and leaves it in the last
@@ -165,7 +165,7 @@ static inline void krhpr_lanes_sincos_near(krhpr_lanes x, krhpr_lanes *sine, krh
 }
 #endif
 
-static inline krhpr_lanes krhpr_lanes_atan2_near(krhpr_lanes y, krhpr_lanes x)
+KRHPR_STATIC krhpr_lanes krhpr_lanes_atan2_near(krhpr_lanes y, krhpr_lanes x)
 {
     const krhpr_lanes zero = krhpr_all(0.0);
     const krhpr_lanes one = krhpr_all(1.0);
@@ -230,7 +230,7 @@ KRHPR_OUTLINE void krhpr_lanes_atan2_far(int n, const krhpr_lanes *y, const krhp
 }
 
 /* Sines and cosines of n vectors of angles, and the angles of n vectors of points. */
-static inline void krhpr_lanes_sincos_each(int n, const krhpr_lanes *x, krhpr_lanes *sine, krhpr_lanes *cosine)
+KRHPR_STATIC void krhpr_lanes_sincos_each(int n, const krhpr_lanes *x, krhpr_lanes *sine, krhpr_lanes *cosine)
 {
 #ifndef KRHPR_LIBM
     krhpr_lanes sum = krhpr_all(0.0);
@@ -246,7 +246,7 @@ static inline void krhpr_lanes_sincos_each(int n, const krhpr_lanes *x, krhpr_la
     krhpr_lanes_sincos_far(n, x, sine, cosine);
 }
 
-static inline void krhpr_lanes_atan2_each(int n, const krhpr_lanes *y, const krhpr_lanes *x, krhpr_lanes *angle)
+KRHPR_STATIC void krhpr_lanes_atan2_each(int n, const krhpr_lanes *y, const krhpr_lanes *x, krhpr_lanes *angle)
 {
 #ifndef KRHPR_LIBM
     krhpr_lanes sum = krhpr_all(0.0);
@@ -262,26 +262,26 @@ static inline void krhpr_lanes_atan2_each(int n, const krhpr_lanes *y, const krh
     krhpr_lanes_atan2_far(n, y, x, angle);
 }
 
-static inline void krhpr_lanes_sincos(krhpr_lanes x, krhpr_lanes *sine, krhpr_lanes *cosine)
+KRHPR_STATIC void krhpr_lanes_sincos(krhpr_lanes x, krhpr_lanes *sine, krhpr_lanes *cosine)
 {
     krhpr_lanes_sincos_each(1, &x, sine, cosine);
 }
 
-static inline krhpr_lanes krhpr_lanes_sin(krhpr_lanes x)
+KRHPR_STATIC krhpr_lanes krhpr_lanes_sin(krhpr_lanes x)
 {
     krhpr_lanes sine, cosine;
     krhpr_lanes_sincos_each(1, &x, &sine, &cosine);
     return sine;
 }
 
-static inline krhpr_lanes krhpr_lanes_cos(krhpr_lanes x)
+KRHPR_STATIC krhpr_lanes krhpr_lanes_cos(krhpr_lanes x)
 {
     krhpr_lanes sine, cosine;
     krhpr_lanes_sincos_each(1, &x, &sine, &cosine);
     return cosine;
 }
 
-static inline krhpr_lanes krhpr_lanes_atan2(krhpr_lanes y, krhpr_lanes x)
+KRHPR_STATIC krhpr_lanes krhpr_lanes_atan2(krhpr_lanes y, krhpr_lanes x)
 {
     krhpr_lanes angle;
     krhpr_lanes_atan2_each(1, &y, &x, &angle);
@@ -289,7 +289,7 @@ static inline krhpr_lanes krhpr_lanes_atan2(krhpr_lanes y, krhpr_lanes x)
 }
 
 /* The same for n numbers in an array; every array has KRHPR_PADDED(n) elements, all of them set. */
-static inline void krhpr_sincos_array(int n, const double *x, double *KRHPR_RESTRICT sine, double *KRHPR_RESTRICT cosine)
+KRHPR_STATIC void krhpr_sincos_array(int n, const double *x, double *KRHPR_RESTRICT sine, double *KRHPR_RESTRICT cosine)
 {
     for (int k = 0; k < n; k += KRHPR_LANES) {
         const krhpr_lanes at = krhpr_load(x + k);
@@ -300,7 +300,7 @@ static inline void krhpr_sincos_array(int n, const double *x, double *KRHPR_REST
     }
 }
 
-static inline void krhpr_atan2_array(int n, const double *y, const double *x, double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_atan2_array(int n, const double *y, const double *x, double *KRHPR_RESTRICT angle)
 {
     for (int k = 0; k < n; k += KRHPR_LANES) {
         const krhpr_lanes at_y = krhpr_load(y + k), at_x = krhpr_load(x + k);

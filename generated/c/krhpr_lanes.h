@@ -27,7 +27,7 @@
 #endif
 #endif
 #if KRHPR_LANES != 1 && KRHPR_LANES != 2 && KRHPR_LANES != 4 && (KRHPR_LANES != 8 || !defined(KRHPR_LANES_ARE_POSES))
-#error "krhpr: KRHPR_LANES is 1, 2 or 4 (8 too for batches)"
+#error "krhpr: KRHPR_LANES is 1, 2 or 4 (8 too in batches)"
 #endif
 
 /* Numbers, and integers of the same size: conditions (all bits set where true), and statuses. */
@@ -51,7 +51,7 @@ typedef double krhpr_pair_at __attribute__((vector_size(16), aligned(8), may_ali
 #endif
 
 /* The same number in all lanes. */
-static inline krhpr_lanes krhpr_all(double x)
+KRHPR_STATIC krhpr_lanes krhpr_all(double x)
 {
 #if KRHPR_LANES == 1
     return x;
@@ -61,7 +61,7 @@ static inline krhpr_lanes krhpr_all(double x)
 #endif
 }
 
-static inline double krhpr_lane(const krhpr_lanes *x, int lane)
+KRHPR_STATIC double krhpr_lane(const krhpr_lanes *x, int lane)
 {
 #if KRHPR_LANES == 1
     (void)lane;
@@ -71,7 +71,7 @@ static inline double krhpr_lane(const krhpr_lanes *x, int lane)
 #endif
 }
 
-static inline void krhpr_set_lane(krhpr_lanes *x, int lane, double value)
+KRHPR_STATIC void krhpr_set_lane(krhpr_lanes *x, int lane, double value)
 {
 #if KRHPR_LANES == 1
     (void)lane;
@@ -82,7 +82,7 @@ static inline void krhpr_set_lane(krhpr_lanes *x, int lane, double value)
 }
 
 /* Loads and stores of KRHPR_LANES doubles that follow one another. */
-static inline krhpr_lanes krhpr_load(const double *from)
+KRHPR_STATIC krhpr_lanes krhpr_load(const double *from)
 {
 #if KRHPR_LANES == 1
     return *from;
@@ -91,7 +91,7 @@ static inline krhpr_lanes krhpr_load(const double *from)
 #endif
 }
 
-static inline void krhpr_store(double *to, krhpr_lanes x)
+KRHPR_STATIC void krhpr_store(double *to, krhpr_lanes x)
 {
 #if KRHPR_LANES == 1
     *to = x;
@@ -102,17 +102,17 @@ static inline void krhpr_store(double *to, krhpr_lanes x)
 
 /* -- conditions -------------------------------------------------------------------------------------------------------- */
 
-static inline krhpr_ints krhpr_less(krhpr_lanes a, krhpr_lanes b)
+KRHPR_STATIC krhpr_ints krhpr_less(krhpr_lanes a, krhpr_lanes b)
 {
     return (krhpr_ints)(a < b);
 }
 
-static inline krhpr_ints krhpr_at_most(krhpr_lanes a, krhpr_lanes b)
+KRHPR_STATIC krhpr_ints krhpr_at_most(krhpr_lanes a, krhpr_lanes b)
 {
     return (krhpr_ints)(a <= b);
 }
 
-static inline krhpr_ints krhpr_not(krhpr_ints a)
+KRHPR_STATIC krhpr_ints krhpr_not(krhpr_ints a)
 {
 #if KRHPR_LANES == 1
     return !a;
@@ -121,7 +121,7 @@ static inline krhpr_ints krhpr_not(krhpr_ints a)
 #endif
 }
 
-static inline krhpr_lanes krhpr_where(krhpr_ints condition, krhpr_lanes then, krhpr_lanes otherwise)
+KRHPR_STATIC krhpr_lanes krhpr_where(krhpr_ints condition, krhpr_lanes then, krhpr_lanes otherwise)
 {
 #if KRHPR_LANES == 1
     return condition ? then : otherwise;
@@ -131,7 +131,7 @@ static inline krhpr_lanes krhpr_where(krhpr_ints condition, krhpr_lanes then, kr
 #endif
 }
 
-static inline int krhpr_any(krhpr_ints condition)
+KRHPR_STATIC int krhpr_any(krhpr_ints condition)
 {
 #if KRHPR_LANES == 1
     return condition;
@@ -155,7 +155,7 @@ static inline int krhpr_any(krhpr_ints condition)
 }
 
 /* Zero where all n values are finite, NaN somewhere where one is NaN or infinite; taints add up. */
-static inline krhpr_lanes krhpr_taint(const double *x, int n)
+KRHPR_STATIC krhpr_lanes krhpr_taint(const double *x, int n)
 {
     const int whole = n / KRHPR_LANES * KRHPR_LANES;
     krhpr_lanes taint = krhpr_all(0.0);
@@ -171,7 +171,7 @@ static inline krhpr_lanes krhpr_taint(const double *x, int n)
     return taint;
 }
 
-static inline int krhpr_is_clean(krhpr_lanes taint)
+KRHPR_STATIC int krhpr_is_clean(krhpr_lanes taint)
 {
     double sum = krhpr_lane(&taint, 0);
     for (int lane = 1; lane < KRHPR_LANES; ++lane) {
@@ -182,7 +182,7 @@ static inline int krhpr_is_clean(krhpr_lanes taint)
 
 /* -- functions --------------------------------------------------------------------------------------------------------- */
 
-static inline krhpr_lanes krhpr_lanes_sqrt(krhpr_lanes x)
+KRHPR_STATIC krhpr_lanes krhpr_lanes_sqrt(krhpr_lanes x)
 {
     krhpr_lanes root = x;
     for (int lane = 0; lane < KRHPR_LANES; ++lane) {
@@ -191,7 +191,7 @@ static inline krhpr_lanes krhpr_lanes_sqrt(krhpr_lanes x)
     return root;
 }
 
-static inline krhpr_lanes krhpr_lanes_fabs(krhpr_lanes x)
+KRHPR_STATIC krhpr_lanes krhpr_lanes_fabs(krhpr_lanes x)
 {
 #if KRHPR_LANES == 1
     return fabs(x);
@@ -201,7 +201,7 @@ static inline krhpr_lanes krhpr_lanes_fabs(krhpr_lanes x)
 }
 
 /* The size of x with the sign of y. */
-static inline krhpr_lanes krhpr_lanes_copysign(krhpr_lanes x, krhpr_lanes y)
+KRHPR_STATIC krhpr_lanes krhpr_lanes_copysign(krhpr_lanes x, krhpr_lanes y)
 {
 #if KRHPR_LANES == 1
     return copysign(x, y);
@@ -211,20 +211,28 @@ static inline krhpr_lanes krhpr_lanes_copysign(krhpr_lanes x, krhpr_lanes y)
 }
 
 /* Where the first operand is NaN the second is the result. */
-static inline krhpr_lanes krhpr_lanes_min(krhpr_lanes a, krhpr_lanes b)
+KRHPR_STATIC krhpr_lanes krhpr_lanes_min(krhpr_lanes a, krhpr_lanes b)
 {
+#if KRHPR_LANES == 1
+    return a < b ? a : b;
+#else
     return krhpr_where(krhpr_less(a, b), a, b);
+#endif
 }
 
-static inline krhpr_lanes krhpr_lanes_max(krhpr_lanes a, krhpr_lanes b)
+KRHPR_STATIC krhpr_lanes krhpr_lanes_max(krhpr_lanes a, krhpr_lanes b)
 {
+#if KRHPR_LANES == 1
+    return a > b ? a : b;
+#else
     return krhpr_where(krhpr_less(b, a), a, b);
+#endif
 }
 
 /* -- legs side by side ------------------------------------------------------------------------------------------------- */
 
 /* A number of the geometry: of leg i and those that follow, or of leg i for all poses. */
-static inline krhpr_lanes krhpr_of_leg(const double field[KRHPR_PLACES], int i)
+KRHPR_STATIC krhpr_lanes krhpr_of_leg(const double field[KRHPR_PLACES], int i)
 {
 #ifdef KRHPR_LANES_ARE_POSES
     return krhpr_all(field[i]);
@@ -234,13 +242,13 @@ static inline krhpr_lanes krhpr_of_leg(const double field[KRHPR_PLACES], int i)
 }
 
 /* The leg of a lane where the first is leg i: there is no fourth leg, the third stands for it. */
-static inline int krhpr_leg(int i, int lane)
+KRHPR_STATIC int krhpr_leg(int i, int lane)
 {
     return i + lane < 3 ? i + lane : 2;
 }
 
 /* Rows i, i + 1, ... of an array with a row of n numbers for each leg, turned: a lane for each leg. */
-static inline void krhpr_legs_load(krhpr_lanes *to, const double *from, int n, int i)
+KRHPR_STATIC void krhpr_legs_load(krhpr_lanes *to, const double *from, int n, int i)
 {
     for (int k = 0; k < n; ++k) {
         to[k] = krhpr_all(from[n * i + k]);
@@ -251,7 +259,7 @@ static inline void krhpr_legs_load(krhpr_lanes *to, const double *from, int n, i
 }
 
 /* n numbers that are the same for all legs. */
-static inline void krhpr_legs_spread(krhpr_lanes *to, const double *from, int n)
+KRHPR_STATIC void krhpr_legs_spread(krhpr_lanes *to, const double *from, int n)
 {
     for (int k = 0; k < n; ++k) {
         to[k] = krhpr_all(from[k]);
@@ -259,7 +267,7 @@ static inline void krhpr_legs_spread(krhpr_lanes *to, const double *from, int n)
 }
 
 /* Back: the n numbers of legs i, i + 1, ..., those of a leg `step` behind those of the one before. */
-static inline void krhpr_legs_store(double *to, ptrdiff_t step, const krhpr_lanes *from, int n, int i)
+KRHPR_STATIC void krhpr_legs_store(double *to, ptrdiff_t step, const krhpr_lanes *from, int n, int i)
 {
 #if KRHPR_LANES == 4 && defined(KRHPR_SHUFFLE)
     const int whole = n / 4 * 4;

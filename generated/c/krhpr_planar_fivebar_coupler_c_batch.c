@@ -52,15 +52,16 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_end_points_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes redundant[3];
-        krhpr_poses_load(redundant, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes s[6];
-        krhpr_planar_fivebar_coupler_c_end_points_lanes(g, p, phi, redundant, s, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s, 6, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes redundant_lanes[3];
+        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_planar_fivebar_coupler_c_end_points_lanes(
+            g, p_lanes, phi_lanes, redundant_lanes, s_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -92,15 +93,16 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_end_points_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes redundant_room[3];
-            const krhpr_lanes_at *const redundant = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
+            const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
             krhpr_lanes s_room[6];
             double *const s_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const s = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_planar_fivebar_coupler_c_end_points_lanes(g, p, phi, redundant, s, &answer);
+            krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
+            krhpr_planar_fivebar_coupler_c_end_points_lanes(
+                g, p_lanes, phi_lanes, redundant_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 6, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -147,15 +149,16 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_redundant_coordinates_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 6, here);
-        krhpr_lanes redundant[3];
-        krhpr_planar_fivebar_coupler_c_redundant_coordinates_lanes(g, p, phi, s, redundant, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant, 3, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_lanes redundant_lanes[3];
+        krhpr_planar_fivebar_coupler_c_redundant_coordinates_lanes(
+            g, p_lanes, phi_lanes, s_lanes, redundant_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -187,15 +190,16 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_redundant_coordinates_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
             krhpr_lanes redundant_room[3];
             double *const redundant_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const redundant = krhpr_poses_out(redundant_room, redundant_at, row, here);
-            krhpr_planar_fivebar_coupler_c_redundant_coordinates_lanes(g, p, phi, s, redundant, &answer);
+            krhpr_lanes_at *const redundant_lanes = krhpr_poses_out(redundant_room, redundant_at, row, here);
+            krhpr_planar_fivebar_coupler_c_redundant_coordinates_lanes(
+                g, p_lanes, phi_lanes, s_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -252,13 +256,13 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_subleg_forward_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes theta[6];
-        krhpr_poses_load(theta, in[0] + k * in_step[0], in_step[0], 6, here);
-        krhpr_lanes assembly[3];
-        krhpr_poses_load(assembly, in[1] ? in[1] + k * in_step[1] : assembly_default, in[1] ? in_step[1] : 0, 3, here);
-        krhpr_lanes s[6];
-        krhpr_planar_fivebar_coupler_c_subleg_forward_lanes(g, theta, assembly, s, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s, 6, here);
+        krhpr_lanes theta_lanes[6];
+        krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_lanes assembly_lanes[3];
+        krhpr_poses_load(assembly_lanes, in[1] ? in[1] + k * in_step[1] : assembly_default, in[1] ? in_step[1] : 0, 3, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_planar_fivebar_coupler_c_subleg_forward_lanes(g, theta_lanes, assembly_lanes, s_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -289,18 +293,19 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_subleg_forward_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes theta_room[6];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 6, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 6, here);
             krhpr_lanes assembly_room[3];
-            const krhpr_lanes_at *assembly = assembly_room;
+            const krhpr_lanes_at *assembly_lanes = assembly_room;
             if (in[1] != NULL) {
-                assembly = krhpr_poses_in(assembly_room, in[1] + b * in_step[1] + k, row, 3, here);
+                assembly_lanes = krhpr_poses_in(assembly_room, in[1] + b * in_step[1] + k, row, 3, here);
             } else {
                 krhpr_poses_load(assembly_room, assembly_default, 0, 3, here);
             }
             krhpr_lanes s_room[6];
             double *const s_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const s = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_planar_fivebar_coupler_c_subleg_forward_lanes(g, theta, assembly, s, &answer);
+            krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
+            krhpr_planar_fivebar_coupler_c_subleg_forward_lanes(
+                g, theta_lanes, assembly_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 6, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -357,11 +362,11 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_subleg_forward_all_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes theta[6];
-        krhpr_poses_load(theta, in[0] + k * in_step[0], in_step[0], 6, here);
-        krhpr_lanes s[12];
-        krhpr_planar_fivebar_coupler_c_subleg_forward_all_lanes(g, theta, s, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s, 12, here);
+        krhpr_lanes theta_lanes[6];
+        krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_lanes s_lanes[12];
+        krhpr_planar_fivebar_coupler_c_subleg_forward_all_lanes(g, theta_lanes, s_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 12, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -392,11 +397,11 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_subleg_forward_all_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes theta_room[6];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 6, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 6, here);
             krhpr_lanes s_room[12];
             double *const s_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const s = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_planar_fivebar_coupler_c_subleg_forward_all_lanes(g, theta, s, &answer);
+            krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
+            krhpr_planar_fivebar_coupler_c_subleg_forward_all_lanes(g, theta_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 12, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -460,11 +465,11 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_subleg_inverse_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[0] + k * in_step[0], in_step[0], 6, here);
-        krhpr_lanes theta[24];
-        krhpr_planar_fivebar_coupler_c_subleg_inverse_lanes(g, s, theta, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta, 24, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_lanes theta_lanes[24];
+        krhpr_planar_fivebar_coupler_c_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 24, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -494,11 +499,11 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_subleg_inverse_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
             krhpr_lanes theta_room[24];
             double *const theta_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const theta = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_planar_fivebar_coupler_c_subleg_inverse_lanes(g, s, theta, &answer);
+            krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
+            krhpr_planar_fivebar_coupler_c_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 24, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -560,13 +565,13 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_subleg_jacobian_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[0] + k * in_step[0], in_step[0], 6, here);
-        krhpr_lanes theta[6];
-        krhpr_poses_load(theta, in[1] + k * in_step[1], in_step[1], 6, here);
-        krhpr_lanes M[12];
-        krhpr_planar_fivebar_coupler_c_subleg_jacobian_lanes(g, s, theta, M, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M, 12, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_lanes theta_lanes[6];
+        krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 6, here);
+        krhpr_lanes M_lanes[12];
+        krhpr_planar_fivebar_coupler_c_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M_lanes, 12, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -597,13 +602,13 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_subleg_jacobian_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
             krhpr_lanes theta_room[6];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[1] + b * in_step[1] + k, row, 6, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[1] + b * in_step[1] + k, row, 6, here);
             krhpr_lanes M_room[12];
             double *const M_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const M = krhpr_poses_out(M_room, M_at, row, here);
-            krhpr_planar_fivebar_coupler_c_subleg_jacobian_lanes(g, s, theta, M, &answer);
+            krhpr_lanes_at *const M_lanes = krhpr_poses_out(M_room, M_at, row, here);
+            krhpr_planar_fivebar_coupler_c_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
             krhpr_poses_done(M_room, M_at, row, 12, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -650,15 +655,16 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_constraints_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 6, here);
-        krhpr_lanes residual[3];
-        krhpr_planar_fivebar_coupler_c_constraints_lanes(g, p, phi, s, residual, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], residual, 3, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_lanes residual_lanes[3];
+        krhpr_planar_fivebar_coupler_c_constraints_lanes(
+            g, p_lanes, phi_lanes, s_lanes, residual_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], residual_lanes, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -690,15 +696,16 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_constraints_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
             krhpr_lanes residual_room[3];
             double *const residual_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const residual = krhpr_poses_out(residual_room, residual_at, row, here);
-            krhpr_planar_fivebar_coupler_c_constraints_lanes(g, p, phi, s, residual, &answer);
+            krhpr_lanes_at *const residual_lanes = krhpr_poses_out(residual_room, residual_at, row, here);
+            krhpr_planar_fivebar_coupler_c_constraints_lanes(
+                g, p_lanes, phi_lanes, s_lanes, residual_lanes, &answer);
             krhpr_poses_done(residual_room, residual_at, row, 3, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -775,19 +782,20 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_jacobians_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 6, here);
-        krhpr_lanes theta[6];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 6, here);
-        krhpr_lanes J[9];
-        krhpr_lanes K[18];
-        krhpr_planar_fivebar_coupler_c_jacobians_lanes(g, p, phi, s, theta, J, K, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J, 9, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K, 18, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_lanes theta_lanes[6];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        krhpr_lanes J_lanes[9];
+        krhpr_lanes K_lanes[18];
+        krhpr_planar_fivebar_coupler_c_jacobians_lanes(
+            g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 18, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -819,20 +827,21 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_jacobians_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
             krhpr_lanes theta_room[6];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
             krhpr_lanes J_room[9];
             double *const J_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const J = krhpr_poses_out(J_room, J_at, row, here);
+            krhpr_lanes_at *const J_lanes = krhpr_poses_out(J_room, J_at, row, here);
             krhpr_lanes K_room[18];
             double *const K_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const K = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_planar_fivebar_coupler_c_jacobians_lanes(g, p, phi, s, theta, J, K, &answer);
+            krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
+            krhpr_planar_fivebar_coupler_c_jacobians_lanes(
+                g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 9, here);
             krhpr_poses_done(K_room, K_at, row, 18, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
@@ -903,19 +912,20 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_jacobian_blocks_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 6, here);
-        krhpr_lanes theta[6];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 6, here);
-        krhpr_lanes J[9];
-        krhpr_lanes K[6];
-        krhpr_planar_fivebar_coupler_c_jacobian_blocks_lanes(g, p, phi, s, theta, J, K, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J, 9, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K, 6, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_lanes theta_lanes[6];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        krhpr_lanes J_lanes[9];
+        krhpr_lanes K_lanes[6];
+        krhpr_planar_fivebar_coupler_c_jacobian_blocks_lanes(
+            g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -947,20 +957,21 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_jacobian_blocks_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
             krhpr_lanes theta_room[6];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
             krhpr_lanes J_room[9];
             double *const J_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const J = krhpr_poses_out(J_room, J_at, row, here);
+            krhpr_lanes_at *const J_lanes = krhpr_poses_out(J_room, J_at, row, here);
             krhpr_lanes K_room[6];
             double *const K_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const K = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_planar_fivebar_coupler_c_jacobian_blocks_lanes(g, p, phi, s, theta, J, K, &answer);
+            krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
+            krhpr_planar_fivebar_coupler_c_jacobian_blocks_lanes(
+                g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 9, here);
             krhpr_poses_done(K_room, K_at, row, 6, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
@@ -1030,17 +1041,18 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_inverse_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes redundant[3];
-        krhpr_poses_load(redundant, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes mode[6];
-        krhpr_poses_load(mode, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 6, here);
-        krhpr_lanes theta[6];
-        krhpr_planar_fivebar_coupler_c_inverse_lanes(g, p, phi, redundant, mode, theta, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta, 6, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes redundant_lanes[3];
+        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_lanes mode_lanes[6];
+        krhpr_poses_load(mode_lanes, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 6, here);
+        krhpr_lanes theta_lanes[6];
+        krhpr_planar_fivebar_coupler_c_inverse_lanes(
+            g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, theta_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -1072,22 +1084,23 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_inverse_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes redundant_room[3];
-            const krhpr_lanes_at *const redundant = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
+            const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
             krhpr_lanes mode_room[6];
-            const krhpr_lanes_at *mode = mode_room;
+            const krhpr_lanes_at *mode_lanes = mode_room;
             if (in[3] != NULL) {
-                mode = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 6, here);
+                mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 6, here);
             } else {
                 krhpr_poses_load(mode_room, mode_default, 0, 6, here);
             }
             krhpr_lanes theta_room[6];
             double *const theta_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const theta = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_planar_fivebar_coupler_c_inverse_lanes(g, p, phi, redundant, mode, theta, &answer);
+            krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
+            krhpr_planar_fivebar_coupler_c_inverse_lanes(
+                g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 6, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -1160,15 +1173,16 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_inverse_all_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes redundant[3];
-        krhpr_poses_load(redundant, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes theta[24];
-        krhpr_planar_fivebar_coupler_c_inverse_all_lanes(g, p, phi, redundant, theta, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta, 24, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes redundant_lanes[3];
+        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_lanes theta_lanes[24];
+        krhpr_planar_fivebar_coupler_c_inverse_all_lanes(
+            g, p_lanes, phi_lanes, redundant_lanes, theta_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 24, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -1200,15 +1214,16 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_inverse_all_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes redundant_room[3];
-            const krhpr_lanes_at *const redundant = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
+            const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
             krhpr_lanes theta_room[24];
             double *const theta_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const theta = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_planar_fivebar_coupler_c_inverse_all_lanes(g, p, phi, redundant, theta, &answer);
+            krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
+            krhpr_planar_fivebar_coupler_c_inverse_all_lanes(
+                g, p_lanes, phi_lanes, redundant_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 24, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -1249,17 +1264,18 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_inverse_near_soa(
         int *const answers = status == NULL ? NULL : status + b * row;
 
         for (ptrdiff_t k = 0; k < size; ++k) {
-            double p[2];
-            double phi[1];
-            double redundant[3];
-            double theta_near[6];
-            double theta[6];
-            krhpr_pose_load(p, in[0] + b * in_step[0] + k, row, 2);
-            krhpr_pose_load(phi, in[1] + b * in_step[1] + k, row, 1);
-            krhpr_pose_load(redundant, in[2] + b * in_step[2] + k, row, 3);
-            krhpr_pose_load(theta_near, in[3] + b * in_step[3] + k, row, 6);
-            const int here = krhpr_planar_fivebar_coupler_c_inverse_near(g, p, phi[0], redundant, theta_near, theta);
-            krhpr_pose_store(out[0] + b * out_step[0] + k, row, theta, 6);
+            double p_pose[2];
+            double phi_pose[1];
+            double redundant_pose[3];
+            double theta_near_pose[6];
+            double theta_pose[6];
+            krhpr_pose_load(p_pose, in[0] + b * in_step[0] + k, row, 2);
+            krhpr_pose_load(phi_pose, in[1] + b * in_step[1] + k, row, 1);
+            krhpr_pose_load(redundant_pose, in[2] + b * in_step[2] + k, row, 3);
+            krhpr_pose_load(theta_near_pose, in[3] + b * in_step[3] + k, row, 6);
+            const int here = krhpr_planar_fivebar_coupler_c_inverse_near(
+                g, p_pose, phi_pose[0], redundant_pose, theta_near_pose, theta_pose);
+            krhpr_pose_store(out[0] + b * out_step[0] + k, row, theta_pose, 6);
             first = first == KRHPR_OK ? here : first;
             if (answers != NULL) {
                 answers[k] = here;
@@ -1319,17 +1335,18 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_inverse_status_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes redundant[3];
-        krhpr_poses_load(redundant, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes mode[6];
-        krhpr_poses_load(mode, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 6, here);
-        krhpr_lanes excess[3];
-        krhpr_planar_fivebar_coupler_c_inverse_status_lanes(g, p, phi, redundant, mode, excess, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess, 3, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes redundant_lanes[3];
+        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_lanes mode_lanes[6];
+        krhpr_poses_load(mode_lanes, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 6, here);
+        krhpr_lanes excess_lanes[3];
+        krhpr_planar_fivebar_coupler_c_inverse_status_lanes(
+            g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, excess_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -1361,22 +1378,23 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_inverse_status_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes redundant_room[3];
-            const krhpr_lanes_at *const redundant = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
+            const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
             krhpr_lanes mode_room[6];
-            const krhpr_lanes_at *mode = mode_room;
+            const krhpr_lanes_at *mode_lanes = mode_room;
             if (in[3] != NULL) {
-                mode = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 6, here);
+                mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 6, here);
             } else {
                 krhpr_poses_load(mode_room, mode_default, 0, 6, here);
             }
             krhpr_lanes excess_room[3];
             double *const excess_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const excess = krhpr_poses_out(excess_room, excess_at, row, here);
-            krhpr_planar_fivebar_coupler_c_inverse_status_lanes(g, p, phi, redundant, mode, excess, &answer);
+            krhpr_lanes_at *const excess_lanes = krhpr_poses_out(excess_room, excess_at, row, here);
+            krhpr_planar_fivebar_coupler_c_inverse_status_lanes(
+                g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, excess_lanes, &answer);
             krhpr_poses_done(excess_room, excess_at, row, 3, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -1457,19 +1475,20 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_twist_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 6, here);
-        krhpr_lanes theta[6];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 6, here);
-        krhpr_lanes theta_dot[6];
-        krhpr_poses_load(theta_dot, in[4] + k * in_step[4], in_step[4], 6, here);
-        krhpr_lanes twist[3];
-        krhpr_planar_fivebar_coupler_c_twist_lanes(g, p, phi, s, theta, theta_dot, twist, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist, 3, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_lanes theta_lanes[6];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        krhpr_lanes theta_dot_lanes[6];
+        krhpr_poses_load(theta_dot_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
+        krhpr_lanes twist_lanes[3];
+        krhpr_planar_fivebar_coupler_c_twist_lanes(
+            g, p_lanes, phi_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_lanes, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -1501,19 +1520,20 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_twist_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
             krhpr_lanes theta_room[6];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
             krhpr_lanes theta_dot_room[6];
-            const krhpr_lanes_at *const theta_dot = krhpr_poses_in(theta_dot_room, in[4] + b * in_step[4] + k, row, 6, here);
+            const krhpr_lanes_at *const theta_dot_lanes = krhpr_poses_in(theta_dot_room, in[4] + b * in_step[4] + k, row, 6, here);
             krhpr_lanes twist_room[3];
             double *const twist_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const twist = krhpr_poses_out(twist_room, twist_at, row, here);
-            krhpr_planar_fivebar_coupler_c_twist_lanes(g, p, phi, s, theta, theta_dot, twist, &answer);
+            krhpr_lanes_at *const twist_lanes = krhpr_poses_out(twist_room, twist_at, row, here);
+            krhpr_planar_fivebar_coupler_c_twist_lanes(
+                g, p_lanes, phi_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
             krhpr_poses_done(twist_room, twist_at, row, 3, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -1583,22 +1603,23 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_joint_rates_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 6, here);
-        krhpr_lanes theta[6];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 6, here);
-        krhpr_lanes twist[3];
-        krhpr_poses_load(twist, in[4] + k * in_step[4], in_step[4], 3, here);
-        krhpr_lanes redundant_rates[3];
-        krhpr_poses_load(redundant_rates, in[5] + k * in_step[5], in_step[5], 3, here);
-        krhpr_lanes theta_dot[6];
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_lanes theta_lanes[6];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        krhpr_lanes twist_lanes[3];
+        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 3, here);
+        krhpr_lanes redundant_rates_lanes[3];
+        krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
+        krhpr_lanes theta_dot_lanes[6];
         krhpr_planar_fivebar_coupler_c_joint_rates_lanes(
-            g, p, phi, s, theta, twist, redundant_rates, theta_dot, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot, 6, here);
+            g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
+            theta_dot_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -1630,22 +1651,23 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_joint_rates_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
             krhpr_lanes theta_room[6];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
             krhpr_lanes twist_room[3];
-            const krhpr_lanes_at *const twist = krhpr_poses_in(twist_room, in[4] + b * in_step[4] + k, row, 3, here);
+            const krhpr_lanes_at *const twist_lanes = krhpr_poses_in(twist_room, in[4] + b * in_step[4] + k, row, 3, here);
             krhpr_lanes redundant_rates_room[3];
-            const krhpr_lanes_at *const redundant_rates = krhpr_poses_in(redundant_rates_room, in[5] + b * in_step[5] + k, row, 3, here);
+            const krhpr_lanes_at *const redundant_rates_lanes = krhpr_poses_in(redundant_rates_room, in[5] + b * in_step[5] + k, row, 3, here);
             krhpr_lanes theta_dot_room[6];
             double *const theta_dot_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const theta_dot = krhpr_poses_out(theta_dot_room, theta_dot_at, row, here);
+            krhpr_lanes_at *const theta_dot_lanes = krhpr_poses_out(theta_dot_room, theta_dot_at, row, here);
             krhpr_planar_fivebar_coupler_c_joint_rates_lanes(
-                g, p, phi, s, theta, twist, redundant_rates, theta_dot, &answer);
+                g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
+                theta_dot_lanes, &answer);
             krhpr_poses_done(theta_dot_room, theta_dot_at, row, 6, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -1737,24 +1759,25 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_platform_acceleration_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 6, here);
-        krhpr_lanes theta[6];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 6, here);
-        krhpr_lanes twist[3];
-        krhpr_poses_load(twist, in[4] + k * in_step[4], in_step[4], 3, here);
-        krhpr_lanes theta_dot[6];
-        krhpr_poses_load(theta_dot, in[5] + k * in_step[5], in_step[5], 6, here);
-        krhpr_lanes theta_ddot[6];
-        krhpr_poses_load(theta_ddot, in[6] + k * in_step[6], in_step[6], 6, here);
-        krhpr_lanes twist_rate[3];
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_lanes theta_lanes[6];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        krhpr_lanes twist_lanes[3];
+        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 3, here);
+        krhpr_lanes theta_dot_lanes[6];
+        krhpr_poses_load(theta_dot_lanes, in[5] + k * in_step[5], in_step[5], 6, here);
+        krhpr_lanes theta_ddot_lanes[6];
+        krhpr_poses_load(theta_ddot_lanes, in[6] + k * in_step[6], in_step[6], 6, here);
+        krhpr_lanes twist_rate_lanes[3];
         krhpr_planar_fivebar_coupler_c_platform_acceleration_lanes(
-            g, p, phi, s, theta, twist, theta_dot, theta_ddot, twist_rate, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_rate, 3, here);
+            g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
+            twist_rate_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -1787,24 +1810,25 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_platform_acceleration_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
             krhpr_lanes theta_room[6];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
             krhpr_lanes twist_room[3];
-            const krhpr_lanes_at *const twist = krhpr_poses_in(twist_room, in[4] + b * in_step[4] + k, row, 3, here);
+            const krhpr_lanes_at *const twist_lanes = krhpr_poses_in(twist_room, in[4] + b * in_step[4] + k, row, 3, here);
             krhpr_lanes theta_dot_room[6];
-            const krhpr_lanes_at *const theta_dot = krhpr_poses_in(theta_dot_room, in[5] + b * in_step[5] + k, row, 6, here);
+            const krhpr_lanes_at *const theta_dot_lanes = krhpr_poses_in(theta_dot_room, in[5] + b * in_step[5] + k, row, 6, here);
             krhpr_lanes theta_ddot_room[6];
-            const krhpr_lanes_at *const theta_ddot = krhpr_poses_in(theta_ddot_room, in[6] + b * in_step[6] + k, row, 6, here);
+            const krhpr_lanes_at *const theta_ddot_lanes = krhpr_poses_in(theta_ddot_room, in[6] + b * in_step[6] + k, row, 6, here);
             krhpr_lanes twist_rate_room[3];
             double *const twist_rate_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const twist_rate = krhpr_poses_out(twist_rate_room, twist_rate_at, row, here);
+            krhpr_lanes_at *const twist_rate_lanes = krhpr_poses_out(twist_rate_room, twist_rate_at, row, here);
             krhpr_planar_fivebar_coupler_c_platform_acceleration_lanes(
-                g, p, phi, s, theta, twist, theta_dot, theta_ddot, twist_rate, &answer);
+                g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
+                twist_rate_lanes, &answer);
             krhpr_poses_done(twist_rate_room, twist_rate_at, row, 3, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -1891,29 +1915,29 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_joint_accelerations_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 6, here);
-        krhpr_lanes theta[6];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 6, here);
-        krhpr_lanes twist[3];
-        krhpr_poses_load(twist, in[4] + k * in_step[4], in_step[4], 3, here);
-        krhpr_lanes redundant_rates[3];
-        krhpr_poses_load(redundant_rates, in[5] + k * in_step[5], in_step[5], 3, here);
-        krhpr_lanes theta_dot[6];
-        krhpr_poses_load(theta_dot, in[6] + k * in_step[6], in_step[6], 6, here);
-        krhpr_lanes twist_rate[3];
-        krhpr_poses_load(twist_rate, in[7] + k * in_step[7], in_step[7], 3, here);
-        krhpr_lanes redundant_accelerations[3];
-        krhpr_poses_load(redundant_accelerations, in[8] + k * in_step[8], in_step[8], 3, here);
-        krhpr_lanes theta_ddot[6];
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_lanes theta_lanes[6];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        krhpr_lanes twist_lanes[3];
+        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 3, here);
+        krhpr_lanes redundant_rates_lanes[3];
+        krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
+        krhpr_lanes theta_dot_lanes[6];
+        krhpr_poses_load(theta_dot_lanes, in[6] + k * in_step[6], in_step[6], 6, here);
+        krhpr_lanes twist_rate_lanes[3];
+        krhpr_poses_load(twist_rate_lanes, in[7] + k * in_step[7], in_step[7], 3, here);
+        krhpr_lanes redundant_accelerations_lanes[3];
+        krhpr_poses_load(redundant_accelerations_lanes, in[8] + k * in_step[8], in_step[8], 3, here);
+        krhpr_lanes theta_ddot_lanes[6];
         krhpr_planar_fivebar_coupler_c_joint_accelerations_lanes(
-            g, p, phi, s, theta, twist, redundant_rates, theta_dot, twist_rate, redundant_accelerations,
-            theta_ddot, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_ddot, 6, here);
+            g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
+            theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -1946,29 +1970,29 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_joint_accelerations_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
             krhpr_lanes theta_room[6];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
             krhpr_lanes twist_room[3];
-            const krhpr_lanes_at *const twist = krhpr_poses_in(twist_room, in[4] + b * in_step[4] + k, row, 3, here);
+            const krhpr_lanes_at *const twist_lanes = krhpr_poses_in(twist_room, in[4] + b * in_step[4] + k, row, 3, here);
             krhpr_lanes redundant_rates_room[3];
-            const krhpr_lanes_at *const redundant_rates = krhpr_poses_in(redundant_rates_room, in[5] + b * in_step[5] + k, row, 3, here);
+            const krhpr_lanes_at *const redundant_rates_lanes = krhpr_poses_in(redundant_rates_room, in[5] + b * in_step[5] + k, row, 3, here);
             krhpr_lanes theta_dot_room[6];
-            const krhpr_lanes_at *const theta_dot = krhpr_poses_in(theta_dot_room, in[6] + b * in_step[6] + k, row, 6, here);
+            const krhpr_lanes_at *const theta_dot_lanes = krhpr_poses_in(theta_dot_room, in[6] + b * in_step[6] + k, row, 6, here);
             krhpr_lanes twist_rate_room[3];
-            const krhpr_lanes_at *const twist_rate = krhpr_poses_in(twist_rate_room, in[7] + b * in_step[7] + k, row, 3, here);
+            const krhpr_lanes_at *const twist_rate_lanes = krhpr_poses_in(twist_rate_room, in[7] + b * in_step[7] + k, row, 3, here);
             krhpr_lanes redundant_accelerations_room[3];
-            const krhpr_lanes_at *const redundant_accelerations = krhpr_poses_in(redundant_accelerations_room, in[8] + b * in_step[8] + k, row, 3, here);
+            const krhpr_lanes_at *const redundant_accelerations_lanes = krhpr_poses_in(redundant_accelerations_room, in[8] + b * in_step[8] + k, row, 3, here);
             krhpr_lanes theta_ddot_room[6];
             double *const theta_ddot_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const theta_ddot = krhpr_poses_out(theta_ddot_room, theta_ddot_at, row, here);
+            krhpr_lanes_at *const theta_ddot_lanes = krhpr_poses_out(theta_ddot_room, theta_ddot_at, row, here);
             krhpr_planar_fivebar_coupler_c_joint_accelerations_lanes(
-                g, p, phi, s, theta, twist, redundant_rates, theta_dot, twist_rate, redundant_accelerations,
-                theta_ddot, &answer);
+                g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
+                theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
             krhpr_poses_done(theta_ddot_room, theta_ddot_at, row, 6, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -2043,22 +2067,23 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_passive_joints_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 6, here);
-        krhpr_lanes theta[6];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 6, here);
-        krhpr_lanes passive[9];
-        krhpr_lanes wrist[3];
-        krhpr_lanes platform_joint[3];
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_lanes theta_lanes[6];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        krhpr_lanes passive_lanes[9];
+        krhpr_lanes wrist_lanes[3];
+        krhpr_lanes platform_joint_lanes[3];
         krhpr_planar_fivebar_coupler_c_passive_joints_lanes(
-            g, p, phi, s, theta, passive, wrist, platform_joint, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], passive, 9, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], wrist, 3, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], platform_joint, 3, here);
+            g, p_lanes, phi_lanes, s_lanes, theta_lanes, passive_lanes, wrist_lanes, platform_joint_lanes,
+            &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], passive_lanes, 9, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], wrist_lanes, 3, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], platform_joint_lanes, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -2091,24 +2116,25 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_passive_joints_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
             krhpr_lanes theta_room[6];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
             krhpr_lanes passive_room[9];
             double *const passive_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const passive = krhpr_poses_out(passive_room, passive_at, row, here);
+            krhpr_lanes_at *const passive_lanes = krhpr_poses_out(passive_room, passive_at, row, here);
             krhpr_lanes wrist_room[3];
             double *const wrist_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const wrist = krhpr_poses_out(wrist_room, wrist_at, row, here);
+            krhpr_lanes_at *const wrist_lanes = krhpr_poses_out(wrist_room, wrist_at, row, here);
             krhpr_lanes platform_joint_room[3];
             double *const platform_joint_at = out[2] + b * out_step[2] + k;
-            krhpr_lanes_at *const platform_joint = krhpr_poses_out(platform_joint_room, platform_joint_at, row, here);
+            krhpr_lanes_at *const platform_joint_lanes = krhpr_poses_out(platform_joint_room, platform_joint_at, row, here);
             krhpr_planar_fivebar_coupler_c_passive_joints_lanes(
-                g, p, phi, s, theta, passive, wrist, platform_joint, &answer);
+                g, p_lanes, phi_lanes, s_lanes, theta_lanes, passive_lanes, wrist_lanes,
+                platform_joint_lanes, &answer);
             krhpr_poses_done(passive_room, passive_at, row, 9, here);
             krhpr_poses_done(wrist_room, wrist_at, row, 3, here);
             krhpr_poses_done(platform_joint_room, platform_joint_at, row, 3, here);
@@ -2170,19 +2196,20 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_link_points_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 6, here);
-        krhpr_lanes theta[6];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 6, here);
-        krhpr_lanes points[36];
-        krhpr_lanes attachment[6];
-        krhpr_planar_fivebar_coupler_c_link_points_lanes(g, p, phi, s, theta, points, attachment, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], points, 36, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], attachment, 6, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_lanes theta_lanes[6];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        krhpr_lanes points_lanes[36];
+        krhpr_lanes attachment_lanes[6];
+        krhpr_planar_fivebar_coupler_c_link_points_lanes(
+            g, p_lanes, phi_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], points_lanes, 36, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], attachment_lanes, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -2214,21 +2241,21 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_link_points_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
             krhpr_lanes theta_room[6];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
             krhpr_lanes points_room[36];
             double *const points_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const points = krhpr_poses_out(points_room, points_at, row, here);
+            krhpr_lanes_at *const points_lanes = krhpr_poses_out(points_room, points_at, row, here);
             krhpr_lanes attachment_room[6];
             double *const attachment_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const attachment = krhpr_poses_out(attachment_room, attachment_at, row, here);
+            krhpr_lanes_at *const attachment_lanes = krhpr_poses_out(attachment_room, attachment_at, row, here);
             krhpr_planar_fivebar_coupler_c_link_points_lanes(
-                g, p, phi, s, theta, points, attachment, &answer);
+                g, p_lanes, phi_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
             krhpr_poses_done(points_room, points_at, row, 36, here);
             krhpr_poses_done(attachment_room, attachment_at, row, 6, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
@@ -2298,24 +2325,25 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_singularity_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 6, here);
-        krhpr_lanes theta[6];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 6, here);
-        krhpr_lanes type_1[3];
-        krhpr_lanes factors[9];
-        krhpr_lanes type_2[1];
-        krhpr_lanes margins[1];
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_lanes theta_lanes[6];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        krhpr_lanes type_1_lanes[3];
+        krhpr_lanes factors_lanes[9];
+        krhpr_lanes type_2_lanes[1];
+        krhpr_lanes margins_lanes[1];
         krhpr_planar_fivebar_coupler_c_singularity_lanes(
-            g, p, phi, s, theta, type_1, factors, type_2, margins, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_1, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], factors, 9, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], type_2, 1, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], margins, 1, here);
+            g, p_lanes, phi_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
+            margins_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_1_lanes, 3, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], factors_lanes, 9, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], type_2_lanes, 1, here);
+        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], margins_lanes, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -2348,27 +2376,28 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_singularity_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
             krhpr_lanes theta_room[6];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 6, here);
             krhpr_lanes type_1_room[3];
             double *const type_1_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const type_1 = krhpr_poses_out(type_1_room, type_1_at, row, here);
+            krhpr_lanes_at *const type_1_lanes = krhpr_poses_out(type_1_room, type_1_at, row, here);
             krhpr_lanes factors_room[9];
             double *const factors_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const factors = krhpr_poses_out(factors_room, factors_at, row, here);
+            krhpr_lanes_at *const factors_lanes = krhpr_poses_out(factors_room, factors_at, row, here);
             krhpr_lanes type_2_room[1];
             double *const type_2_at = out[2] + b * out_step[2] + k;
-            krhpr_lanes_at *const type_2 = krhpr_poses_out(type_2_room, type_2_at, row, here);
+            krhpr_lanes_at *const type_2_lanes = krhpr_poses_out(type_2_room, type_2_at, row, here);
             krhpr_lanes margins_room[1];
             double *const margins_at = out[3] + b * out_step[3] + k;
-            krhpr_lanes_at *const margins = krhpr_poses_out(margins_room, margins_at, row, here);
+            krhpr_lanes_at *const margins_lanes = krhpr_poses_out(margins_room, margins_at, row, here);
             krhpr_planar_fivebar_coupler_c_singularity_lanes(
-                g, p, phi, s, theta, type_1, factors, type_2, margins, &answer);
+                g, p_lanes, phi_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
+                margins_lanes, &answer);
             krhpr_poses_done(type_1_room, type_1_at, row, 3, here);
             krhpr_poses_done(factors_room, factors_at, row, 9, here);
             krhpr_poses_done(type_2_room, type_2_at, row, 1, here);
@@ -2417,13 +2446,14 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_type_2_of_redundant_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes redundant[3];
-        krhpr_poses_load(redundant, in[0] + k * in_step[0], in_step[0], 3, here);
-        krhpr_lanes type_2[1];
-        krhpr_lanes margins[1];
-        krhpr_planar_fivebar_coupler_c_type_2_of_redundant_lanes(g, redundant, type_2, margins, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_2, 1, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], margins, 1, here);
+        krhpr_lanes redundant_lanes[3];
+        krhpr_poses_load(redundant_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes type_2_lanes[1];
+        krhpr_lanes margins_lanes[1];
+        krhpr_planar_fivebar_coupler_c_type_2_of_redundant_lanes(
+            g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_2_lanes, 1, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], margins_lanes, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -2454,14 +2484,15 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_type_2_of_redundant_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes redundant_room[3];
-            const krhpr_lanes_at *const redundant = krhpr_poses_in(redundant_room, in[0] + b * in_step[0] + k, row, 3, here);
+            const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[0] + b * in_step[0] + k, row, 3, here);
             krhpr_lanes type_2_room[1];
             double *const type_2_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const type_2 = krhpr_poses_out(type_2_room, type_2_at, row, here);
+            krhpr_lanes_at *const type_2_lanes = krhpr_poses_out(type_2_room, type_2_at, row, here);
             krhpr_lanes margins_room[1];
             double *const margins_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const margins = krhpr_poses_out(margins_room, margins_at, row, here);
-            krhpr_planar_fivebar_coupler_c_type_2_of_redundant_lanes(g, redundant, type_2, margins, &answer);
+            krhpr_lanes_at *const margins_lanes = krhpr_poses_out(margins_room, margins_at, row, here);
+            krhpr_planar_fivebar_coupler_c_type_2_of_redundant_lanes(
+                g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
             krhpr_poses_done(type_2_room, type_2_at, row, 1, here);
             krhpr_poses_done(margins_room, margins_at, row, 1, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
@@ -2530,19 +2561,20 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_all_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[0] + k * in_step[0], in_step[0], 6, here);
-        krhpr_lanes p[4];
-        krhpr_lanes phi[2];
-        krhpr_lanes redundant[6];
-        krhpr_lanes det_J[2];
-        krhpr_lanes count[1];
-        krhpr_planar_fivebar_coupler_c_forward_all_lanes(g, s, p, phi, redundant, det_J, count, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p, 4, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi, 2, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant, 6, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], det_J, 2, here);
-        krhpr_poses_store(out[4] + k * out_step[4], out_step[4], count, 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_lanes p_lanes[4];
+        krhpr_lanes phi_lanes[2];
+        krhpr_lanes redundant_lanes[6];
+        krhpr_lanes det_J_lanes[2];
+        krhpr_lanes count_lanes[1];
+        krhpr_planar_fivebar_coupler_c_forward_all_lanes(
+            g, s_lanes, p_lanes, phi_lanes, redundant_lanes, det_J_lanes, count_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 4, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 2, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 6, here);
+        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], det_J_lanes, 2, here);
+        krhpr_poses_store(out[4] + k * out_step[4], out_step[4], count_lanes, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -2574,23 +2606,24 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_all_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
             krhpr_lanes p_room[4];
             double *const p_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes_at *const p_lanes = krhpr_poses_out(p_room, p_at, row, here);
             krhpr_lanes phi_room[2];
             double *const phi_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const phi = krhpr_poses_out(phi_room, phi_at, row, here);
+            krhpr_lanes_at *const phi_lanes = krhpr_poses_out(phi_room, phi_at, row, here);
             krhpr_lanes redundant_room[6];
             double *const redundant_at = out[2] + b * out_step[2] + k;
-            krhpr_lanes_at *const redundant = krhpr_poses_out(redundant_room, redundant_at, row, here);
+            krhpr_lanes_at *const redundant_lanes = krhpr_poses_out(redundant_room, redundant_at, row, here);
             krhpr_lanes det_J_room[2];
             double *const det_J_at = out[3] + b * out_step[3] + k;
-            krhpr_lanes_at *const det_J = krhpr_poses_out(det_J_room, det_J_at, row, here);
+            krhpr_lanes_at *const det_J_lanes = krhpr_poses_out(det_J_room, det_J_at, row, here);
             krhpr_lanes count_room[1];
             double *const count_at = out[4] + b * out_step[4] + k;
-            krhpr_lanes_at *const count = krhpr_poses_out(count_room, count_at, row, here);
-            krhpr_planar_fivebar_coupler_c_forward_all_lanes(g, s, p, phi, redundant, det_J, count, &answer);
+            krhpr_lanes_at *const count_lanes = krhpr_poses_out(count_room, count_at, row, here);
+            krhpr_planar_fivebar_coupler_c_forward_all_lanes(
+                g, s_lanes, p_lanes, phi_lanes, redundant_lanes, det_J_lanes, count_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 4, here);
             krhpr_poses_done(phi_room, phi_at, row, 2, here);
             krhpr_poses_done(redundant_room, redundant_at, row, 6, here);
@@ -2681,24 +2714,25 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes theta[6];
-        krhpr_poses_load(theta, in[0] + k * in_step[0], in_step[0], 6, here);
-        krhpr_lanes assembly[3];
-        krhpr_poses_load(assembly, in[1] ? in[1] + k * in_step[1] : assembly_default, in[1] ? in_step[1] : 0, 3, here);
-        krhpr_lanes side[1];
-        krhpr_poses_load(side, in[2] + k * in_step[2], in_step[2], 1, here);
-        krhpr_lanes p[2];
-        krhpr_lanes phi[1];
-        krhpr_lanes redundant[3];
-        krhpr_lanes count[1];
-        krhpr_lanes certified[1];
+        krhpr_lanes theta_lanes[6];
+        krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_lanes assembly_lanes[3];
+        krhpr_poses_load(assembly_lanes, in[1] ? in[1] + k * in_step[1] : assembly_default, in[1] ? in_step[1] : 0, 3, here);
+        krhpr_lanes side_lanes[1];
+        krhpr_poses_load(side_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_lanes phi_lanes[1];
+        krhpr_lanes redundant_lanes[3];
+        krhpr_lanes count_lanes[1];
+        krhpr_lanes certified_lanes[1];
         krhpr_planar_fivebar_coupler_c_forward_lanes(
-            g, theta, assembly, side, p, phi, redundant, count, certified, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant, 3, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], count, 1, here);
-        krhpr_poses_store(out[4] + k * out_step[4], out_step[4], certified, 1, here);
+            g, theta_lanes, assembly_lanes, side_lanes, p_lanes, phi_lanes, redundant_lanes, count_lanes,
+            certified_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
+        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], count_lanes, 1, here);
+        krhpr_poses_store(out[4] + k * out_step[4], out_step[4], certified_lanes, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -2731,33 +2765,34 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes theta_room[6];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 6, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 6, here);
             krhpr_lanes assembly_room[3];
-            const krhpr_lanes_at *assembly = assembly_room;
+            const krhpr_lanes_at *assembly_lanes = assembly_room;
             if (in[1] != NULL) {
-                assembly = krhpr_poses_in(assembly_room, in[1] + b * in_step[1] + k, row, 3, here);
+                assembly_lanes = krhpr_poses_in(assembly_room, in[1] + b * in_step[1] + k, row, 3, here);
             } else {
                 krhpr_poses_load(assembly_room, assembly_default, 0, 3, here);
             }
             krhpr_lanes side_room[1];
-            const krhpr_lanes_at *const side = krhpr_poses_in(side_room, in[2] + b * in_step[2] + k, row, 1, here);
+            const krhpr_lanes_at *const side_lanes = krhpr_poses_in(side_room, in[2] + b * in_step[2] + k, row, 1, here);
             krhpr_lanes p_room[2];
             double *const p_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes_at *const p_lanes = krhpr_poses_out(p_room, p_at, row, here);
             krhpr_lanes phi_room[1];
             double *const phi_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const phi = krhpr_poses_out(phi_room, phi_at, row, here);
+            krhpr_lanes_at *const phi_lanes = krhpr_poses_out(phi_room, phi_at, row, here);
             krhpr_lanes redundant_room[3];
             double *const redundant_at = out[2] + b * out_step[2] + k;
-            krhpr_lanes_at *const redundant = krhpr_poses_out(redundant_room, redundant_at, row, here);
+            krhpr_lanes_at *const redundant_lanes = krhpr_poses_out(redundant_room, redundant_at, row, here);
             krhpr_lanes count_room[1];
             double *const count_at = out[3] + b * out_step[3] + k;
-            krhpr_lanes_at *const count = krhpr_poses_out(count_room, count_at, row, here);
+            krhpr_lanes_at *const count_lanes = krhpr_poses_out(count_room, count_at, row, here);
             krhpr_lanes certified_room[1];
             double *const certified_at = out[4] + b * out_step[4] + k;
-            krhpr_lanes_at *const certified = krhpr_poses_out(certified_room, certified_at, row, here);
+            krhpr_lanes_at *const certified_lanes = krhpr_poses_out(certified_room, certified_at, row, here);
             krhpr_planar_fivebar_coupler_c_forward_lanes(
-                g, theta, assembly, side, p, phi, redundant, count, certified, &answer);
+                g, theta_lanes, assembly_lanes, side_lanes, p_lanes, phi_lanes, redundant_lanes,
+                count_lanes, certified_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
@@ -2803,29 +2838,29 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_passive_joints_of_theta_soa(
         int *const answers = status == NULL ? NULL : status + b * row;
 
         for (ptrdiff_t k = 0; k < size; ++k) {
-            double theta[6];
-            double assembly[3];
-            double side[1];
-            double passive[9];
-            double wrist[3];
-            double platform_joint[3];
-            double p[2];
-            double phi[1];
-            double redundant[3];
-            krhpr_pose_load(theta, in[0] + b * in_step[0] + k, row, 6);
+            double theta_pose[6];
+            double assembly_pose[3];
+            double side_pose[1];
+            double passive_pose[9];
+            double wrist_pose[3];
+            double platform_joint_pose[3];
+            double p_pose[2];
+            double phi_pose[1];
+            double redundant_pose[3];
+            krhpr_pose_load(theta_pose, in[0] + b * in_step[0] + k, row, 6);
             if (in[1] != NULL) {
-                krhpr_pose_load(assembly, in[1] + b * in_step[1] + k, row, 3);
+                krhpr_pose_load(assembly_pose, in[1] + b * in_step[1] + k, row, 3);
             }
-            krhpr_pose_load(side, in[2] + b * in_step[2] + k, row, 1);
+            krhpr_pose_load(side_pose, in[2] + b * in_step[2] + k, row, 1);
             const int here = krhpr_planar_fivebar_coupler_c_passive_joints_of_theta(
-                g, theta, in[1] ? assembly : NULL, side[0], passive, wrist, platform_joint, p, phi,
-                redundant);
-            krhpr_pose_store(out[0] + b * out_step[0] + k, row, passive, 9);
-            krhpr_pose_store(out[1] + b * out_step[1] + k, row, wrist, 3);
-            krhpr_pose_store(out[2] + b * out_step[2] + k, row, platform_joint, 3);
-            krhpr_pose_store(out[3] + b * out_step[3] + k, row, p, 2);
-            krhpr_pose_store(out[4] + b * out_step[4] + k, row, phi, 1);
-            krhpr_pose_store(out[5] + b * out_step[5] + k, row, redundant, 3);
+                g, theta_pose, in[1] ? assembly_pose : NULL, side_pose[0], passive_pose, wrist_pose,
+                platform_joint_pose, p_pose, phi_pose, redundant_pose);
+            krhpr_pose_store(out[0] + b * out_step[0] + k, row, passive_pose, 9);
+            krhpr_pose_store(out[1] + b * out_step[1] + k, row, wrist_pose, 3);
+            krhpr_pose_store(out[2] + b * out_step[2] + k, row, platform_joint_pose, 3);
+            krhpr_pose_store(out[3] + b * out_step[3] + k, row, p_pose, 2);
+            krhpr_pose_store(out[4] + b * out_step[4] + k, row, phi_pose, 1);
+            krhpr_pose_store(out[5] + b * out_step[5] + k, row, redundant_pose, 3);
             first = first == KRHPR_OK ? here : first;
             if (answers != NULL) {
                 answers[k] = here;
@@ -2898,22 +2933,23 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_encoders_2_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[0] + k * in_step[0], in_step[0], 6, here);
-        krhpr_lanes measured[2];
-        krhpr_poses_load(measured, in[1] + k * in_step[1], in_step[1], 2, here);
-        krhpr_lanes tolerance[1];
-        krhpr_poses_load(tolerance, in[2] + k * in_step[2], in_step[2], 1, here);
-        krhpr_lanes p[2];
-        krhpr_lanes phi[1];
-        krhpr_lanes raw[4];
-        krhpr_lanes mismatch[1];
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_lanes measured_lanes[2];
+        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_lanes tolerance_lanes[1];
+        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_lanes phi_lanes[1];
+        krhpr_lanes raw_lanes[4];
+        krhpr_lanes mismatch_lanes[1];
         krhpr_planar_fivebar_coupler_c_forward_encoders_2_lanes(
-            g, s, measured, tolerance, p, phi, raw, mismatch, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw, 4, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch, 1, here);
+            g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
+            &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
+        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -2946,25 +2982,26 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_encoders_2_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
             krhpr_lanes measured_room[2];
-            const krhpr_lanes_at *const measured = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 2, here);
+            const krhpr_lanes_at *const measured_lanes = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 2, here);
             krhpr_lanes tolerance_room[1];
-            const krhpr_lanes_at *const tolerance = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
+            const krhpr_lanes_at *const tolerance_lanes = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
             krhpr_lanes p_room[2];
             double *const p_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes_at *const p_lanes = krhpr_poses_out(p_room, p_at, row, here);
             krhpr_lanes phi_room[1];
             double *const phi_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const phi = krhpr_poses_out(phi_room, phi_at, row, here);
+            krhpr_lanes_at *const phi_lanes = krhpr_poses_out(phi_room, phi_at, row, here);
             krhpr_lanes raw_room[4];
             double *const raw_at = out[2] + b * out_step[2] + k;
-            krhpr_lanes_at *const raw = krhpr_poses_out(raw_room, raw_at, row, here);
+            krhpr_lanes_at *const raw_lanes = krhpr_poses_out(raw_room, raw_at, row, here);
             krhpr_lanes mismatch_room[1];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
-            krhpr_lanes_at *const mismatch = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
+            krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
             krhpr_planar_fivebar_coupler_c_forward_encoders_2_lanes(
-                g, s, measured, tolerance, p, phi, raw, mismatch, &answer);
+                g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
+                &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
@@ -3038,22 +3075,23 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_encoders_3_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[0] + k * in_step[0], in_step[0], 6, here);
-        krhpr_lanes measured[3];
-        krhpr_poses_load(measured, in[1] + k * in_step[1], in_step[1], 3, here);
-        krhpr_lanes tolerance[1];
-        krhpr_poses_load(tolerance, in[2] + k * in_step[2], in_step[2], 1, here);
-        krhpr_lanes p[2];
-        krhpr_lanes phi[1];
-        krhpr_lanes raw[4];
-        krhpr_lanes mismatch[3];
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_lanes measured_lanes[3];
+        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_lanes tolerance_lanes[1];
+        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_lanes phi_lanes[1];
+        krhpr_lanes raw_lanes[4];
+        krhpr_lanes mismatch_lanes[3];
         krhpr_planar_fivebar_coupler_c_forward_encoders_3_lanes(
-            g, s, measured, tolerance, p, phi, raw, mismatch, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw, 4, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch, 3, here);
+            g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
+            &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
+        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -3086,25 +3124,26 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_encoders_3_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
             krhpr_lanes measured_room[3];
-            const krhpr_lanes_at *const measured = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 3, here);
+            const krhpr_lanes_at *const measured_lanes = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 3, here);
             krhpr_lanes tolerance_room[1];
-            const krhpr_lanes_at *const tolerance = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
+            const krhpr_lanes_at *const tolerance_lanes = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
             krhpr_lanes p_room[2];
             double *const p_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes_at *const p_lanes = krhpr_poses_out(p_room, p_at, row, here);
             krhpr_lanes phi_room[1];
             double *const phi_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const phi = krhpr_poses_out(phi_room, phi_at, row, here);
+            krhpr_lanes_at *const phi_lanes = krhpr_poses_out(phi_room, phi_at, row, here);
             krhpr_lanes raw_room[4];
             double *const raw_at = out[2] + b * out_step[2] + k;
-            krhpr_lanes_at *const raw = krhpr_poses_out(raw_room, raw_at, row, here);
+            krhpr_lanes_at *const raw_lanes = krhpr_poses_out(raw_room, raw_at, row, here);
             krhpr_lanes mismatch_room[3];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
-            krhpr_lanes_at *const mismatch = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
+            krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
             krhpr_planar_fivebar_coupler_c_forward_encoders_3_lanes(
-                g, s, measured, tolerance, p, phi, raw, mismatch, &answer);
+                g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
+                &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
@@ -3203,24 +3242,25 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_gauss_newton_2_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[0] + k * in_step[0], in_step[0], 6, here);
-        krhpr_lanes measured[2];
-        krhpr_poses_load(measured, in[1] + k * in_step[1], in_step[1], 2, here);
-        krhpr_lanes tolerance[1];
-        krhpr_poses_load(tolerance, in[2] + k * in_step[2], in_step[2], 1, here);
-        krhpr_lanes weights[3];
-        krhpr_poses_load(weights, in[3] + k * in_step[3], in_step[3], 3, here);
-        krhpr_lanes p[2];
-        krhpr_lanes phi[1];
-        krhpr_lanes raw[4];
-        krhpr_lanes mismatch[1];
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_lanes measured_lanes[2];
+        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_lanes tolerance_lanes[1];
+        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_lanes weights_lanes[3];
+        krhpr_poses_load(weights_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_lanes phi_lanes[1];
+        krhpr_lanes raw_lanes[4];
+        krhpr_lanes mismatch_lanes[1];
         krhpr_planar_fivebar_coupler_c_forward_gauss_newton_2_lanes(
-            g, s, measured, tolerance, weights, p, phi, raw, mismatch, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw, 4, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch, 1, here);
+            g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
+            mismatch_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
+        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -3253,27 +3293,28 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_gauss_newton_2_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
             krhpr_lanes measured_room[2];
-            const krhpr_lanes_at *const measured = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 2, here);
+            const krhpr_lanes_at *const measured_lanes = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 2, here);
             krhpr_lanes tolerance_room[1];
-            const krhpr_lanes_at *const tolerance = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
+            const krhpr_lanes_at *const tolerance_lanes = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
             krhpr_lanes weights_room[3];
-            const krhpr_lanes_at *const weights = krhpr_poses_in(weights_room, in[3] + b * in_step[3] + k, row, 3, here);
+            const krhpr_lanes_at *const weights_lanes = krhpr_poses_in(weights_room, in[3] + b * in_step[3] + k, row, 3, here);
             krhpr_lanes p_room[2];
             double *const p_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes_at *const p_lanes = krhpr_poses_out(p_room, p_at, row, here);
             krhpr_lanes phi_room[1];
             double *const phi_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const phi = krhpr_poses_out(phi_room, phi_at, row, here);
+            krhpr_lanes_at *const phi_lanes = krhpr_poses_out(phi_room, phi_at, row, here);
             krhpr_lanes raw_room[4];
             double *const raw_at = out[2] + b * out_step[2] + k;
-            krhpr_lanes_at *const raw = krhpr_poses_out(raw_room, raw_at, row, here);
+            krhpr_lanes_at *const raw_lanes = krhpr_poses_out(raw_room, raw_at, row, here);
             krhpr_lanes mismatch_room[1];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
-            krhpr_lanes_at *const mismatch = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
+            krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
             krhpr_planar_fivebar_coupler_c_forward_gauss_newton_2_lanes(
-                g, s, measured, tolerance, weights, p, phi, raw, mismatch, &answer);
+                g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
+                mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
@@ -3371,24 +3412,25 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_gauss_newton_3_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[0] + k * in_step[0], in_step[0], 6, here);
-        krhpr_lanes measured[3];
-        krhpr_poses_load(measured, in[1] + k * in_step[1], in_step[1], 3, here);
-        krhpr_lanes tolerance[1];
-        krhpr_poses_load(tolerance, in[2] + k * in_step[2], in_step[2], 1, here);
-        krhpr_lanes weights[3];
-        krhpr_poses_load(weights, in[3] + k * in_step[3], in_step[3], 3, here);
-        krhpr_lanes p[2];
-        krhpr_lanes phi[1];
-        krhpr_lanes raw[4];
-        krhpr_lanes mismatch[3];
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_lanes measured_lanes[3];
+        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_lanes tolerance_lanes[1];
+        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_lanes weights_lanes[3];
+        krhpr_poses_load(weights_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_lanes phi_lanes[1];
+        krhpr_lanes raw_lanes[4];
+        krhpr_lanes mismatch_lanes[3];
         krhpr_planar_fivebar_coupler_c_forward_gauss_newton_3_lanes(
-            g, s, measured, tolerance, weights, p, phi, raw, mismatch, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw, 4, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch, 3, here);
+            g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
+            mismatch_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
+        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -3421,27 +3463,28 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_gauss_newton_3_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
             krhpr_lanes measured_room[3];
-            const krhpr_lanes_at *const measured = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 3, here);
+            const krhpr_lanes_at *const measured_lanes = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 3, here);
             krhpr_lanes tolerance_room[1];
-            const krhpr_lanes_at *const tolerance = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
+            const krhpr_lanes_at *const tolerance_lanes = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
             krhpr_lanes weights_room[3];
-            const krhpr_lanes_at *const weights = krhpr_poses_in(weights_room, in[3] + b * in_step[3] + k, row, 3, here);
+            const krhpr_lanes_at *const weights_lanes = krhpr_poses_in(weights_room, in[3] + b * in_step[3] + k, row, 3, here);
             krhpr_lanes p_room[2];
             double *const p_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes_at *const p_lanes = krhpr_poses_out(p_room, p_at, row, here);
             krhpr_lanes phi_room[1];
             double *const phi_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const phi = krhpr_poses_out(phi_room, phi_at, row, here);
+            krhpr_lanes_at *const phi_lanes = krhpr_poses_out(phi_room, phi_at, row, here);
             krhpr_lanes raw_room[4];
             double *const raw_at = out[2] + b * out_step[2] + k;
-            krhpr_lanes_at *const raw = krhpr_poses_out(raw_room, raw_at, row, here);
+            krhpr_lanes_at *const raw_lanes = krhpr_poses_out(raw_room, raw_at, row, here);
             krhpr_lanes mismatch_room[3];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
-            krhpr_lanes_at *const mismatch = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
+            krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
             krhpr_planar_fivebar_coupler_c_forward_gauss_newton_3_lanes(
-                g, s, measured, tolerance, weights, p, phi, raw, mismatch, &answer);
+                g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
+                mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);

@@ -60,13 +60,6 @@ KRHPR_API size_t krhpr_planar_pr_b_geometry_size(void);
 KRHPR_API int krhpr_planar_pr_b_end_points(
     const krhpr_planar_pr_b_geometry *g, const double p[2], double phi, const double redundant[3],
     double *KRHPR_RESTRICT s);
-/* Batches: in = p (2), phi (1), redundant (3); out = s (6). */
-KRHPR_API int krhpr_planar_pr_b_end_points_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_end_points_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Redundant coordinates from the pose and the end points.  Thesis: 1.5.
  *   in     p (2, m, base frame): position of O'
@@ -77,13 +70,6 @@ KRHPR_API int krhpr_planar_pr_b_end_points_soa(
 KRHPR_API int krhpr_planar_pr_b_redundant_coordinates(
     const krhpr_planar_pr_b_geometry *g, const double p[2], double phi, const double s[6],
     double *KRHPR_RESTRICT redundant);
-/* Batches: in = p (2), phi (1), s (6); out = redundant (3). */
-KRHPR_API int krhpr_planar_pr_b_redundant_coordinates_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_redundant_coordinates_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* End points of the sub-legs from the actuated joints.  Thesis: 3.5.
  *   in     theta (3 x 2, rad or m, joint frame): actuated joints [rho, theta]
@@ -91,13 +77,6 @@ KRHPR_API int krhpr_planar_pr_b_redundant_coordinates_soa(
  */
 KRHPR_API int krhpr_planar_pr_b_subleg_forward(
     const krhpr_planar_pr_b_geometry *g, const double theta[6], double *KRHPR_RESTRICT s);
-/* Batches: in = theta (6); out = s (6). */
-KRHPR_API int krhpr_planar_pr_b_subleg_forward_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_subleg_forward_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Actuated joints of the sub-legs in every working mode, from the end points; NaN where a mode does not
  * exist.  Thesis: App. B.
@@ -106,13 +85,6 @@ KRHPR_API int krhpr_planar_pr_b_subleg_forward_soa(
  */
 KRHPR_API int krhpr_planar_pr_b_subleg_inverse(
     const krhpr_planar_pr_b_geometry *g, const double s[6], double *KRHPR_RESTRICT theta);
-/* Batches: in = s (6); out = theta (12). */
-KRHPR_API int krhpr_planar_pr_b_subleg_inverse_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_subleg_inverse_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Jacobians M_i of the sub-legs: s_dot_i = M_i theta_dot_i.  Thesis: (1.16), (2.15).
  *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
@@ -121,13 +93,6 @@ KRHPR_API int krhpr_planar_pr_b_subleg_inverse_soa(
  */
 KRHPR_API int krhpr_planar_pr_b_subleg_jacobian(
     const krhpr_planar_pr_b_geometry *g, const double s[6], const double theta[6], double *KRHPR_RESTRICT M);
-/* Batches: in = s (6), theta (6); out = M (12). */
-KRHPR_API int krhpr_planar_pr_b_subleg_jacobian_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_subleg_jacobian_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Residuals of the constraint equations; all zero where the platform closes.  Their rates are J t - N
  * s_dot.  Thesis: (2.8).
@@ -139,13 +104,6 @@ KRHPR_API int krhpr_planar_pr_b_subleg_jacobian_soa(
 KRHPR_API int krhpr_planar_pr_b_constraints(
     const krhpr_planar_pr_b_geometry *g, const double p[2], double phi, const double s[6],
     double *KRHPR_RESTRICT residual);
-/* Batches: in = p (2), phi (1), s (6); out = residual (3). */
-KRHPR_API int krhpr_planar_pr_b_constraints_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_constraints_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* J and K of J t = K theta_dot.  Thesis: (1.30) to (1.32), (2.7), (2.28), (2.29).
  *   in     p (2, m, base frame): position of O'
@@ -158,13 +116,6 @@ KRHPR_API int krhpr_planar_pr_b_constraints_soa(
 KRHPR_API int krhpr_planar_pr_b_jacobians(
     const krhpr_planar_pr_b_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K);
-/* Batches: in = p (2), phi (1), s (6), theta (6); out = J (9), K (18). */
-KRHPR_API int krhpr_planar_pr_b_jacobians_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_jacobians_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* J, and K as the legs' blocks without the zeros.  Thesis: (1.30) to (1.32), (2.7), (2.28), (2.29).
  *   in     p (2, m, base frame): position of O'
@@ -177,13 +128,6 @@ KRHPR_API int krhpr_planar_pr_b_jacobians_soa(
 KRHPR_API int krhpr_planar_pr_b_jacobian_blocks(
     const krhpr_planar_pr_b_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K);
-/* Batches: in = p (2), phi (1), s (6), theta (6); out = J (9), K (6). */
-KRHPR_API int krhpr_planar_pr_b_jacobian_blocks_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_jacobian_blocks_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Actuated joints in one working mode for each leg.  Thesis: 1.5, 2.5, App. B.
  *   in     p (2, m, base frame): position of O'
@@ -195,13 +139,6 @@ KRHPR_API int krhpr_planar_pr_b_jacobian_blocks_soa(
 KRHPR_API int krhpr_planar_pr_b_inverse(
     const krhpr_planar_pr_b_geometry *g, const double p[2], double phi, const double redundant[3],
     const double mode[3], double *KRHPR_RESTRICT theta);
-/* Batches: in = p (2), phi (1), redundant (3), mode (3); out = theta (6). */
-KRHPR_API int krhpr_planar_pr_b_inverse_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_inverse_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Actuated joints in every working mode; NaN where a mode does not exist.  Thesis: 1.5, 2.5, App. B.
  *   in     p (2, m, base frame): position of O'
@@ -212,13 +149,6 @@ KRHPR_API int krhpr_planar_pr_b_inverse_soa(
 KRHPR_API int krhpr_planar_pr_b_inverse_all(
     const krhpr_planar_pr_b_geometry *g, const double p[2], double phi, const double redundant[3],
     double *KRHPR_RESTRICT theta);
-/* Batches: in = p (2), phi (1), redundant (3); out = theta (12). */
-KRHPR_API int krhpr_planar_pr_b_inverse_all_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_inverse_all_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Actuated joints in the working mode nearest to theta_near, with angles continued beyond +-pi.  Thesis:
  * 1.8.
@@ -232,13 +162,6 @@ KRHPR_API int krhpr_planar_pr_b_inverse_all_soa(
 KRHPR_API int krhpr_planar_pr_b_inverse_near(
     const krhpr_planar_pr_b_geometry *g, const double p[2], double phi, const double redundant[3],
     const double theta_near[6], double *KRHPR_RESTRICT theta);
-/* Batches: in = p (2), phi (1), redundant (3), theta_near (6); out = theta (6). */
-KRHPR_API int krhpr_planar_pr_b_inverse_near_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_inverse_near_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Which leg cannot reach its end point, and by how much.  Thesis: 1.5.
  *   in     p (2, m, base frame): position of O'
@@ -250,13 +173,6 @@ KRHPR_API int krhpr_planar_pr_b_inverse_near_soa(
 KRHPR_API int krhpr_planar_pr_b_inverse_status(
     const krhpr_planar_pr_b_geometry *g, const double p[2], double phi, const double redundant[3],
     const double mode[3], double *KRHPR_RESTRICT excess);
-/* Batches: in = p (2), phi (1), redundant (3), mode (3); out = excess (3). */
-KRHPR_API int krhpr_planar_pr_b_inverse_status_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_inverse_status_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Twist of the platform from the rates of the actuated joints: t = J^-1 K theta_dot.  Thesis: (1.30).
  *   in     p (2, m, base frame): position of O'
@@ -269,13 +185,6 @@ KRHPR_API int krhpr_planar_pr_b_inverse_status_soa(
 KRHPR_API int krhpr_planar_pr_b_twist(
     const krhpr_planar_pr_b_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], const double theta_dot[6], double *KRHPR_RESTRICT twist);
-/* Batches: in = p (2), phi (1), s (6), theta (6), theta_dot (6); out = twist (3). */
-KRHPR_API int krhpr_planar_pr_b_twist_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_twist_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Rates of the actuated joints from the twist and the rates of the redundant coordinates.  Thesis: (1.30),
  * (1.9).
@@ -291,13 +200,6 @@ KRHPR_API int krhpr_planar_pr_b_joint_rates(
     const krhpr_planar_pr_b_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], const double twist[3], const double redundant_rates[3],
     double *KRHPR_RESTRICT theta_dot);
-/* Batches: in = p (2), phi (1), s (6), theta (6), twist (3), redundant_rates (3); out = theta_dot (6). */
-KRHPR_API int krhpr_planar_pr_b_joint_rates_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_joint_rates_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Rate of the twist from the accelerations of the actuated joints; `twist` is the one that theta_dot gives.
  * Thesis: (1.30) differentiated.
@@ -315,14 +217,6 @@ KRHPR_API int krhpr_planar_pr_b_platform_acceleration(
     const krhpr_planar_pr_b_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], const double twist[3], const double theta_dot[6], const double theta_ddot[6],
     double *KRHPR_RESTRICT twist_rate);
-/* Batches: in = p (2), phi (1), s (6), theta (6), twist (3), theta_dot (6), theta_ddot (6); out =
- * twist_rate (3). */
-KRHPR_API int krhpr_planar_pr_b_platform_acceleration_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_platform_acceleration_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Accelerations of the actuated joints; `theta_dot` are the rates that twist and redundant rates give.
  * Thesis: (1.30) differentiated.
@@ -343,14 +237,6 @@ KRHPR_API int krhpr_planar_pr_b_joint_accelerations(
     const double theta[6], const double twist[3], const double redundant_rates[3],
     const double theta_dot[6], const double twist_rate[3], const double redundant_accelerations[3],
     double *KRHPR_RESTRICT theta_ddot);
-/* Batches: in = p (2), phi (1), s (6), theta (6), twist (3), redundant_rates (3), theta_dot (6), twist_rate
- * (3), redundant_accelerations (3); out = theta_ddot (6). */
-KRHPR_API int krhpr_planar_pr_b_joint_accelerations_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_joint_accelerations_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Every passive joint, from the base to the platform.
  *   in     p (2, m, base frame): position of O'
@@ -364,13 +250,6 @@ KRHPR_API int krhpr_planar_pr_b_joint_accelerations_soa(
 KRHPR_API int krhpr_planar_pr_b_passive_joints(
     const krhpr_planar_pr_b_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT wrist, double *KRHPR_RESTRICT platform_joint);
-/* Batches: in = p (2), phi (1), s (6), theta (6); out = wrist (3), platform_joint (3). */
-KRHPR_API int krhpr_planar_pr_b_passive_joints_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_passive_joints_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Where the joints of every leg are, and where its redundant link meets the platform: the ends of all
  * straight links.
@@ -384,13 +263,6 @@ KRHPR_API int krhpr_planar_pr_b_passive_joints_soa(
 KRHPR_API int krhpr_planar_pr_b_link_points(
     const krhpr_planar_pr_b_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment);
-/* Batches: in = p (2), phi (1), s (6), theta (6); out = points (18), attachment (6). */
-KRHPR_API int krhpr_planar_pr_b_link_points_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_link_points_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Determinants of the legs and their factors; the factors of det J and margins that are positive inside the
  * working box.  Singular on one plane of the redundant coordinates: det J = sum w_i (delta_i + n_i^T E b_i)
@@ -408,13 +280,6 @@ KRHPR_API int krhpr_planar_pr_b_singularity(
     const krhpr_planar_pr_b_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors,
     double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins);
-/* Batches: in = p (2), phi (1), s (6), theta (6); out = type_1 (3), factors (3), type_2 (1), margins (1). */
-KRHPR_API int krhpr_planar_pr_b_singularity_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_singularity_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* The factors of det J and margins, as `singularity` gives them, from the redundant coordinates alone: they
  * depend neither on the pose nor on the sub-legs.  Thesis: 1.4, 2.3.2.
@@ -425,13 +290,6 @@ KRHPR_API int krhpr_planar_pr_b_singularity_soa(
 KRHPR_API int krhpr_planar_pr_b_type_2_of_redundant(
     const krhpr_planar_pr_b_geometry *g, const double redundant[3], double *KRHPR_RESTRICT type_2,
     double *KRHPR_RESTRICT margins);
-/* Batches: in = redundant (3); out = type_2 (1), margins (1). */
-KRHPR_API int krhpr_planar_pr_b_type_2_of_redundant_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_type_2_of_redundant_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Every pose of the platform that holds the end points of the sub-legs, with its redundant coordinates:
  * two, in closed form, with opposite det J, first the one whose first margin is positive.  Thesis: 3.6; 3.2
@@ -448,13 +306,6 @@ KRHPR_API int krhpr_planar_pr_b_forward_all(
     const krhpr_planar_pr_b_geometry *g, const double s[6], double *KRHPR_RESTRICT p,
     double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT det_J,
     double *KRHPR_RESTRICT count);
-/* Batches: in = s (6); out = p (4), phi (2), redundant (6), det_J (2), count (1). */
-KRHPR_API int krhpr_planar_pr_b_forward_all_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_forward_all_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* The pose of the platform and the redundant coordinates from the actuated joints alone, unique on the
  * known side of type II: no guess and no extra encoder.  Thesis: 3.6.
@@ -471,13 +322,6 @@ KRHPR_API int krhpr_planar_pr_b_forward(
     const krhpr_planar_pr_b_geometry *g, const double theta[6], double side, double *KRHPR_RESTRICT p,
     double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT count,
     double *KRHPR_RESTRICT certified);
-/* Batches: in = theta (6), side (1); out = p (2), phi (1), redundant (3), count (1), certified (1). */
-KRHPR_API int krhpr_planar_pr_b_forward_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_forward_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Every passive joint from the actuated ones alone, by `forward`; and the pose.  Thesis: 3.2, 3.6.
  *   in     theta (3 x 2, rad or m, joint frame): actuated joints [rho, theta]
@@ -493,13 +337,6 @@ KRHPR_API int krhpr_planar_pr_b_passive_joints_of_theta(
     const krhpr_planar_pr_b_geometry *g, const double theta[6], double side, double *KRHPR_RESTRICT wrist,
     double *KRHPR_RESTRICT platform_joint, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi,
     double *KRHPR_RESTRICT redundant);
-/* Batches: in = theta (6), side (1); out = wrist (3), platform_joint (3), p (2), phi (1), redundant (3). */
-KRHPR_API int krhpr_planar_pr_b_passive_joints_of_theta_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_passive_joints_of_theta_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* The pose with encoders at two redundant joints, by linear equations; the orientation as they give it, and
  * made a rotation.  Thesis: 3.2.4, 3.3.
@@ -515,13 +352,6 @@ KRHPR_API int krhpr_planar_pr_b_forward_encoders_2(
     const krhpr_planar_pr_b_geometry *g, const double s[6], const double measured[2], double tolerance,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT raw,
     double *KRHPR_RESTRICT mismatch);
-/* Batches: in = s (6), measured (2), tolerance (1); out = p (2), phi (1), raw (4), mismatch (1). */
-KRHPR_API int krhpr_planar_pr_b_forward_encoders_2_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_forward_encoders_2_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* The pose with encoders at three redundant joints, by linear equations; the orientation as they give it,
  * and made a rotation.  Thesis: 3.2.5, 3.3.
@@ -537,13 +367,6 @@ KRHPR_API int krhpr_planar_pr_b_forward_encoders_3(
     const krhpr_planar_pr_b_geometry *g, const double s[6], const double measured[3], double tolerance,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT raw,
     double *KRHPR_RESTRICT mismatch);
-/* Batches: in = s (6), measured (3), tolerance (1); out = p (2), phi (1), raw (4), mismatch (3). */
-KRHPR_API int krhpr_planar_pr_b_forward_encoders_3_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_forward_encoders_3_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* The pose with encoders at two redundant joints, by weighted least squares.  Thesis: 3.2.6, 3.3.
  *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
@@ -559,14 +382,6 @@ KRHPR_API int krhpr_planar_pr_b_forward_gauss_newton_2(
     const krhpr_planar_pr_b_geometry *g, const double s[6], const double measured[2], double tolerance,
     const double weights[3], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi,
     double *KRHPR_RESTRICT raw, double *KRHPR_RESTRICT mismatch);
-/* Batches: in = s (6), measured (2), tolerance (1), weights (3); out = p (2), phi (1), raw (4), mismatch
- * (1). */
-KRHPR_API int krhpr_planar_pr_b_forward_gauss_newton_2_batch(
-    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
-    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
-KRHPR_API int krhpr_planar_pr_b_forward_gauss_newton_2_soa(
-    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* The pose with encoders at three redundant joints, by weighted least squares.  Thesis: 3.2.6, 3.3.
  *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
@@ -582,14 +397,198 @@ KRHPR_API int krhpr_planar_pr_b_forward_gauss_newton_3(
     const krhpr_planar_pr_b_geometry *g, const double s[6], const double measured[3], double tolerance,
     const double weights[3], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT phi,
     double *KRHPR_RESTRICT raw, double *KRHPR_RESTRICT mismatch);
-/* Batches: in = s (6), measured (3), tolerance (1), weights (3); out = p (2), phi (1), raw (4), mismatch
- * (3). */
+
+#ifndef KRHPR_WITHOUT_BATCHES
+/* end_points: in = p (2), phi (1), redundant (3); out = s (6). */
+KRHPR_API int krhpr_planar_pr_b_end_points_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_end_points_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* redundant_coordinates: in = p (2), phi (1), s (6); out = redundant (3). */
+KRHPR_API int krhpr_planar_pr_b_redundant_coordinates_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_redundant_coordinates_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* subleg_forward: in = theta (6); out = s (6). */
+KRHPR_API int krhpr_planar_pr_b_subleg_forward_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_subleg_forward_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* subleg_inverse: in = s (6); out = theta (12). */
+KRHPR_API int krhpr_planar_pr_b_subleg_inverse_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_subleg_inverse_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* subleg_jacobian: in = s (6), theta (6); out = M (12). */
+KRHPR_API int krhpr_planar_pr_b_subleg_jacobian_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_subleg_jacobian_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* constraints: in = p (2), phi (1), s (6); out = residual (3). */
+KRHPR_API int krhpr_planar_pr_b_constraints_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_constraints_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* jacobians: in = p (2), phi (1), s (6), theta (6); out = J (9), K (18). */
+KRHPR_API int krhpr_planar_pr_b_jacobians_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_jacobians_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* jacobian_blocks: in = p (2), phi (1), s (6), theta (6); out = J (9), K (6). */
+KRHPR_API int krhpr_planar_pr_b_jacobian_blocks_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_jacobian_blocks_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* inverse: in = p (2), phi (1), redundant (3), mode (3); out = theta (6). */
+KRHPR_API int krhpr_planar_pr_b_inverse_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_inverse_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* inverse_all: in = p (2), phi (1), redundant (3); out = theta (12). */
+KRHPR_API int krhpr_planar_pr_b_inverse_all_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_inverse_all_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* inverse_near: in = p (2), phi (1), redundant (3), theta_near (6); out = theta (6). */
+KRHPR_API int krhpr_planar_pr_b_inverse_near_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_inverse_near_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* inverse_status: in = p (2), phi (1), redundant (3), mode (3); out = excess (3). */
+KRHPR_API int krhpr_planar_pr_b_inverse_status_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_inverse_status_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* twist: in = p (2), phi (1), s (6), theta (6), theta_dot (6); out = twist (3). */
+KRHPR_API int krhpr_planar_pr_b_twist_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_twist_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* joint_rates: in = p (2), phi (1), s (6), theta (6), twist (3), redundant_rates (3); out = theta_dot (6). */
+KRHPR_API int krhpr_planar_pr_b_joint_rates_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_joint_rates_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* platform_acceleration: in = p (2), phi (1), s (6), theta (6), twist (3), theta_dot (6), theta_ddot (6); out = twist_rate (3). */
+KRHPR_API int krhpr_planar_pr_b_platform_acceleration_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_platform_acceleration_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* joint_accelerations: in = p (2), phi (1), s (6), theta (6), twist (3), redundant_rates (3), theta_dot (6), twist_rate (3), redundant_accelerations (3); out = theta_ddot (6). */
+KRHPR_API int krhpr_planar_pr_b_joint_accelerations_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_joint_accelerations_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* passive_joints: in = p (2), phi (1), s (6), theta (6); out = wrist (3), platform_joint (3). */
+KRHPR_API int krhpr_planar_pr_b_passive_joints_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_passive_joints_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* link_points: in = p (2), phi (1), s (6), theta (6); out = points (18), attachment (6). */
+KRHPR_API int krhpr_planar_pr_b_link_points_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_link_points_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* singularity: in = p (2), phi (1), s (6), theta (6); out = type_1 (3), factors (3), type_2 (1), margins (1). */
+KRHPR_API int krhpr_planar_pr_b_singularity_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_singularity_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* type_2_of_redundant: in = redundant (3); out = type_2 (1), margins (1). */
+KRHPR_API int krhpr_planar_pr_b_type_2_of_redundant_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_type_2_of_redundant_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* forward_all: in = s (6); out = p (4), phi (2), redundant (6), det_J (2), count (1). */
+KRHPR_API int krhpr_planar_pr_b_forward_all_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_forward_all_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* forward: in = theta (6), side (1); out = p (2), phi (1), redundant (3), count (1), certified (1). */
+KRHPR_API int krhpr_planar_pr_b_forward_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_forward_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* passive_joints_of_theta: in = theta (6), side (1); out = wrist (3), platform_joint (3), p (2), phi (1), redundant (3). */
+KRHPR_API int krhpr_planar_pr_b_passive_joints_of_theta_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_passive_joints_of_theta_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* forward_encoders_2: in = s (6), measured (2), tolerance (1); out = p (2), phi (1), raw (4), mismatch (1). */
+KRHPR_API int krhpr_planar_pr_b_forward_encoders_2_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_forward_encoders_2_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* forward_encoders_3: in = s (6), measured (3), tolerance (1); out = p (2), phi (1), raw (4), mismatch (3). */
+KRHPR_API int krhpr_planar_pr_b_forward_encoders_3_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_forward_encoders_3_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* forward_gauss_newton_2: in = s (6), measured (2), tolerance (1), weights (3); out = p (2), phi (1), raw (4), mismatch (1). */
+KRHPR_API int krhpr_planar_pr_b_forward_gauss_newton_2_batch(
+    const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_b_forward_gauss_newton_2_soa(
+    const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* forward_gauss_newton_3: in = s (6), measured (3), tolerance (1), weights (3); out = p (2), phi (1), raw (4), mismatch (3). */
 KRHPR_API int krhpr_planar_pr_b_forward_gauss_newton_3_batch(
     const krhpr_planar_pr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 KRHPR_API int krhpr_planar_pr_b_forward_gauss_newton_3_soa(
     const krhpr_planar_pr_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+#endif
 
 #ifdef __cplusplus
 }

@@ -51,15 +51,15 @@ KRHPR_API int krhpr_planar_rrr_b_end_points_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes redundant[3];
-        krhpr_poses_load(redundant, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes s[6];
-        krhpr_planar_rrr_b_end_points_lanes(g, p, phi, redundant, s, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s, 6, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes redundant_lanes[3];
+        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_planar_rrr_b_end_points_lanes(g, p_lanes, phi_lanes, redundant_lanes, s_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -91,15 +91,15 @@ KRHPR_API int krhpr_planar_rrr_b_end_points_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes redundant_room[3];
-            const krhpr_lanes_at *const redundant = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
+            const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
             krhpr_lanes s_room[6];
             double *const s_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const s = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_planar_rrr_b_end_points_lanes(g, p, phi, redundant, s, &answer);
+            krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
+            krhpr_planar_rrr_b_end_points_lanes(g, p_lanes, phi_lanes, redundant_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 6, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -145,15 +145,16 @@ KRHPR_API int krhpr_planar_rrr_b_redundant_coordinates_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 6, here);
-        krhpr_lanes redundant[3];
-        krhpr_planar_rrr_b_redundant_coordinates_lanes(g, p, phi, s, redundant, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant, 3, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_lanes redundant_lanes[3];
+        krhpr_planar_rrr_b_redundant_coordinates_lanes(
+            g, p_lanes, phi_lanes, s_lanes, redundant_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -185,15 +186,16 @@ KRHPR_API int krhpr_planar_rrr_b_redundant_coordinates_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
             krhpr_lanes redundant_room[3];
             double *const redundant_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const redundant = krhpr_poses_out(redundant_room, redundant_at, row, here);
-            krhpr_planar_rrr_b_redundant_coordinates_lanes(g, p, phi, s, redundant, &answer);
+            krhpr_lanes_at *const redundant_lanes = krhpr_poses_out(redundant_room, redundant_at, row, here);
+            krhpr_planar_rrr_b_redundant_coordinates_lanes(
+                g, p_lanes, phi_lanes, s_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -239,11 +241,11 @@ KRHPR_API int krhpr_planar_rrr_b_subleg_forward_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes theta[9];
-        krhpr_poses_load(theta, in[0] + k * in_step[0], in_step[0], 9, here);
-        krhpr_lanes s[6];
-        krhpr_planar_rrr_b_subleg_forward_lanes(g, theta, s, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s, 6, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_planar_rrr_b_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -273,11 +275,11 @@ KRHPR_API int krhpr_planar_rrr_b_subleg_forward_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes theta_room[9];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 9, here);
             krhpr_lanes s_room[6];
             double *const s_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const s = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_planar_rrr_b_subleg_forward_lanes(g, theta, s, &answer);
+            krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
+            krhpr_planar_rrr_b_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 6, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -346,13 +348,13 @@ KRHPR_API int krhpr_planar_rrr_b_subleg_inverse_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[0] + k * in_step[0], in_step[0], 6, here);
-        krhpr_lanes swivel[3];
-        krhpr_poses_load(swivel, in[1] ? in[1] + k * in_step[1] : swivel_default, in[1] ? in_step[1] : 0, 3, here);
-        krhpr_lanes theta[18];
-        krhpr_planar_rrr_b_subleg_inverse_lanes(g, s, swivel, theta, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta, 18, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_lanes swivel_lanes[3];
+        krhpr_poses_load(swivel_lanes, in[1] ? in[1] + k * in_step[1] : swivel_default, in[1] ? in_step[1] : 0, 3, here);
+        krhpr_lanes theta_lanes[18];
+        krhpr_planar_rrr_b_subleg_inverse_lanes(g, s_lanes, swivel_lanes, theta_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 18, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -383,18 +385,18 @@ KRHPR_API int krhpr_planar_rrr_b_subleg_inverse_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
             krhpr_lanes swivel_room[3];
-            const krhpr_lanes_at *swivel = swivel_room;
+            const krhpr_lanes_at *swivel_lanes = swivel_room;
             if (in[1] != NULL) {
-                swivel = krhpr_poses_in(swivel_room, in[1] + b * in_step[1] + k, row, 3, here);
+                swivel_lanes = krhpr_poses_in(swivel_room, in[1] + b * in_step[1] + k, row, 3, here);
             } else {
                 krhpr_poses_load(swivel_room, swivel_default, 0, 3, here);
             }
             krhpr_lanes theta_room[18];
             double *const theta_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const theta = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_planar_rrr_b_subleg_inverse_lanes(g, s, swivel, theta, &answer);
+            krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
+            krhpr_planar_rrr_b_subleg_inverse_lanes(g, s_lanes, swivel_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 18, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -452,13 +454,13 @@ KRHPR_API int krhpr_planar_rrr_b_swivel_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[0] + k * in_step[0], in_step[0], 6, here);
-        krhpr_lanes theta[9];
-        krhpr_poses_load(theta, in[1] + k * in_step[1], in_step[1], 9, here);
-        krhpr_lanes swivel[3];
-        krhpr_planar_rrr_b_swivel_lanes(g, s, theta, swivel, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], swivel, 3, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes swivel_lanes[3];
+        krhpr_planar_rrr_b_swivel_lanes(g, s_lanes, theta_lanes, swivel_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], swivel_lanes, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -489,13 +491,13 @@ KRHPR_API int krhpr_planar_rrr_b_swivel_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
             krhpr_lanes theta_room[9];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[1] + b * in_step[1] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes swivel_room[3];
             double *const swivel_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const swivel = krhpr_poses_out(swivel_room, swivel_at, row, here);
-            krhpr_planar_rrr_b_swivel_lanes(g, s, theta, swivel, &answer);
+            krhpr_lanes_at *const swivel_lanes = krhpr_poses_out(swivel_room, swivel_at, row, here);
+            krhpr_planar_rrr_b_swivel_lanes(g, s_lanes, theta_lanes, swivel_lanes, &answer);
             krhpr_poses_done(swivel_room, swivel_at, row, 3, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -546,13 +548,13 @@ KRHPR_API int krhpr_planar_rrr_b_subleg_jacobian_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[0] + k * in_step[0], in_step[0], 6, here);
-        krhpr_lanes theta[9];
-        krhpr_poses_load(theta, in[1] + k * in_step[1], in_step[1], 9, here);
-        krhpr_lanes M[18];
-        krhpr_planar_rrr_b_subleg_jacobian_lanes(g, s, theta, M, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M, 18, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes M_lanes[18];
+        krhpr_planar_rrr_b_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M_lanes, 18, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -583,13 +585,13 @@ KRHPR_API int krhpr_planar_rrr_b_subleg_jacobian_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
             krhpr_lanes theta_room[9];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[1] + b * in_step[1] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes M_room[18];
             double *const M_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const M = krhpr_poses_out(M_room, M_at, row, here);
-            krhpr_planar_rrr_b_subleg_jacobian_lanes(g, s, theta, M, &answer);
+            krhpr_lanes_at *const M_lanes = krhpr_poses_out(M_room, M_at, row, here);
+            krhpr_planar_rrr_b_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
             krhpr_poses_done(M_room, M_at, row, 18, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -635,15 +637,15 @@ KRHPR_API int krhpr_planar_rrr_b_constraints_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 6, here);
-        krhpr_lanes residual[3];
-        krhpr_planar_rrr_b_constraints_lanes(g, p, phi, s, residual, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], residual, 3, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_lanes residual_lanes[3];
+        krhpr_planar_rrr_b_constraints_lanes(g, p_lanes, phi_lanes, s_lanes, residual_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], residual_lanes, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -675,15 +677,15 @@ KRHPR_API int krhpr_planar_rrr_b_constraints_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
             krhpr_lanes residual_room[3];
             double *const residual_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const residual = krhpr_poses_out(residual_room, residual_at, row, here);
-            krhpr_planar_rrr_b_constraints_lanes(g, p, phi, s, residual, &answer);
+            krhpr_lanes_at *const residual_lanes = krhpr_poses_out(residual_room, residual_at, row, here);
+            krhpr_planar_rrr_b_constraints_lanes(g, p_lanes, phi_lanes, s_lanes, residual_lanes, &answer);
             krhpr_poses_done(residual_room, residual_at, row, 3, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -749,19 +751,20 @@ KRHPR_API int krhpr_planar_rrr_b_jacobians_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 6, here);
-        krhpr_lanes theta[9];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 9, here);
-        krhpr_lanes J[9];
-        krhpr_lanes K[27];
-        krhpr_planar_rrr_b_jacobians_lanes(g, p, phi, s, theta, J, K, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J, 9, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K, 27, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes J_lanes[9];
+        krhpr_lanes K_lanes[27];
+        krhpr_planar_rrr_b_jacobians_lanes(
+            g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 27, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -793,20 +796,21 @@ KRHPR_API int krhpr_planar_rrr_b_jacobians_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
             krhpr_lanes theta_room[9];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
             krhpr_lanes J_room[9];
             double *const J_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const J = krhpr_poses_out(J_room, J_at, row, here);
+            krhpr_lanes_at *const J_lanes = krhpr_poses_out(J_room, J_at, row, here);
             krhpr_lanes K_room[27];
             double *const K_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const K = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_planar_rrr_b_jacobians_lanes(g, p, phi, s, theta, J, K, &answer);
+            krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
+            krhpr_planar_rrr_b_jacobians_lanes(
+                g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 9, here);
             krhpr_poses_done(K_room, K_at, row, 27, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
@@ -866,19 +870,20 @@ KRHPR_API int krhpr_planar_rrr_b_jacobian_blocks_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 6, here);
-        krhpr_lanes theta[9];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 9, here);
-        krhpr_lanes J[9];
-        krhpr_lanes K[9];
-        krhpr_planar_rrr_b_jacobian_blocks_lanes(g, p, phi, s, theta, J, K, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J, 9, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K, 9, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes J_lanes[9];
+        krhpr_lanes K_lanes[9];
+        krhpr_planar_rrr_b_jacobian_blocks_lanes(
+            g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 9, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -910,20 +915,21 @@ KRHPR_API int krhpr_planar_rrr_b_jacobian_blocks_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
             krhpr_lanes theta_room[9];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
             krhpr_lanes J_room[9];
             double *const J_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const J = krhpr_poses_out(J_room, J_at, row, here);
+            krhpr_lanes_at *const J_lanes = krhpr_poses_out(J_room, J_at, row, here);
             krhpr_lanes K_room[9];
             double *const K_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const K = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_planar_rrr_b_jacobian_blocks_lanes(g, p, phi, s, theta, J, K, &answer);
+            krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
+            krhpr_planar_rrr_b_jacobian_blocks_lanes(
+                g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 9, here);
             krhpr_poses_done(K_room, K_at, row, 9, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
@@ -997,19 +1003,20 @@ KRHPR_API int krhpr_planar_rrr_b_inverse_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes redundant[3];
-        krhpr_poses_load(redundant, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes mode[3];
-        krhpr_poses_load(mode, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 3, here);
-        krhpr_lanes swivel[3];
-        krhpr_poses_load(swivel, in[4] ? in[4] + k * in_step[4] : swivel_default, in[4] ? in_step[4] : 0, 3, here);
-        krhpr_lanes theta[9];
-        krhpr_planar_rrr_b_inverse_lanes(g, p, phi, redundant, mode, swivel, theta, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta, 9, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes redundant_lanes[3];
+        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_lanes mode_lanes[3];
+        krhpr_poses_load(mode_lanes, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 3, here);
+        krhpr_lanes swivel_lanes[3];
+        krhpr_poses_load(swivel_lanes, in[4] ? in[4] + k * in_step[4] : swivel_default, in[4] ? in_step[4] : 0, 3, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_planar_rrr_b_inverse_lanes(
+            g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, swivel_lanes, theta_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 9, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -1042,29 +1049,30 @@ KRHPR_API int krhpr_planar_rrr_b_inverse_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes redundant_room[3];
-            const krhpr_lanes_at *const redundant = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
+            const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
             krhpr_lanes mode_room[3];
-            const krhpr_lanes_at *mode = mode_room;
+            const krhpr_lanes_at *mode_lanes = mode_room;
             if (in[3] != NULL) {
-                mode = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 3, here);
+                mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 3, here);
             } else {
                 krhpr_poses_load(mode_room, mode_default, 0, 3, here);
             }
             krhpr_lanes swivel_room[3];
-            const krhpr_lanes_at *swivel = swivel_room;
+            const krhpr_lanes_at *swivel_lanes = swivel_room;
             if (in[4] != NULL) {
-                swivel = krhpr_poses_in(swivel_room, in[4] + b * in_step[4] + k, row, 3, here);
+                swivel_lanes = krhpr_poses_in(swivel_room, in[4] + b * in_step[4] + k, row, 3, here);
             } else {
                 krhpr_poses_load(swivel_room, swivel_default, 0, 3, here);
             }
             krhpr_lanes theta_room[9];
             double *const theta_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const theta = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_planar_rrr_b_inverse_lanes(g, p, phi, redundant, mode, swivel, theta, &answer);
+            krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
+            krhpr_planar_rrr_b_inverse_lanes(
+                g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, swivel_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 9, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -1140,17 +1148,18 @@ KRHPR_API int krhpr_planar_rrr_b_inverse_all_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes redundant[3];
-        krhpr_poses_load(redundant, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes swivel[3];
-        krhpr_poses_load(swivel, in[3] ? in[3] + k * in_step[3] : swivel_default, in[3] ? in_step[3] : 0, 3, here);
-        krhpr_lanes theta[18];
-        krhpr_planar_rrr_b_inverse_all_lanes(g, p, phi, redundant, swivel, theta, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta, 18, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes redundant_lanes[3];
+        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_lanes swivel_lanes[3];
+        krhpr_poses_load(swivel_lanes, in[3] ? in[3] + k * in_step[3] : swivel_default, in[3] ? in_step[3] : 0, 3, here);
+        krhpr_lanes theta_lanes[18];
+        krhpr_planar_rrr_b_inverse_all_lanes(
+            g, p_lanes, phi_lanes, redundant_lanes, swivel_lanes, theta_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 18, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -1182,22 +1191,23 @@ KRHPR_API int krhpr_planar_rrr_b_inverse_all_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes redundant_room[3];
-            const krhpr_lanes_at *const redundant = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
+            const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
             krhpr_lanes swivel_room[3];
-            const krhpr_lanes_at *swivel = swivel_room;
+            const krhpr_lanes_at *swivel_lanes = swivel_room;
             if (in[3] != NULL) {
-                swivel = krhpr_poses_in(swivel_room, in[3] + b * in_step[3] + k, row, 3, here);
+                swivel_lanes = krhpr_poses_in(swivel_room, in[3] + b * in_step[3] + k, row, 3, here);
             } else {
                 krhpr_poses_load(swivel_room, swivel_default, 0, 3, here);
             }
             krhpr_lanes theta_room[18];
             double *const theta_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const theta = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_planar_rrr_b_inverse_all_lanes(g, p, phi, redundant, swivel, theta, &answer);
+            krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
+            krhpr_planar_rrr_b_inverse_all_lanes(
+                g, p_lanes, phi_lanes, redundant_lanes, swivel_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 18, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -1237,22 +1247,23 @@ KRHPR_API int krhpr_planar_rrr_b_inverse_near_soa(
         int *const answers = status == NULL ? NULL : status + b * row;
 
         for (ptrdiff_t k = 0; k < size; ++k) {
-            double p[2];
-            double phi[1];
-            double redundant[3];
-            double theta_near[9];
-            double swivel[3];
-            double theta[9];
-            krhpr_pose_load(p, in[0] + b * in_step[0] + k, row, 2);
-            krhpr_pose_load(phi, in[1] + b * in_step[1] + k, row, 1);
-            krhpr_pose_load(redundant, in[2] + b * in_step[2] + k, row, 3);
-            krhpr_pose_load(theta_near, in[3] + b * in_step[3] + k, row, 9);
+            double p_pose[2];
+            double phi_pose[1];
+            double redundant_pose[3];
+            double theta_near_pose[9];
+            double swivel_pose[3];
+            double theta_pose[9];
+            krhpr_pose_load(p_pose, in[0] + b * in_step[0] + k, row, 2);
+            krhpr_pose_load(phi_pose, in[1] + b * in_step[1] + k, row, 1);
+            krhpr_pose_load(redundant_pose, in[2] + b * in_step[2] + k, row, 3);
+            krhpr_pose_load(theta_near_pose, in[3] + b * in_step[3] + k, row, 9);
             if (in[4] != NULL) {
-                krhpr_pose_load(swivel, in[4] + b * in_step[4] + k, row, 3);
+                krhpr_pose_load(swivel_pose, in[4] + b * in_step[4] + k, row, 3);
             }
             const int here = krhpr_planar_rrr_b_inverse_near(
-                g, p, phi[0], redundant, theta_near, in[4] ? swivel : NULL, theta);
-            krhpr_pose_store(out[0] + b * out_step[0] + k, row, theta, 9);
+                g, p_pose, phi_pose[0], redundant_pose, theta_near_pose, in[4] ? swivel_pose : NULL,
+                theta_pose);
+            krhpr_pose_store(out[0] + b * out_step[0] + k, row, theta_pose, 9);
             first = first == KRHPR_OK ? here : first;
             if (answers != NULL) {
                 answers[k] = here;
@@ -1315,19 +1326,20 @@ KRHPR_API int krhpr_planar_rrr_b_inverse_status_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes redundant[3];
-        krhpr_poses_load(redundant, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes mode[3];
-        krhpr_poses_load(mode, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 3, here);
-        krhpr_lanes swivel[3];
-        krhpr_poses_load(swivel, in[4] ? in[4] + k * in_step[4] : swivel_default, in[4] ? in_step[4] : 0, 3, here);
-        krhpr_lanes excess[3];
-        krhpr_planar_rrr_b_inverse_status_lanes(g, p, phi, redundant, mode, swivel, excess, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess, 3, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes redundant_lanes[3];
+        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_lanes mode_lanes[3];
+        krhpr_poses_load(mode_lanes, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 3, here);
+        krhpr_lanes swivel_lanes[3];
+        krhpr_poses_load(swivel_lanes, in[4] ? in[4] + k * in_step[4] : swivel_default, in[4] ? in_step[4] : 0, 3, here);
+        krhpr_lanes excess_lanes[3];
+        krhpr_planar_rrr_b_inverse_status_lanes(
+            g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, swivel_lanes, excess_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -1360,29 +1372,30 @@ KRHPR_API int krhpr_planar_rrr_b_inverse_status_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes redundant_room[3];
-            const krhpr_lanes_at *const redundant = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
+            const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
             krhpr_lanes mode_room[3];
-            const krhpr_lanes_at *mode = mode_room;
+            const krhpr_lanes_at *mode_lanes = mode_room;
             if (in[3] != NULL) {
-                mode = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 3, here);
+                mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 3, here);
             } else {
                 krhpr_poses_load(mode_room, mode_default, 0, 3, here);
             }
             krhpr_lanes swivel_room[3];
-            const krhpr_lanes_at *swivel = swivel_room;
+            const krhpr_lanes_at *swivel_lanes = swivel_room;
             if (in[4] != NULL) {
-                swivel = krhpr_poses_in(swivel_room, in[4] + b * in_step[4] + k, row, 3, here);
+                swivel_lanes = krhpr_poses_in(swivel_room, in[4] + b * in_step[4] + k, row, 3, here);
             } else {
                 krhpr_poses_load(swivel_room, swivel_default, 0, 3, here);
             }
             krhpr_lanes excess_room[3];
             double *const excess_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const excess = krhpr_poses_out(excess_room, excess_at, row, here);
-            krhpr_planar_rrr_b_inverse_status_lanes(g, p, phi, redundant, mode, swivel, excess, &answer);
+            krhpr_lanes_at *const excess_lanes = krhpr_poses_out(excess_room, excess_at, row, here);
+            krhpr_planar_rrr_b_inverse_status_lanes(
+                g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, swivel_lanes, excess_lanes, &answer);
             krhpr_poses_done(excess_room, excess_at, row, 3, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -1453,19 +1466,20 @@ KRHPR_API int krhpr_planar_rrr_b_twist_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 6, here);
-        krhpr_lanes theta[9];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 9, here);
-        krhpr_lanes theta_dot[9];
-        krhpr_poses_load(theta_dot, in[4] + k * in_step[4], in_step[4], 9, here);
-        krhpr_lanes twist[3];
-        krhpr_planar_rrr_b_twist_lanes(g, p, phi, s, theta, theta_dot, twist, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist, 3, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes theta_dot_lanes[9];
+        krhpr_poses_load(theta_dot_lanes, in[4] + k * in_step[4], in_step[4], 9, here);
+        krhpr_lanes twist_lanes[3];
+        krhpr_planar_rrr_b_twist_lanes(
+            g, p_lanes, phi_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_lanes, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -1497,19 +1511,20 @@ KRHPR_API int krhpr_planar_rrr_b_twist_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
             krhpr_lanes theta_room[9];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
             krhpr_lanes theta_dot_room[9];
-            const krhpr_lanes_at *const theta_dot = krhpr_poses_in(theta_dot_room, in[4] + b * in_step[4] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_dot_lanes = krhpr_poses_in(theta_dot_room, in[4] + b * in_step[4] + k, row, 9, here);
             krhpr_lanes twist_room[3];
             double *const twist_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const twist = krhpr_poses_out(twist_room, twist_at, row, here);
-            krhpr_planar_rrr_b_twist_lanes(g, p, phi, s, theta, theta_dot, twist, &answer);
+            krhpr_lanes_at *const twist_lanes = krhpr_poses_out(twist_room, twist_at, row, here);
+            krhpr_planar_rrr_b_twist_lanes(
+                g, p_lanes, phi_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
             krhpr_poses_done(twist_room, twist_at, row, 3, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -1580,24 +1595,25 @@ KRHPR_API int krhpr_planar_rrr_b_joint_rates_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 6, here);
-        krhpr_lanes theta[9];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 9, here);
-        krhpr_lanes twist[3];
-        krhpr_poses_load(twist, in[4] + k * in_step[4], in_step[4], 3, here);
-        krhpr_lanes redundant_rates[3];
-        krhpr_poses_load(redundant_rates, in[5] + k * in_step[5], in_step[5], 3, here);
-        krhpr_lanes swivel_rates[3];
-        krhpr_poses_load(swivel_rates, in[6] + k * in_step[6], in_step[6], 3, here);
-        krhpr_lanes theta_dot[9];
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes twist_lanes[3];
+        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 3, here);
+        krhpr_lanes redundant_rates_lanes[3];
+        krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
+        krhpr_lanes swivel_rates_lanes[3];
+        krhpr_poses_load(swivel_rates_lanes, in[6] + k * in_step[6], in_step[6], 3, here);
+        krhpr_lanes theta_dot_lanes[9];
         krhpr_planar_rrr_b_joint_rates_lanes(
-            g, p, phi, s, theta, twist, redundant_rates, swivel_rates, theta_dot, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot, 9, here);
+            g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
+            swivel_rates_lanes, theta_dot_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 9, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -1630,24 +1646,25 @@ KRHPR_API int krhpr_planar_rrr_b_joint_rates_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
             krhpr_lanes theta_room[9];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
             krhpr_lanes twist_room[3];
-            const krhpr_lanes_at *const twist = krhpr_poses_in(twist_room, in[4] + b * in_step[4] + k, row, 3, here);
+            const krhpr_lanes_at *const twist_lanes = krhpr_poses_in(twist_room, in[4] + b * in_step[4] + k, row, 3, here);
             krhpr_lanes redundant_rates_room[3];
-            const krhpr_lanes_at *const redundant_rates = krhpr_poses_in(redundant_rates_room, in[5] + b * in_step[5] + k, row, 3, here);
+            const krhpr_lanes_at *const redundant_rates_lanes = krhpr_poses_in(redundant_rates_room, in[5] + b * in_step[5] + k, row, 3, here);
             krhpr_lanes swivel_rates_room[3];
-            const krhpr_lanes_at *const swivel_rates = krhpr_poses_in(swivel_rates_room, in[6] + b * in_step[6] + k, row, 3, here);
+            const krhpr_lanes_at *const swivel_rates_lanes = krhpr_poses_in(swivel_rates_room, in[6] + b * in_step[6] + k, row, 3, here);
             krhpr_lanes theta_dot_room[9];
             double *const theta_dot_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const theta_dot = krhpr_poses_out(theta_dot_room, theta_dot_at, row, here);
+            krhpr_lanes_at *const theta_dot_lanes = krhpr_poses_out(theta_dot_room, theta_dot_at, row, here);
             krhpr_planar_rrr_b_joint_rates_lanes(
-                g, p, phi, s, theta, twist, redundant_rates, swivel_rates, theta_dot, &answer);
+                g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
+                swivel_rates_lanes, theta_dot_lanes, &answer);
             krhpr_poses_done(theta_dot_room, theta_dot_at, row, 9, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -1730,24 +1747,25 @@ KRHPR_API int krhpr_planar_rrr_b_platform_acceleration_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 6, here);
-        krhpr_lanes theta[9];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 9, here);
-        krhpr_lanes twist[3];
-        krhpr_poses_load(twist, in[4] + k * in_step[4], in_step[4], 3, here);
-        krhpr_lanes theta_dot[9];
-        krhpr_poses_load(theta_dot, in[5] + k * in_step[5], in_step[5], 9, here);
-        krhpr_lanes theta_ddot[9];
-        krhpr_poses_load(theta_ddot, in[6] + k * in_step[6], in_step[6], 9, here);
-        krhpr_lanes twist_rate[3];
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes twist_lanes[3];
+        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 3, here);
+        krhpr_lanes theta_dot_lanes[9];
+        krhpr_poses_load(theta_dot_lanes, in[5] + k * in_step[5], in_step[5], 9, here);
+        krhpr_lanes theta_ddot_lanes[9];
+        krhpr_poses_load(theta_ddot_lanes, in[6] + k * in_step[6], in_step[6], 9, here);
+        krhpr_lanes twist_rate_lanes[3];
         krhpr_planar_rrr_b_platform_acceleration_lanes(
-            g, p, phi, s, theta, twist, theta_dot, theta_ddot, twist_rate, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_rate, 3, here);
+            g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
+            twist_rate_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -1780,24 +1798,25 @@ KRHPR_API int krhpr_planar_rrr_b_platform_acceleration_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
             krhpr_lanes theta_room[9];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
             krhpr_lanes twist_room[3];
-            const krhpr_lanes_at *const twist = krhpr_poses_in(twist_room, in[4] + b * in_step[4] + k, row, 3, here);
+            const krhpr_lanes_at *const twist_lanes = krhpr_poses_in(twist_room, in[4] + b * in_step[4] + k, row, 3, here);
             krhpr_lanes theta_dot_room[9];
-            const krhpr_lanes_at *const theta_dot = krhpr_poses_in(theta_dot_room, in[5] + b * in_step[5] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_dot_lanes = krhpr_poses_in(theta_dot_room, in[5] + b * in_step[5] + k, row, 9, here);
             krhpr_lanes theta_ddot_room[9];
-            const krhpr_lanes_at *const theta_ddot = krhpr_poses_in(theta_ddot_room, in[6] + b * in_step[6] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_ddot_lanes = krhpr_poses_in(theta_ddot_room, in[6] + b * in_step[6] + k, row, 9, here);
             krhpr_lanes twist_rate_room[3];
             double *const twist_rate_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const twist_rate = krhpr_poses_out(twist_rate_room, twist_rate_at, row, here);
+            krhpr_lanes_at *const twist_rate_lanes = krhpr_poses_out(twist_rate_room, twist_rate_at, row, here);
             krhpr_planar_rrr_b_platform_acceleration_lanes(
-                g, p, phi, s, theta, twist, theta_dot, theta_ddot, twist_rate, &answer);
+                g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
+                twist_rate_lanes, &answer);
             krhpr_poses_done(twist_rate_room, twist_rate_at, row, 3, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -1883,31 +1902,32 @@ KRHPR_API int krhpr_planar_rrr_b_joint_accelerations_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 6, here);
-        krhpr_lanes theta[9];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 9, here);
-        krhpr_lanes twist[3];
-        krhpr_poses_load(twist, in[4] + k * in_step[4], in_step[4], 3, here);
-        krhpr_lanes redundant_rates[3];
-        krhpr_poses_load(redundant_rates, in[5] + k * in_step[5], in_step[5], 3, here);
-        krhpr_lanes theta_dot[9];
-        krhpr_poses_load(theta_dot, in[6] + k * in_step[6], in_step[6], 9, here);
-        krhpr_lanes twist_rate[3];
-        krhpr_poses_load(twist_rate, in[7] + k * in_step[7], in_step[7], 3, here);
-        krhpr_lanes redundant_accelerations[3];
-        krhpr_poses_load(redundant_accelerations, in[8] + k * in_step[8], in_step[8], 3, here);
-        krhpr_lanes swivel_accelerations[3];
-        krhpr_poses_load(swivel_accelerations, in[9] + k * in_step[9], in_step[9], 3, here);
-        krhpr_lanes theta_ddot[9];
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes twist_lanes[3];
+        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 3, here);
+        krhpr_lanes redundant_rates_lanes[3];
+        krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
+        krhpr_lanes theta_dot_lanes[9];
+        krhpr_poses_load(theta_dot_lanes, in[6] + k * in_step[6], in_step[6], 9, here);
+        krhpr_lanes twist_rate_lanes[3];
+        krhpr_poses_load(twist_rate_lanes, in[7] + k * in_step[7], in_step[7], 3, here);
+        krhpr_lanes redundant_accelerations_lanes[3];
+        krhpr_poses_load(redundant_accelerations_lanes, in[8] + k * in_step[8], in_step[8], 3, here);
+        krhpr_lanes swivel_accelerations_lanes[3];
+        krhpr_poses_load(swivel_accelerations_lanes, in[9] + k * in_step[9], in_step[9], 3, here);
+        krhpr_lanes theta_ddot_lanes[9];
         krhpr_planar_rrr_b_joint_accelerations_lanes(
-            g, p, phi, s, theta, twist, redundant_rates, theta_dot, twist_rate, redundant_accelerations,
-            swivel_accelerations, theta_ddot, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_ddot, 9, here);
+            g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
+            theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes, swivel_accelerations_lanes,
+            theta_ddot_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 9, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -1940,31 +1960,32 @@ KRHPR_API int krhpr_planar_rrr_b_joint_accelerations_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
             krhpr_lanes theta_room[9];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
             krhpr_lanes twist_room[3];
-            const krhpr_lanes_at *const twist = krhpr_poses_in(twist_room, in[4] + b * in_step[4] + k, row, 3, here);
+            const krhpr_lanes_at *const twist_lanes = krhpr_poses_in(twist_room, in[4] + b * in_step[4] + k, row, 3, here);
             krhpr_lanes redundant_rates_room[3];
-            const krhpr_lanes_at *const redundant_rates = krhpr_poses_in(redundant_rates_room, in[5] + b * in_step[5] + k, row, 3, here);
+            const krhpr_lanes_at *const redundant_rates_lanes = krhpr_poses_in(redundant_rates_room, in[5] + b * in_step[5] + k, row, 3, here);
             krhpr_lanes theta_dot_room[9];
-            const krhpr_lanes_at *const theta_dot = krhpr_poses_in(theta_dot_room, in[6] + b * in_step[6] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_dot_lanes = krhpr_poses_in(theta_dot_room, in[6] + b * in_step[6] + k, row, 9, here);
             krhpr_lanes twist_rate_room[3];
-            const krhpr_lanes_at *const twist_rate = krhpr_poses_in(twist_rate_room, in[7] + b * in_step[7] + k, row, 3, here);
+            const krhpr_lanes_at *const twist_rate_lanes = krhpr_poses_in(twist_rate_room, in[7] + b * in_step[7] + k, row, 3, here);
             krhpr_lanes redundant_accelerations_room[3];
-            const krhpr_lanes_at *const redundant_accelerations = krhpr_poses_in(redundant_accelerations_room, in[8] + b * in_step[8] + k, row, 3, here);
+            const krhpr_lanes_at *const redundant_accelerations_lanes = krhpr_poses_in(redundant_accelerations_room, in[8] + b * in_step[8] + k, row, 3, here);
             krhpr_lanes swivel_accelerations_room[3];
-            const krhpr_lanes_at *const swivel_accelerations = krhpr_poses_in(swivel_accelerations_room, in[9] + b * in_step[9] + k, row, 3, here);
+            const krhpr_lanes_at *const swivel_accelerations_lanes = krhpr_poses_in(swivel_accelerations_room, in[9] + b * in_step[9] + k, row, 3, here);
             krhpr_lanes theta_ddot_room[9];
             double *const theta_ddot_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const theta_ddot = krhpr_poses_out(theta_ddot_room, theta_ddot_at, row, here);
+            krhpr_lanes_at *const theta_ddot_lanes = krhpr_poses_out(theta_ddot_room, theta_ddot_at, row, here);
             krhpr_planar_rrr_b_joint_accelerations_lanes(
-                g, p, phi, s, theta, twist, redundant_rates, theta_dot, twist_rate, redundant_accelerations,
-                swivel_accelerations, theta_ddot, &answer);
+                g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
+                theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes,
+                swivel_accelerations_lanes, theta_ddot_lanes, &answer);
             krhpr_poses_done(theta_ddot_room, theta_ddot_at, row, 9, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -2033,19 +2054,20 @@ KRHPR_API int krhpr_planar_rrr_b_passive_joints_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 6, here);
-        krhpr_lanes theta[9];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 9, here);
-        krhpr_lanes wrist[3];
-        krhpr_lanes platform_joint[3];
-        krhpr_planar_rrr_b_passive_joints_lanes(g, p, phi, s, theta, wrist, platform_joint, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], wrist, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], platform_joint, 3, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes wrist_lanes[3];
+        krhpr_lanes platform_joint_lanes[3];
+        krhpr_planar_rrr_b_passive_joints_lanes(
+            g, p_lanes, phi_lanes, s_lanes, theta_lanes, wrist_lanes, platform_joint_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], wrist_lanes, 3, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], platform_joint_lanes, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -2077,20 +2099,21 @@ KRHPR_API int krhpr_planar_rrr_b_passive_joints_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
             krhpr_lanes theta_room[9];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
             krhpr_lanes wrist_room[3];
             double *const wrist_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const wrist = krhpr_poses_out(wrist_room, wrist_at, row, here);
+            krhpr_lanes_at *const wrist_lanes = krhpr_poses_out(wrist_room, wrist_at, row, here);
             krhpr_lanes platform_joint_room[3];
             double *const platform_joint_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const platform_joint = krhpr_poses_out(platform_joint_room, platform_joint_at, row, here);
-            krhpr_planar_rrr_b_passive_joints_lanes(g, p, phi, s, theta, wrist, platform_joint, &answer);
+            krhpr_lanes_at *const platform_joint_lanes = krhpr_poses_out(platform_joint_room, platform_joint_at, row, here);
+            krhpr_planar_rrr_b_passive_joints_lanes(
+                g, p_lanes, phi_lanes, s_lanes, theta_lanes, wrist_lanes, platform_joint_lanes, &answer);
             krhpr_poses_done(wrist_room, wrist_at, row, 3, here);
             krhpr_poses_done(platform_joint_room, platform_joint_at, row, 3, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
@@ -2149,19 +2172,20 @@ KRHPR_API int krhpr_planar_rrr_b_link_points_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 6, here);
-        krhpr_lanes theta[9];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 9, here);
-        krhpr_lanes points[24];
-        krhpr_lanes attachment[6];
-        krhpr_planar_rrr_b_link_points_lanes(g, p, phi, s, theta, points, attachment, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], points, 24, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], attachment, 6, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes points_lanes[24];
+        krhpr_lanes attachment_lanes[6];
+        krhpr_planar_rrr_b_link_points_lanes(
+            g, p_lanes, phi_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], points_lanes, 24, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], attachment_lanes, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -2193,20 +2217,21 @@ KRHPR_API int krhpr_planar_rrr_b_link_points_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
             krhpr_lanes theta_room[9];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
             krhpr_lanes points_room[24];
             double *const points_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const points = krhpr_poses_out(points_room, points_at, row, here);
+            krhpr_lanes_at *const points_lanes = krhpr_poses_out(points_room, points_at, row, here);
             krhpr_lanes attachment_room[6];
             double *const attachment_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const attachment = krhpr_poses_out(attachment_room, attachment_at, row, here);
-            krhpr_planar_rrr_b_link_points_lanes(g, p, phi, s, theta, points, attachment, &answer);
+            krhpr_lanes_at *const attachment_lanes = krhpr_poses_out(attachment_room, attachment_at, row, here);
+            krhpr_planar_rrr_b_link_points_lanes(
+                g, p_lanes, phi_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
             krhpr_poses_done(points_room, points_at, row, 24, here);
             krhpr_poses_done(attachment_room, attachment_at, row, 6, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
@@ -2274,23 +2299,25 @@ KRHPR_API int krhpr_planar_rrr_b_singularity_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[2];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 2, here);
-        krhpr_lanes phi[1];
-        krhpr_poses_load(phi, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 6, here);
-        krhpr_lanes theta[9];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 9, here);
-        krhpr_lanes type_1[3];
-        krhpr_lanes factors[3];
-        krhpr_lanes type_2[1];
-        krhpr_lanes margins[1];
-        krhpr_planar_rrr_b_singularity_lanes(g, p, phi, s, theta, type_1, factors, type_2, margins, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_1, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], factors, 3, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], type_2, 1, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], margins, 1, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes type_1_lanes[3];
+        krhpr_lanes factors_lanes[3];
+        krhpr_lanes type_2_lanes[1];
+        krhpr_lanes margins_lanes[1];
+        krhpr_planar_rrr_b_singularity_lanes(
+            g, p_lanes, phi_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
+            margins_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_1_lanes, 3, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], factors_lanes, 3, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], type_2_lanes, 1, here);
+        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], margins_lanes, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -2323,27 +2350,28 @@ KRHPR_API int krhpr_planar_rrr_b_singularity_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[2];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes phi_room[1];
-            const krhpr_lanes_at *const phi = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
             krhpr_lanes theta_room[9];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
             krhpr_lanes type_1_room[3];
             double *const type_1_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const type_1 = krhpr_poses_out(type_1_room, type_1_at, row, here);
+            krhpr_lanes_at *const type_1_lanes = krhpr_poses_out(type_1_room, type_1_at, row, here);
             krhpr_lanes factors_room[3];
             double *const factors_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const factors = krhpr_poses_out(factors_room, factors_at, row, here);
+            krhpr_lanes_at *const factors_lanes = krhpr_poses_out(factors_room, factors_at, row, here);
             krhpr_lanes type_2_room[1];
             double *const type_2_at = out[2] + b * out_step[2] + k;
-            krhpr_lanes_at *const type_2 = krhpr_poses_out(type_2_room, type_2_at, row, here);
+            krhpr_lanes_at *const type_2_lanes = krhpr_poses_out(type_2_room, type_2_at, row, here);
             krhpr_lanes margins_room[1];
             double *const margins_at = out[3] + b * out_step[3] + k;
-            krhpr_lanes_at *const margins = krhpr_poses_out(margins_room, margins_at, row, here);
+            krhpr_lanes_at *const margins_lanes = krhpr_poses_out(margins_room, margins_at, row, here);
             krhpr_planar_rrr_b_singularity_lanes(
-                g, p, phi, s, theta, type_1, factors, type_2, margins, &answer);
+                g, p_lanes, phi_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
+                margins_lanes, &answer);
             krhpr_poses_done(type_1_room, type_1_at, row, 3, here);
             krhpr_poses_done(factors_room, factors_at, row, 3, here);
             krhpr_poses_done(type_2_room, type_2_at, row, 1, here);
@@ -2391,13 +2419,14 @@ KRHPR_API int krhpr_planar_rrr_b_type_2_of_redundant_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes redundant[3];
-        krhpr_poses_load(redundant, in[0] + k * in_step[0], in_step[0], 3, here);
-        krhpr_lanes type_2[1];
-        krhpr_lanes margins[1];
-        krhpr_planar_rrr_b_type_2_of_redundant_lanes(g, redundant, type_2, margins, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_2, 1, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], margins, 1, here);
+        krhpr_lanes redundant_lanes[3];
+        krhpr_poses_load(redundant_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes type_2_lanes[1];
+        krhpr_lanes margins_lanes[1];
+        krhpr_planar_rrr_b_type_2_of_redundant_lanes(
+            g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_2_lanes, 1, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], margins_lanes, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -2428,14 +2457,15 @@ KRHPR_API int krhpr_planar_rrr_b_type_2_of_redundant_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes redundant_room[3];
-            const krhpr_lanes_at *const redundant = krhpr_poses_in(redundant_room, in[0] + b * in_step[0] + k, row, 3, here);
+            const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[0] + b * in_step[0] + k, row, 3, here);
             krhpr_lanes type_2_room[1];
             double *const type_2_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const type_2 = krhpr_poses_out(type_2_room, type_2_at, row, here);
+            krhpr_lanes_at *const type_2_lanes = krhpr_poses_out(type_2_room, type_2_at, row, here);
             krhpr_lanes margins_room[1];
             double *const margins_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const margins = krhpr_poses_out(margins_room, margins_at, row, here);
-            krhpr_planar_rrr_b_type_2_of_redundant_lanes(g, redundant, type_2, margins, &answer);
+            krhpr_lanes_at *const margins_lanes = krhpr_poses_out(margins_room, margins_at, row, here);
+            krhpr_planar_rrr_b_type_2_of_redundant_lanes(
+                g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
             krhpr_poses_done(type_2_room, type_2_at, row, 1, here);
             krhpr_poses_done(margins_room, margins_at, row, 1, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
@@ -2504,19 +2534,20 @@ KRHPR_API int krhpr_planar_rrr_b_forward_all_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[0] + k * in_step[0], in_step[0], 6, here);
-        krhpr_lanes p[4];
-        krhpr_lanes phi[2];
-        krhpr_lanes redundant[6];
-        krhpr_lanes det_J[2];
-        krhpr_lanes count[1];
-        krhpr_planar_rrr_b_forward_all_lanes(g, s, p, phi, redundant, det_J, count, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p, 4, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi, 2, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant, 6, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], det_J, 2, here);
-        krhpr_poses_store(out[4] + k * out_step[4], out_step[4], count, 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_lanes p_lanes[4];
+        krhpr_lanes phi_lanes[2];
+        krhpr_lanes redundant_lanes[6];
+        krhpr_lanes det_J_lanes[2];
+        krhpr_lanes count_lanes[1];
+        krhpr_planar_rrr_b_forward_all_lanes(
+            g, s_lanes, p_lanes, phi_lanes, redundant_lanes, det_J_lanes, count_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 4, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 2, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 6, here);
+        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], det_J_lanes, 2, here);
+        krhpr_poses_store(out[4] + k * out_step[4], out_step[4], count_lanes, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -2548,23 +2579,24 @@ KRHPR_API int krhpr_planar_rrr_b_forward_all_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
             krhpr_lanes p_room[4];
             double *const p_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes_at *const p_lanes = krhpr_poses_out(p_room, p_at, row, here);
             krhpr_lanes phi_room[2];
             double *const phi_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const phi = krhpr_poses_out(phi_room, phi_at, row, here);
+            krhpr_lanes_at *const phi_lanes = krhpr_poses_out(phi_room, phi_at, row, here);
             krhpr_lanes redundant_room[6];
             double *const redundant_at = out[2] + b * out_step[2] + k;
-            krhpr_lanes_at *const redundant = krhpr_poses_out(redundant_room, redundant_at, row, here);
+            krhpr_lanes_at *const redundant_lanes = krhpr_poses_out(redundant_room, redundant_at, row, here);
             krhpr_lanes det_J_room[2];
             double *const det_J_at = out[3] + b * out_step[3] + k;
-            krhpr_lanes_at *const det_J = krhpr_poses_out(det_J_room, det_J_at, row, here);
+            krhpr_lanes_at *const det_J_lanes = krhpr_poses_out(det_J_room, det_J_at, row, here);
             krhpr_lanes count_room[1];
             double *const count_at = out[4] + b * out_step[4] + k;
-            krhpr_lanes_at *const count = krhpr_poses_out(count_room, count_at, row, here);
-            krhpr_planar_rrr_b_forward_all_lanes(g, s, p, phi, redundant, det_J, count, &answer);
+            krhpr_lanes_at *const count_lanes = krhpr_poses_out(count_room, count_at, row, here);
+            krhpr_planar_rrr_b_forward_all_lanes(
+                g, s_lanes, p_lanes, phi_lanes, redundant_lanes, det_J_lanes, count_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 4, here);
             krhpr_poses_done(phi_room, phi_at, row, 2, here);
             krhpr_poses_done(redundant_room, redundant_at, row, 6, here);
@@ -2648,21 +2680,23 @@ KRHPR_API int krhpr_planar_rrr_b_forward_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes theta[9];
-        krhpr_poses_load(theta, in[0] + k * in_step[0], in_step[0], 9, here);
-        krhpr_lanes side[1];
-        krhpr_poses_load(side, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes p[2];
-        krhpr_lanes phi[1];
-        krhpr_lanes redundant[3];
-        krhpr_lanes count[1];
-        krhpr_lanes certified[1];
-        krhpr_planar_rrr_b_forward_lanes(g, theta, side, p, phi, redundant, count, certified, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant, 3, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], count, 1, here);
-        krhpr_poses_store(out[4] + k * out_step[4], out_step[4], certified, 1, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_lanes side_lanes[1];
+        krhpr_poses_load(side_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_lanes phi_lanes[1];
+        krhpr_lanes redundant_lanes[3];
+        krhpr_lanes count_lanes[1];
+        krhpr_lanes certified_lanes[1];
+        krhpr_planar_rrr_b_forward_lanes(
+            g, theta_lanes, side_lanes, p_lanes, phi_lanes, redundant_lanes, count_lanes, certified_lanes,
+            &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
+        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], count_lanes, 1, here);
+        krhpr_poses_store(out[4] + k * out_step[4], out_step[4], certified_lanes, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -2695,25 +2729,27 @@ KRHPR_API int krhpr_planar_rrr_b_forward_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes theta_room[9];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 9, here);
             krhpr_lanes side_room[1];
-            const krhpr_lanes_at *const side = krhpr_poses_in(side_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const side_lanes = krhpr_poses_in(side_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes p_room[2];
             double *const p_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes_at *const p_lanes = krhpr_poses_out(p_room, p_at, row, here);
             krhpr_lanes phi_room[1];
             double *const phi_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const phi = krhpr_poses_out(phi_room, phi_at, row, here);
+            krhpr_lanes_at *const phi_lanes = krhpr_poses_out(phi_room, phi_at, row, here);
             krhpr_lanes redundant_room[3];
             double *const redundant_at = out[2] + b * out_step[2] + k;
-            krhpr_lanes_at *const redundant = krhpr_poses_out(redundant_room, redundant_at, row, here);
+            krhpr_lanes_at *const redundant_lanes = krhpr_poses_out(redundant_room, redundant_at, row, here);
             krhpr_lanes count_room[1];
             double *const count_at = out[3] + b * out_step[3] + k;
-            krhpr_lanes_at *const count = krhpr_poses_out(count_room, count_at, row, here);
+            krhpr_lanes_at *const count_lanes = krhpr_poses_out(count_room, count_at, row, here);
             krhpr_lanes certified_room[1];
             double *const certified_at = out[4] + b * out_step[4] + k;
-            krhpr_lanes_at *const certified = krhpr_poses_out(certified_room, certified_at, row, here);
-            krhpr_planar_rrr_b_forward_lanes(g, theta, side, p, phi, redundant, count, certified, &answer);
+            krhpr_lanes_at *const certified_lanes = krhpr_poses_out(certified_room, certified_at, row, here);
+            krhpr_planar_rrr_b_forward_lanes(
+                g, theta_lanes, side_lanes, p_lanes, phi_lanes, redundant_lanes, count_lanes,
+                certified_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
@@ -2758,22 +2794,23 @@ KRHPR_API int krhpr_planar_rrr_b_passive_joints_of_theta_soa(
         int *const answers = status == NULL ? NULL : status + b * row;
 
         for (ptrdiff_t k = 0; k < size; ++k) {
-            double theta[9];
-            double side[1];
-            double wrist[3];
-            double platform_joint[3];
-            double p[2];
-            double phi[1];
-            double redundant[3];
-            krhpr_pose_load(theta, in[0] + b * in_step[0] + k, row, 9);
-            krhpr_pose_load(side, in[1] + b * in_step[1] + k, row, 1);
+            double theta_pose[9];
+            double side_pose[1];
+            double wrist_pose[3];
+            double platform_joint_pose[3];
+            double p_pose[2];
+            double phi_pose[1];
+            double redundant_pose[3];
+            krhpr_pose_load(theta_pose, in[0] + b * in_step[0] + k, row, 9);
+            krhpr_pose_load(side_pose, in[1] + b * in_step[1] + k, row, 1);
             const int here = krhpr_planar_rrr_b_passive_joints_of_theta(
-                g, theta, side[0], wrist, platform_joint, p, phi, redundant);
-            krhpr_pose_store(out[0] + b * out_step[0] + k, row, wrist, 3);
-            krhpr_pose_store(out[1] + b * out_step[1] + k, row, platform_joint, 3);
-            krhpr_pose_store(out[2] + b * out_step[2] + k, row, p, 2);
-            krhpr_pose_store(out[3] + b * out_step[3] + k, row, phi, 1);
-            krhpr_pose_store(out[4] + b * out_step[4] + k, row, redundant, 3);
+                g, theta_pose, side_pose[0], wrist_pose, platform_joint_pose, p_pose, phi_pose,
+                redundant_pose);
+            krhpr_pose_store(out[0] + b * out_step[0] + k, row, wrist_pose, 3);
+            krhpr_pose_store(out[1] + b * out_step[1] + k, row, platform_joint_pose, 3);
+            krhpr_pose_store(out[2] + b * out_step[2] + k, row, p_pose, 2);
+            krhpr_pose_store(out[3] + b * out_step[3] + k, row, phi_pose, 1);
+            krhpr_pose_store(out[4] + b * out_step[4] + k, row, redundant_pose, 3);
             first = first == KRHPR_OK ? here : first;
             if (answers != NULL) {
                 answers[k] = here;
@@ -2846,22 +2883,23 @@ KRHPR_API int krhpr_planar_rrr_b_forward_encoders_2_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[0] + k * in_step[0], in_step[0], 6, here);
-        krhpr_lanes measured[2];
-        krhpr_poses_load(measured, in[1] + k * in_step[1], in_step[1], 2, here);
-        krhpr_lanes tolerance[1];
-        krhpr_poses_load(tolerance, in[2] + k * in_step[2], in_step[2], 1, here);
-        krhpr_lanes p[2];
-        krhpr_lanes phi[1];
-        krhpr_lanes raw[4];
-        krhpr_lanes mismatch[1];
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_lanes measured_lanes[2];
+        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_lanes tolerance_lanes[1];
+        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_lanes phi_lanes[1];
+        krhpr_lanes raw_lanes[4];
+        krhpr_lanes mismatch_lanes[1];
         krhpr_planar_rrr_b_forward_encoders_2_lanes(
-            g, s, measured, tolerance, p, phi, raw, mismatch, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw, 4, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch, 1, here);
+            g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
+            &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
+        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -2894,25 +2932,26 @@ KRHPR_API int krhpr_planar_rrr_b_forward_encoders_2_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
             krhpr_lanes measured_room[2];
-            const krhpr_lanes_at *const measured = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 2, here);
+            const krhpr_lanes_at *const measured_lanes = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 2, here);
             krhpr_lanes tolerance_room[1];
-            const krhpr_lanes_at *const tolerance = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
+            const krhpr_lanes_at *const tolerance_lanes = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
             krhpr_lanes p_room[2];
             double *const p_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes_at *const p_lanes = krhpr_poses_out(p_room, p_at, row, here);
             krhpr_lanes phi_room[1];
             double *const phi_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const phi = krhpr_poses_out(phi_room, phi_at, row, here);
+            krhpr_lanes_at *const phi_lanes = krhpr_poses_out(phi_room, phi_at, row, here);
             krhpr_lanes raw_room[4];
             double *const raw_at = out[2] + b * out_step[2] + k;
-            krhpr_lanes_at *const raw = krhpr_poses_out(raw_room, raw_at, row, here);
+            krhpr_lanes_at *const raw_lanes = krhpr_poses_out(raw_room, raw_at, row, here);
             krhpr_lanes mismatch_room[1];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
-            krhpr_lanes_at *const mismatch = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
+            krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
             krhpr_planar_rrr_b_forward_encoders_2_lanes(
-                g, s, measured, tolerance, p, phi, raw, mismatch, &answer);
+                g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
+                &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
@@ -2986,22 +3025,23 @@ KRHPR_API int krhpr_planar_rrr_b_forward_encoders_3_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[0] + k * in_step[0], in_step[0], 6, here);
-        krhpr_lanes measured[3];
-        krhpr_poses_load(measured, in[1] + k * in_step[1], in_step[1], 3, here);
-        krhpr_lanes tolerance[1];
-        krhpr_poses_load(tolerance, in[2] + k * in_step[2], in_step[2], 1, here);
-        krhpr_lanes p[2];
-        krhpr_lanes phi[1];
-        krhpr_lanes raw[4];
-        krhpr_lanes mismatch[3];
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_lanes measured_lanes[3];
+        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_lanes tolerance_lanes[1];
+        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_lanes phi_lanes[1];
+        krhpr_lanes raw_lanes[4];
+        krhpr_lanes mismatch_lanes[3];
         krhpr_planar_rrr_b_forward_encoders_3_lanes(
-            g, s, measured, tolerance, p, phi, raw, mismatch, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw, 4, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch, 3, here);
+            g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
+            &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
+        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -3034,25 +3074,26 @@ KRHPR_API int krhpr_planar_rrr_b_forward_encoders_3_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
             krhpr_lanes measured_room[3];
-            const krhpr_lanes_at *const measured = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 3, here);
+            const krhpr_lanes_at *const measured_lanes = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 3, here);
             krhpr_lanes tolerance_room[1];
-            const krhpr_lanes_at *const tolerance = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
+            const krhpr_lanes_at *const tolerance_lanes = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
             krhpr_lanes p_room[2];
             double *const p_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes_at *const p_lanes = krhpr_poses_out(p_room, p_at, row, here);
             krhpr_lanes phi_room[1];
             double *const phi_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const phi = krhpr_poses_out(phi_room, phi_at, row, here);
+            krhpr_lanes_at *const phi_lanes = krhpr_poses_out(phi_room, phi_at, row, here);
             krhpr_lanes raw_room[4];
             double *const raw_at = out[2] + b * out_step[2] + k;
-            krhpr_lanes_at *const raw = krhpr_poses_out(raw_room, raw_at, row, here);
+            krhpr_lanes_at *const raw_lanes = krhpr_poses_out(raw_room, raw_at, row, here);
             krhpr_lanes mismatch_room[3];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
-            krhpr_lanes_at *const mismatch = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
+            krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
             krhpr_planar_rrr_b_forward_encoders_3_lanes(
-                g, s, measured, tolerance, p, phi, raw, mismatch, &answer);
+                g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
+                &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
@@ -3152,24 +3193,25 @@ KRHPR_API int krhpr_planar_rrr_b_forward_gauss_newton_2_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[0] + k * in_step[0], in_step[0], 6, here);
-        krhpr_lanes measured[2];
-        krhpr_poses_load(measured, in[1] + k * in_step[1], in_step[1], 2, here);
-        krhpr_lanes tolerance[1];
-        krhpr_poses_load(tolerance, in[2] + k * in_step[2], in_step[2], 1, here);
-        krhpr_lanes weights[3];
-        krhpr_poses_load(weights, in[3] + k * in_step[3], in_step[3], 3, here);
-        krhpr_lanes p[2];
-        krhpr_lanes phi[1];
-        krhpr_lanes raw[4];
-        krhpr_lanes mismatch[1];
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_lanes measured_lanes[2];
+        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_lanes tolerance_lanes[1];
+        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_lanes weights_lanes[3];
+        krhpr_poses_load(weights_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_lanes phi_lanes[1];
+        krhpr_lanes raw_lanes[4];
+        krhpr_lanes mismatch_lanes[1];
         krhpr_planar_rrr_b_forward_gauss_newton_2_lanes(
-            g, s, measured, tolerance, weights, p, phi, raw, mismatch, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw, 4, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch, 1, here);
+            g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
+            mismatch_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
+        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -3202,27 +3244,28 @@ KRHPR_API int krhpr_planar_rrr_b_forward_gauss_newton_2_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
             krhpr_lanes measured_room[2];
-            const krhpr_lanes_at *const measured = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 2, here);
+            const krhpr_lanes_at *const measured_lanes = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 2, here);
             krhpr_lanes tolerance_room[1];
-            const krhpr_lanes_at *const tolerance = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
+            const krhpr_lanes_at *const tolerance_lanes = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
             krhpr_lanes weights_room[3];
-            const krhpr_lanes_at *const weights = krhpr_poses_in(weights_room, in[3] + b * in_step[3] + k, row, 3, here);
+            const krhpr_lanes_at *const weights_lanes = krhpr_poses_in(weights_room, in[3] + b * in_step[3] + k, row, 3, here);
             krhpr_lanes p_room[2];
             double *const p_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes_at *const p_lanes = krhpr_poses_out(p_room, p_at, row, here);
             krhpr_lanes phi_room[1];
             double *const phi_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const phi = krhpr_poses_out(phi_room, phi_at, row, here);
+            krhpr_lanes_at *const phi_lanes = krhpr_poses_out(phi_room, phi_at, row, here);
             krhpr_lanes raw_room[4];
             double *const raw_at = out[2] + b * out_step[2] + k;
-            krhpr_lanes_at *const raw = krhpr_poses_out(raw_room, raw_at, row, here);
+            krhpr_lanes_at *const raw_lanes = krhpr_poses_out(raw_room, raw_at, row, here);
             krhpr_lanes mismatch_room[1];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
-            krhpr_lanes_at *const mismatch = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
+            krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
             krhpr_planar_rrr_b_forward_gauss_newton_2_lanes(
-                g, s, measured, tolerance, weights, p, phi, raw, mismatch, &answer);
+                g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
+                mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
@@ -3321,24 +3364,25 @@ KRHPR_API int krhpr_planar_rrr_b_forward_gauss_newton_3_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes s[6];
-        krhpr_poses_load(s, in[0] + k * in_step[0], in_step[0], 6, here);
-        krhpr_lanes measured[3];
-        krhpr_poses_load(measured, in[1] + k * in_step[1], in_step[1], 3, here);
-        krhpr_lanes tolerance[1];
-        krhpr_poses_load(tolerance, in[2] + k * in_step[2], in_step[2], 1, here);
-        krhpr_lanes weights[3];
-        krhpr_poses_load(weights, in[3] + k * in_step[3], in_step[3], 3, here);
-        krhpr_lanes p[2];
-        krhpr_lanes phi[1];
-        krhpr_lanes raw[4];
-        krhpr_lanes mismatch[3];
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
+        krhpr_lanes measured_lanes[3];
+        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_lanes tolerance_lanes[1];
+        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_lanes weights_lanes[3];
+        krhpr_poses_load(weights_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        krhpr_lanes p_lanes[2];
+        krhpr_lanes phi_lanes[1];
+        krhpr_lanes raw_lanes[4];
+        krhpr_lanes mismatch_lanes[3];
         krhpr_planar_rrr_b_forward_gauss_newton_3_lanes(
-            g, s, measured, tolerance, weights, p, phi, raw, mismatch, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw, 4, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch, 3, here);
+            g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
+            mismatch_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
+        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -3371,27 +3415,28 @@ KRHPR_API int krhpr_planar_rrr_b_forward_gauss_newton_3_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes s_room[6];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 6, here);
             krhpr_lanes measured_room[3];
-            const krhpr_lanes_at *const measured = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 3, here);
+            const krhpr_lanes_at *const measured_lanes = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 3, here);
             krhpr_lanes tolerance_room[1];
-            const krhpr_lanes_at *const tolerance = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
+            const krhpr_lanes_at *const tolerance_lanes = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
             krhpr_lanes weights_room[3];
-            const krhpr_lanes_at *const weights = krhpr_poses_in(weights_room, in[3] + b * in_step[3] + k, row, 3, here);
+            const krhpr_lanes_at *const weights_lanes = krhpr_poses_in(weights_room, in[3] + b * in_step[3] + k, row, 3, here);
             krhpr_lanes p_room[2];
             double *const p_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes_at *const p_lanes = krhpr_poses_out(p_room, p_at, row, here);
             krhpr_lanes phi_room[1];
             double *const phi_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const phi = krhpr_poses_out(phi_room, phi_at, row, here);
+            krhpr_lanes_at *const phi_lanes = krhpr_poses_out(phi_room, phi_at, row, here);
             krhpr_lanes raw_room[4];
             double *const raw_at = out[2] + b * out_step[2] + k;
-            krhpr_lanes_at *const raw = krhpr_poses_out(raw_room, raw_at, row, here);
+            krhpr_lanes_at *const raw_lanes = krhpr_poses_out(raw_room, raw_at, row, here);
             krhpr_lanes mismatch_room[3];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
-            krhpr_lanes_at *const mismatch = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
+            krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
             krhpr_planar_rrr_b_forward_gauss_newton_3_lanes(
-                g, s, measured, tolerance, weights, p, phi, raw, mismatch, &answer);
+                g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
+                mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);

@@ -23,7 +23,7 @@ typedef struct {
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (6 multiply, 1 divide, 1 sine cosine) */
-static inline void krhpr_platform_planar_a_prepare(krhpr_platform_planar_a_geometry *g, int i)
+KRHPR_STATIC void krhpr_platform_planar_a_prepare(krhpr_platform_planar_a_geometry *g, int i)
 {
     double e_r_1, e_r_0; krhpr_sincos(g->platform_azimuth[i], &e_r_1, &e_r_0);
     g->e_r[0][i] = e_r_0;
@@ -37,13 +37,13 @@ static inline void krhpr_platform_planar_a_prepare(krhpr_platform_planar_a_geome
 }
 
 /* Angles whose sines and cosines `end_point` reads.  (no operations) */
-static inline void krhpr_platform_planar_a_end_point_angles(double redundant, double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_platform_planar_a_end_point_angles(double redundant, double *KRHPR_RESTRICT angle)
 {
     angle[0] = redundant;
 }
 
 /* End point of the sub-leg, arrangement (a).  Thesis: (1.37), 2.5.  (8 add, 10 multiply) */
-static inline void krhpr_platform_planar_a_end_point(
+KRHPR_STATIC void krhpr_platform_planar_a_end_point(
     const krhpr_platform_planar_a_geometry *g, int i, const double p[2], const double Q[4],
     const double sine[1], const double cosine[1], double *KRHPR_RESTRICT s)
 {
@@ -57,7 +57,7 @@ static inline void krhpr_platform_planar_a_end_point(
 
 /* Redundant coordinate: angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'.
  * (10 add, 12 multiply) */
-static inline void krhpr_platform_planar_a_redundant(
+KRHPR_STATIC void krhpr_platform_planar_a_redundant(
     const krhpr_platform_planar_a_geometry *g, int i, const double p[2], const double Q[4],
     const double s[2], double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
@@ -72,7 +72,7 @@ static inline void krhpr_platform_planar_a_redundant(
 }
 
 /* Residuals of the constraint equations.  Thesis: (2.1).  (8 add, 7 multiply) */
-static inline void krhpr_platform_planar_a_residual(
+KRHPR_STATIC void krhpr_platform_planar_a_residual(
     const krhpr_platform_planar_a_geometry *g, int i, const double p[2], const double Q[4],
     const double s[2], double *KRHPR_RESTRICT residual)
 {
@@ -85,7 +85,7 @@ static inline void krhpr_platform_planar_a_residual(
 }
 
 /* Rows of J, and the directions N with J t = N s_dot.  Thesis: (1.31), (2.28).  (7 add, 6 multiply) */
-static inline void krhpr_platform_planar_a_rows(
+KRHPR_STATIC void krhpr_platform_planar_a_rows(
     const krhpr_platform_planar_a_geometry *g, int i, const double p[2], const double Q[4],
     const double s[2], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT N)
 {
@@ -102,7 +102,7 @@ static inline void krhpr_platform_planar_a_rows(
 
 /* The leg's line in the platform frame (direction, moment about O'), its end point there, and N.  Thesis:
  * (1.33), (1.34).  (15 add, 18 multiply) */
-static inline void krhpr_platform_planar_a_line(
+KRHPR_STATIC void krhpr_platform_planar_a_line(
     const krhpr_platform_planar_a_geometry *g, int i, const double p[2], const double Q[4],
     const double s[2], double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT N,
     double *KRHPR_RESTRICT scale)
@@ -129,7 +129,7 @@ static inline void krhpr_platform_planar_a_line(
 }
 
 /* Angles whose sines and cosines `line_of_redundant` reads.  (no operations) */
-static inline void krhpr_platform_planar_a_line_of_redundant_angles(
+KRHPR_STATIC void krhpr_platform_planar_a_line_of_redundant_angles(
     double redundant, double *KRHPR_RESTRICT angle)
 {
     angle[0] = redundant;
@@ -137,7 +137,7 @@ static inline void krhpr_platform_planar_a_line_of_redundant_angles(
 
 /* The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis: (1.33),
  * (1.34).  (7 add, 8 multiply) */
-static inline void krhpr_platform_planar_a_line_of_redundant(
+KRHPR_STATIC void krhpr_platform_planar_a_line_of_redundant(
     const krhpr_platform_planar_a_geometry *g, int i, const double sine[1], const double cosine[1],
     double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT scale)
 {
@@ -158,7 +158,7 @@ static inline void krhpr_platform_planar_a_line_of_redundant(
 
 /* Velocity of the end point from the platform's twist and the redundant coordinate's rate.  Thesis: (1.37)
  * differentiated.  (12 add, 8 multiply) */
-static inline void krhpr_platform_planar_a_end_velocity(
+KRHPR_STATIC void krhpr_platform_planar_a_end_velocity(
     const krhpr_platform_planar_a_geometry *g, int i, const double p[2], const double Q[4],
     const double s[2], const double twist[3], double redundant_rates, double *KRHPR_RESTRICT s_dot)
 {
@@ -175,7 +175,7 @@ static inline void krhpr_platform_planar_a_end_velocity(
 }
 
 /* Velocity and acceleration of the end point from those of the platform.  (28 add, 24 multiply) */
-static inline void krhpr_platform_planar_a_end_acceleration(
+KRHPR_STATIC void krhpr_platform_planar_a_end_acceleration(
     const krhpr_platform_planar_a_geometry *g, int i, const double p[2], const double Q[4],
     const double s[2], const double twist[3], double redundant_rates, const double twist_rate[3],
     double redundant_accelerations, double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT s_ddot)
@@ -202,7 +202,7 @@ static inline void krhpr_platform_planar_a_end_acceleration(
 
 /* J t_dot = N s_ddot + bias with bias = N_dot s_dot - J_dot t: what (1.30) gains when it is differentiated.
  * (19 add, 21 multiply) */
-static inline void krhpr_platform_planar_a_row_bias(
+KRHPR_STATIC void krhpr_platform_planar_a_row_bias(
     const krhpr_platform_planar_a_geometry *g, int i, const double p[2], const double Q[4],
     const double s[2], const double twist[3], const double s_dot[2], double *KRHPR_RESTRICT bias)
 {
@@ -219,7 +219,7 @@ static inline void krhpr_platform_planar_a_row_bias(
 }
 
 /* Orientation of the redundant link and the joint that ties it to the platform.  (10 add, 14 multiply) */
-static inline void krhpr_platform_planar_a_joint(
+KRHPR_STATIC void krhpr_platform_planar_a_joint(
     const krhpr_platform_planar_a_geometry *g, int i, const double p[2], const double Q[4],
     const double s[2], double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT tail_y,
     double *KRHPR_RESTRICT tail_x)
@@ -237,7 +237,7 @@ static inline void krhpr_platform_planar_a_joint(
 }
 
 /* Where the redundant link meets the platform.  (4 add, 4 multiply) */
-static inline void krhpr_platform_planar_a_attachment(
+KRHPR_STATIC void krhpr_platform_planar_a_attachment(
     const krhpr_platform_planar_a_geometry *g, int i, const double p[2], const double Q[4],
     double *KRHPR_RESTRICT attachment)
 {
@@ -249,7 +249,7 @@ static inline void krhpr_platform_planar_a_attachment(
 
 /* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (27
  * add, 53 multiply, 2 divide) */
-static inline void krhpr_platform_planar_a_solve(
+KRHPR_STATIC void krhpr_platform_planar_a_solve(
     const double Q[4], const double line[9], const double point[6], const double rate[3],
     double *KRHPR_RESTRICT twist, double *KRHPR_RESTRICT regularity)
 {
@@ -277,7 +277,7 @@ static inline void krhpr_platform_planar_a_solve(
 
 /* Factors of det J and margins.  Singular where the three redundant links' lines meet in a point or are
  * parallel.  Thesis: 1.4, 2.3.2.  (7 add, 15 multiply, 1 divide) */
-static inline void krhpr_platform_planar_a_type_2(
+KRHPR_STATIC void krhpr_platform_planar_a_type_2(
     const double line[9], const double point[6], const double scale[6], double *KRHPR_RESTRICT type_2,
     double *KRHPR_RESTRICT margins)
 {
@@ -290,7 +290,7 @@ static inline void krhpr_platform_planar_a_type_2(
 }
 
 /* How the leg holds the platform, for the forward kinematics.  (no operations) */
-static inline void krhpr_platform_planar_a_tie(
+KRHPR_STATIC void krhpr_platform_planar_a_tie(
     const krhpr_platform_planar_a_geometry *g, int i, double *KRHPR_RESTRICT anchor,
     double *KRHPR_RESTRICT length)
 {
@@ -301,7 +301,7 @@ static inline void krhpr_platform_planar_a_tie(
 
 /* The sextic in tan(phi / 2) that holds the three end points.  Thesis: 3.2.1, (3.1) to (3.4).  (111 add,
  * 138 multiply) */
-static inline void krhpr_platform_planar_a_sextic(
+KRHPR_STATIC void krhpr_platform_planar_a_sextic(
     const double s[6], const double anchor[6], const double length[3], double *KRHPR_RESTRICT points,
     double *KRHPR_RESTRICT sextic)
 {
@@ -403,7 +403,7 @@ static inline void krhpr_platform_planar_a_sextic(
 
 /* The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (173 add, 211 multiply, 9 divide, 2
  * square root) */
-static inline void krhpr_platform_planar_a_assembly(
+KRHPR_STATIC void krhpr_platform_planar_a_assembly(
     const double root[2], const double s[6], const double anchor[6], const double length[3],
     const double points[6], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT det_J,
     double *KRHPR_RESTRICT miss, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
@@ -549,7 +549,7 @@ static inline void krhpr_platform_planar_a_assembly(
 
 /* Where a box holds one solution: margins that are all at least zero there.  Thesis: errata 4, (1.35).  (32
  * add, 28 multiply, 3 divide) */
-static inline void krhpr_platform_planar_a_uniqueness(
+KRHPR_STATIC void krhpr_platform_planar_a_uniqueness(
     const double anchor[6], const double length[3], const double box[6], double *KRHPR_RESTRICT certificate)
 {
     const double R_1 = anchor[0] * anchor[0] + anchor[1] * anchor[1];
@@ -591,7 +591,7 @@ static inline void krhpr_platform_planar_a_uniqueness(
 
 /* The pose nearby in the platform's plane, and whether steps from it are certain to converge.  Thesis:
  * 3.2.2, (3.4) to (3.9).  (73 add, 101 multiply, 4 divide, 7 square root, 1 select) */
-static inline void krhpr_platform_planar_a_newton_start(
+KRHPR_STATIC void krhpr_platform_planar_a_newton_start(
     const double s[6], const double anchor[6], const double length[3], const double p_near[2],
     const double Q_near[4], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT centre,
     double *KRHPR_RESTRICT start, double *KRHPR_RESTRICT kantorovich)
@@ -670,7 +670,7 @@ static inline void krhpr_platform_planar_a_newton_start(
 }
 
 /* Angles whose sines and cosines `newton_step` reads.  (no operations) */
-static inline void krhpr_platform_planar_a_newton_step_angles(
+KRHPR_STATIC void krhpr_platform_planar_a_newton_step_angles(
     const double state[5], double *KRHPR_RESTRICT angle)
 {
     angle[0] = state[0];
@@ -678,7 +678,7 @@ static inline void krhpr_platform_planar_a_newton_step_angles(
 
 /* One Newton step of the links' lengths.  Thesis: 3.2.2, (3.4) to (3.9).  (63 add, 81 multiply, 4 divide, 1
  * square root) */
-static inline void krhpr_platform_planar_a_newton_step(
+KRHPR_STATIC void krhpr_platform_planar_a_newton_step(
     const double state[5], const double centre[2], const double anchor[6], const double length[3],
     const double points[6], const double sine[1], const double cosine[1], double *KRHPR_RESTRICT state_next,
     double *KRHPR_RESTRICT change)
@@ -734,7 +734,7 @@ static inline void krhpr_platform_planar_a_newton_step(
 }
 
 /* The pose where the steps end.  Thesis: 3.2.2, (3.4) to (3.9).  (36 add, 36 multiply) */
-static inline void krhpr_platform_planar_a_newton_pose(
+KRHPR_STATIC void krhpr_platform_planar_a_newton_pose(
     const double s[6], const double state[5], const double anchor[6], const double points[6],
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
@@ -773,7 +773,7 @@ static inline void krhpr_platform_planar_a_newton_pose(
 }
 
 /* The redundant link where its angle is a half turn.  (no operations) */
-static inline void krhpr_platform_planar_a_arm(
+KRHPR_STATIC void krhpr_platform_planar_a_arm(
     const krhpr_platform_planar_a_geometry *g, int i, double *KRHPR_RESTRICT arm)
 {
     arm[0] = g->k[2][i];
@@ -781,14 +781,14 @@ static inline void krhpr_platform_planar_a_arm(
 }
 
 /* Angles whose sines and cosines `turns_1` reads.  (no operations) */
-static inline void krhpr_platform_planar_a_turns_1_angles(
+KRHPR_STATIC void krhpr_platform_planar_a_turns_1_angles(
     const double measured[1], double *KRHPR_RESTRICT angle)
 {
     angle[0] = measured[0];
 }
 
 /* Cosines and sines of measured angles.  (no operations) */
-static inline void krhpr_platform_planar_a_turns_1(
+KRHPR_STATIC void krhpr_platform_planar_a_turns_1(
     const double sine[1], const double cosine[1], double *KRHPR_RESTRICT turns)
 {
     turns[0] = cosine[0];
@@ -796,7 +796,7 @@ static inline void krhpr_platform_planar_a_turns_1(
 }
 
 /* Angles whose sines and cosines `turns_2` reads.  (no operations) */
-static inline void krhpr_platform_planar_a_turns_2_angles(
+KRHPR_STATIC void krhpr_platform_planar_a_turns_2_angles(
     const double measured[2], double *KRHPR_RESTRICT angle)
 {
     angle[0] = measured[0];
@@ -804,7 +804,7 @@ static inline void krhpr_platform_planar_a_turns_2_angles(
 }
 
 /* Cosines and sines of measured angles.  (no operations) */
-static inline void krhpr_platform_planar_a_turns_2(
+KRHPR_STATIC void krhpr_platform_planar_a_turns_2(
     const double sine[2], const double cosine[2], double *KRHPR_RESTRICT turns)
 {
     turns[0] = cosine[0];
@@ -814,7 +814,7 @@ static inline void krhpr_platform_planar_a_turns_2(
 }
 
 /* Angles whose sines and cosines `turns_3` reads.  (no operations) */
-static inline void krhpr_platform_planar_a_turns_3_angles(
+KRHPR_STATIC void krhpr_platform_planar_a_turns_3_angles(
     const double measured[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = measured[0];
@@ -823,7 +823,7 @@ static inline void krhpr_platform_planar_a_turns_3_angles(
 }
 
 /* Cosines and sines of measured angles.  (no operations) */
-static inline void krhpr_platform_planar_a_turns_3(
+KRHPR_STATIC void krhpr_platform_planar_a_turns_3(
     const double sine[3], const double cosine[3], double *KRHPR_RESTRICT turns)
 {
     turns[0] = cosine[0];
@@ -836,7 +836,7 @@ static inline void krhpr_platform_planar_a_turns_3(
 
 /* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (55 add, 54 multiply, 2
  * divide, 3 square root, 4 select) */
-static inline void krhpr_platform_planar_a_one_encoder(
+KRHPR_STATIC void krhpr_platform_planar_a_one_encoder(
     const double s[6], const double turns[2], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT p,
     double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement, double *KRHPR_RESTRICT tail_y,
@@ -904,7 +904,7 @@ static inline void krhpr_platform_planar_a_one_encoder(
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
  * (3.24).  (27 add, 26 multiply, 2 divide, 2 square root, 1 select) */
-static inline void krhpr_platform_planar_a_two_encoders(
+KRHPR_STATIC void krhpr_platform_planar_a_two_encoders(
     const double s[6], const double turns[4], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT ends,
     double *KRHPR_RESTRICT spread, double *KRHPR_RESTRICT linear, double *KRHPR_RESTRICT mismatch,
@@ -953,7 +953,7 @@ static inline void krhpr_platform_planar_a_two_encoders(
 
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
  * 3.2.5, (3.30).  (41 add, 44 multiply, 2 divide, 6 square root, 5 select) */
-static inline void krhpr_platform_planar_a_three_encoders(
+KRHPR_STATIC void krhpr_platform_planar_a_three_encoders(
     const double s[6], const double turns[6], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT ends,
     double *KRHPR_RESTRICT spread, double *KRHPR_RESTRICT linear, double *KRHPR_RESTRICT mismatch,
@@ -1020,7 +1020,7 @@ static inline void krhpr_platform_planar_a_three_encoders(
 
 /* One Gauss-Newton step with encoders at 2 legs.  Thesis: 3.2.6, (3.32), (3.33).  (157 add, 264 multiply, 8
  * divide) */
-static inline void krhpr_platform_planar_a_gauss_newton_2(
+KRHPR_STATIC void krhpr_platform_planar_a_gauss_newton_2(
     const double state[6], const double weights[3], const double points[6], const double ends[4],
     const double anchor[6], const double length[3], double *KRHPR_RESTRICT state_next,
     double *KRHPR_RESTRICT change)
@@ -1142,7 +1142,7 @@ static inline void krhpr_platform_planar_a_gauss_newton_2(
 
 /* One Gauss-Newton step with encoders at 3 legs.  Thesis: 3.2.6, (3.32), (3.33).  (136 add, 220 multiply, 7
  * divide) */
-static inline void krhpr_platform_planar_a_gauss_newton_3(
+KRHPR_STATIC void krhpr_platform_planar_a_gauss_newton_3(
     const double state[6], const double weights[3], const double points[6], const double ends[6],
     double *KRHPR_RESTRICT state_next, double *KRHPR_RESTRICT change)
 {
@@ -1246,7 +1246,7 @@ static inline void krhpr_platform_planar_a_gauss_newton_3(
 
 /* The pose from U and p in the plane, U made a rotation.  Thesis: 3.3.  (3 add, 4 multiply, 1 divide, 1
  * square root) */
-static inline void krhpr_platform_planar_a_encoder_pose(
+KRHPR_STATIC void krhpr_platform_planar_a_encoder_pose(
     const double s[6], const double state[6], double *KRHPR_RESTRICT direction, double *KRHPR_RESTRICT p,
     double *KRHPR_RESTRICT raw, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {

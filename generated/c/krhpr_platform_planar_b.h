@@ -24,7 +24,7 @@ typedef struct {
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (4 add, 6 multiply, 1 sine cosine) */
-static inline void krhpr_platform_planar_b_prepare(krhpr_platform_planar_b_geometry *g, int i)
+KRHPR_STATIC void krhpr_platform_planar_b_prepare(krhpr_platform_planar_b_geometry *g, int i)
 {
     double t_1, t_0; krhpr_sincos(g->platform_azimuth[i], &t_1, &t_0);
     const double m_0 = g->b_x[i] + g->l_r[i] * t_1;
@@ -46,7 +46,7 @@ static inline void krhpr_platform_planar_b_prepare(krhpr_platform_planar_b_geome
 }
 
 /* End point of the sub-leg, arrangement (b).  Thesis: (1.37), 2.5.  (6 add, 6 multiply) */
-static inline void krhpr_platform_planar_b_end_point(
+KRHPR_STATIC void krhpr_platform_planar_b_end_point(
     const krhpr_platform_planar_b_geometry *g, int i, const double p[2], const double Q[4], double redundant,
     double *KRHPR_RESTRICT s)
 {
@@ -57,7 +57,7 @@ static inline void krhpr_platform_planar_b_end_point(
 }
 
 /* Redundant coordinate: slide delta_i along t_i, from b_i, signed.  (7 add, 6 multiply) */
-static inline void krhpr_platform_planar_b_redundant(
+KRHPR_STATIC void krhpr_platform_planar_b_redundant(
     const krhpr_platform_planar_b_geometry *g, int i, const double p[2], const double Q[4],
     const double s[2], double *KRHPR_RESTRICT redundant)
 {
@@ -67,7 +67,7 @@ static inline void krhpr_platform_planar_b_redundant(
 }
 
 /* Residuals of the constraint equations.  Thesis: (2.8).  (7 add, 6 multiply) */
-static inline void krhpr_platform_planar_b_residual(
+KRHPR_STATIC void krhpr_platform_planar_b_residual(
     const krhpr_platform_planar_b_geometry *g, int i, const double p[2], const double Q[4],
     const double s[2], double *KRHPR_RESTRICT residual)
 {
@@ -79,7 +79,7 @@ static inline void krhpr_platform_planar_b_residual(
 }
 
 /* Rows of J, and the directions N with J t = N s_dot.  Thesis: (1.31), (2.28).  (5 add, 6 multiply) */
-static inline void krhpr_platform_planar_b_rows(
+KRHPR_STATIC void krhpr_platform_planar_b_rows(
     const krhpr_platform_planar_b_geometry *g, int i, const double p[2], const double Q[4],
     const double s[2], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT N)
 {
@@ -96,7 +96,7 @@ static inline void krhpr_platform_planar_b_rows(
 
 /* The leg's line in the platform frame (direction, moment about O'), its end point there, and N.  Thesis:
  * (1.33), (1.34).  (9 add, 14 multiply) */
-static inline void krhpr_platform_planar_b_line(
+KRHPR_STATIC void krhpr_platform_planar_b_line(
     const krhpr_platform_planar_b_geometry *g, int i, const double p[2], const double Q[4],
     const double s[2], double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT N,
     double *KRHPR_RESTRICT scale)
@@ -122,7 +122,7 @@ static inline void krhpr_platform_planar_b_line(
 
 /* The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis: (1.33),
  * (1.34).  (3 add, 4 multiply) */
-static inline void krhpr_platform_planar_b_line_of_redundant(
+KRHPR_STATIC void krhpr_platform_planar_b_line_of_redundant(
     const krhpr_platform_planar_b_geometry *g, int i, double redundant, double *KRHPR_RESTRICT line,
     double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT scale)
 {
@@ -140,7 +140,7 @@ static inline void krhpr_platform_planar_b_line_of_redundant(
 
 /* Velocity of the end point from the platform's twist and the redundant coordinate's rate.  Thesis: (1.37)
  * differentiated.  (8 add, 8 multiply) */
-static inline void krhpr_platform_planar_b_end_velocity(
+KRHPR_STATIC void krhpr_platform_planar_b_end_velocity(
     const krhpr_platform_planar_b_geometry *g, int i, const double p[2], const double Q[4],
     const double s[2], const double twist[3], double redundant_rates, double *KRHPR_RESTRICT s_dot)
 {
@@ -155,7 +155,7 @@ static inline void krhpr_platform_planar_b_end_velocity(
 }
 
 /* Velocity and acceleration of the end point from those of the platform.  (20 add, 24 multiply) */
-static inline void krhpr_platform_planar_b_end_acceleration(
+KRHPR_STATIC void krhpr_platform_planar_b_end_acceleration(
     const krhpr_platform_planar_b_geometry *g, int i, const double p[2], const double Q[4],
     const double s[2], const double twist[3], double redundant_rates, const double twist_rate[3],
     double redundant_accelerations, double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT s_ddot)
@@ -180,7 +180,7 @@ static inline void krhpr_platform_planar_b_end_acceleration(
 
 /* J t_dot = N s_ddot + bias with bias = N_dot s_dot - J_dot t: what (1.30) gains when it is differentiated.
  * (15 add, 21 multiply) */
-static inline void krhpr_platform_planar_b_row_bias(
+KRHPR_STATIC void krhpr_platform_planar_b_row_bias(
     const krhpr_platform_planar_b_geometry *g, int i, const double p[2], const double Q[4],
     const double s[2], const double twist[3], const double s_dot[2], double *KRHPR_RESTRICT bias)
 {
@@ -195,7 +195,7 @@ static inline void krhpr_platform_planar_b_row_bias(
 }
 
 /* Orientation of the redundant link and the joint that ties it to the platform.  (9 add, 10 multiply) */
-static inline void krhpr_platform_planar_b_joint(
+KRHPR_STATIC void krhpr_platform_planar_b_joint(
     const krhpr_platform_planar_b_geometry *g, int i, const double p[2], const double Q[4],
     const double s[2], double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT platform_joint)
 {
@@ -209,7 +209,7 @@ static inline void krhpr_platform_planar_b_joint(
 }
 
 /* Where the redundant link meets the platform.  (4 add, 6 multiply) */
-static inline void krhpr_platform_planar_b_attachment(
+KRHPR_STATIC void krhpr_platform_planar_b_attachment(
     const krhpr_platform_planar_b_geometry *g, int i, const double Q[4], const double s[2],
     double *KRHPR_RESTRICT attachment)
 {
@@ -221,7 +221,7 @@ static inline void krhpr_platform_planar_b_attachment(
 
 /* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (27
  * add, 53 multiply, 2 divide) */
-static inline void krhpr_platform_planar_b_solve(
+KRHPR_STATIC void krhpr_platform_planar_b_solve(
     const double Q[4], const double line[9], const double point[6], const double rate[3],
     double *KRHPR_RESTRICT twist, double *KRHPR_RESTRICT regularity)
 {
@@ -250,7 +250,7 @@ static inline void krhpr_platform_planar_b_solve(
 /* Factors of det J and margins.  Singular on one plane of the redundant coordinates: det J = sum w_i
  * (delta_i + n_i^T E b_i) = 0 with w_i = n_j x n_k (lines through one point).  Thesis: 1.4, 2.3.2.  (5 add,
  * 9 multiply) */
-static inline void krhpr_platform_planar_b_type_2(
+KRHPR_STATIC void krhpr_platform_planar_b_type_2(
     const double line[9], const double point[6], const double scale[6], double *KRHPR_RESTRICT type_2,
     double *KRHPR_RESTRICT margins)
 {
@@ -263,7 +263,7 @@ static inline void krhpr_platform_planar_b_type_2(
 }
 
 /* How the leg holds the platform, for the forward kinematics.  (no operations) */
-static inline void krhpr_platform_planar_b_tie(
+KRHPR_STATIC void krhpr_platform_planar_b_tie(
     const krhpr_platform_planar_b_geometry *g, int i, double *KRHPR_RESTRICT slide,
     double *KRHPR_RESTRICT distance, double *KRHPR_RESTRICT start)
 {
@@ -275,7 +275,7 @@ static inline void krhpr_platform_planar_b_tie(
 
 /* Both poses of the platform that hold the three end points.  Thesis: (2.8).  (94 add, 124 multiply, 3
  * divide, 1 square root) */
-static inline void krhpr_platform_planar_b_assembly_modes(
+KRHPR_STATIC void krhpr_platform_planar_b_assembly_modes(
     const double s[6], const double slide[6], const double distance[3], const double start[3],
     double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT p,
     double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT det_J, double *KRHPR_RESTRICT count,
@@ -369,7 +369,7 @@ static inline void krhpr_platform_planar_b_assembly_modes(
 
 /* The pose of the platform that holds the three end points, on one side of type II.  Thesis: (2.8).  (58
  * add, 84 multiply, 4 divide, 1 square root) */
-static inline void krhpr_platform_planar_b_assembly_mode(
+KRHPR_STATIC void krhpr_platform_planar_b_assembly_mode(
     const double s[6], const double slide[6], const double distance[3], const double start[3], double side,
     double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT sign,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT count,
@@ -428,7 +428,7 @@ static inline void krhpr_platform_planar_b_assembly_mode(
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
  * (3.24).  (25 add, 26 multiply, 2 divide, 2 square root, 1 select) */
-static inline void krhpr_platform_planar_b_two_encoders(
+KRHPR_STATIC void krhpr_platform_planar_b_two_encoders(
     const double s[6], const double measured[2], const double slide[6], const double distance[3],
     const double start[3], double tolerance, double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT ends,
     double *KRHPR_RESTRICT spread, double *KRHPR_RESTRICT linear, double *KRHPR_RESTRICT mismatch,
@@ -478,7 +478,7 @@ static inline void krhpr_platform_planar_b_two_encoders(
 
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
  * 3.2.5, (3.30).  (38 add, 44 multiply, 2 divide, 6 square root, 5 select) */
-static inline void krhpr_platform_planar_b_three_encoders(
+KRHPR_STATIC void krhpr_platform_planar_b_three_encoders(
     const double s[6], const double measured[3], const double slide[6], const double distance[3],
     const double start[3], double tolerance, double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT ends,
     double *KRHPR_RESTRICT spread, double *KRHPR_RESTRICT linear, double *KRHPR_RESTRICT mismatch,
@@ -547,7 +547,7 @@ static inline void krhpr_platform_planar_b_three_encoders(
 
 /* One Gauss-Newton step with encoders at 2 legs.  Thesis: 3.2.6, (3.32), (3.33).  (162 add, 265 multiply, 7
  * divide) */
-static inline void krhpr_platform_planar_b_gauss_newton_2(
+KRHPR_STATIC void krhpr_platform_planar_b_gauss_newton_2(
     const double state[6], const double weights[3], const double points[6], const double ends[4],
     const double slide[6], const double distance[3], double *KRHPR_RESTRICT state_next,
     double *KRHPR_RESTRICT change)
@@ -667,7 +667,7 @@ static inline void krhpr_platform_planar_b_gauss_newton_2(
 
 /* One Gauss-Newton step with encoders at 3 legs.  Thesis: 3.2.6, (3.32), (3.33).  (136 add, 220 multiply, 7
  * divide) */
-static inline void krhpr_platform_planar_b_gauss_newton_3(
+KRHPR_STATIC void krhpr_platform_planar_b_gauss_newton_3(
     const double state[6], const double weights[3], const double points[6], const double ends[6],
     double *KRHPR_RESTRICT state_next, double *KRHPR_RESTRICT change)
 {
@@ -771,7 +771,7 @@ static inline void krhpr_platform_planar_b_gauss_newton_3(
 
 /* The pose from U and p in the plane, U made a rotation.  Thesis: 3.3.  (3 add, 4 multiply, 1 divide, 1
  * square root) */
-static inline void krhpr_platform_planar_b_encoder_pose(
+KRHPR_STATIC void krhpr_platform_planar_b_encoder_pose(
     const double s[6], const double state[6], double *KRHPR_RESTRICT direction, double *KRHPR_RESTRICT p,
     double *KRHPR_RESTRICT raw, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {

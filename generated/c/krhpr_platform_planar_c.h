@@ -19,7 +19,7 @@ typedef struct {
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (1 sine cosine) */
-static inline void krhpr_platform_planar_c_prepare(krhpr_platform_planar_c_geometry *g, int i)
+KRHPR_STATIC void krhpr_platform_planar_c_prepare(krhpr_platform_planar_c_geometry *g, int i)
 {
     double t_1, t_0; krhpr_sincos(g->platform_azimuth[i], &t_1, &t_0);
     g->t[0][i] = t_0;
@@ -27,7 +27,7 @@ static inline void krhpr_platform_planar_c_prepare(krhpr_platform_planar_c_geome
 }
 
 /* End point of the sub-leg, arrangement (c).  Thesis: (1.37), 2.5.  (4 add, 6 multiply) */
-static inline void krhpr_platform_planar_c_end_point(
+KRHPR_STATIC void krhpr_platform_planar_c_end_point(
     const krhpr_platform_planar_c_geometry *g, int i, const double p[2], const double Q[4], double redundant,
     double *KRHPR_RESTRICT s)
 {
@@ -38,7 +38,7 @@ static inline void krhpr_platform_planar_c_end_point(
 }
 
 /* Redundant coordinate: slide delta_i along t_i, from O', signed.  (5 add, 6 multiply) */
-static inline void krhpr_platform_planar_c_redundant(
+KRHPR_STATIC void krhpr_platform_planar_c_redundant(
     const krhpr_platform_planar_c_geometry *g, int i, const double p[2], const double Q[4],
     const double s[2], double *KRHPR_RESTRICT redundant)
 {
@@ -48,7 +48,7 @@ static inline void krhpr_platform_planar_c_redundant(
 }
 
 /* Residuals of the constraint equations.  Thesis: (2.13).  (5 add, 6 multiply) */
-static inline void krhpr_platform_planar_c_residual(
+KRHPR_STATIC void krhpr_platform_planar_c_residual(
     const krhpr_platform_planar_c_geometry *g, int i, const double p[2], const double Q[4],
     const double s[2], double *KRHPR_RESTRICT residual)
 {
@@ -60,7 +60,7 @@ static inline void krhpr_platform_planar_c_residual(
 }
 
 /* Rows of J, and the directions N with J t = N s_dot.  Thesis: (1.31), (2.28).  (5 add, 6 multiply) */
-static inline void krhpr_platform_planar_c_rows(
+KRHPR_STATIC void krhpr_platform_planar_c_rows(
     const krhpr_platform_planar_c_geometry *g, int i, const double p[2], const double Q[4],
     const double s[2], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT N)
 {
@@ -77,7 +77,7 @@ static inline void krhpr_platform_planar_c_rows(
 
 /* The leg's line in the platform frame (direction, moment about O'), its end point there, and N.  Thesis:
  * (1.33), (1.34).  (9 add, 14 multiply) */
-static inline void krhpr_platform_planar_c_line(
+KRHPR_STATIC void krhpr_platform_planar_c_line(
     const krhpr_platform_planar_c_geometry *g, int i, const double p[2], const double Q[4],
     const double s[2], double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT N,
     double *KRHPR_RESTRICT scale)
@@ -103,7 +103,7 @@ static inline void krhpr_platform_planar_c_line(
 
 /* The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis: (1.33),
  * (1.34).  (1 add, 4 multiply) */
-static inline void krhpr_platform_planar_c_line_of_redundant(
+KRHPR_STATIC void krhpr_platform_planar_c_line_of_redundant(
     const krhpr_platform_planar_c_geometry *g, int i, double redundant, double *KRHPR_RESTRICT line,
     double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT scale)
 {
@@ -121,7 +121,7 @@ static inline void krhpr_platform_planar_c_line_of_redundant(
 
 /* Velocity of the end point from the platform's twist and the redundant coordinate's rate.  Thesis: (1.37)
  * differentiated.  (8 add, 8 multiply) */
-static inline void krhpr_platform_planar_c_end_velocity(
+KRHPR_STATIC void krhpr_platform_planar_c_end_velocity(
     const krhpr_platform_planar_c_geometry *g, int i, const double p[2], const double Q[4],
     const double s[2], const double twist[3], double redundant_rates, double *KRHPR_RESTRICT s_dot)
 {
@@ -136,7 +136,7 @@ static inline void krhpr_platform_planar_c_end_velocity(
 }
 
 /* Velocity and acceleration of the end point from those of the platform.  (20 add, 24 multiply) */
-static inline void krhpr_platform_planar_c_end_acceleration(
+KRHPR_STATIC void krhpr_platform_planar_c_end_acceleration(
     const krhpr_platform_planar_c_geometry *g, int i, const double p[2], const double Q[4],
     const double s[2], const double twist[3], double redundant_rates, const double twist_rate[3],
     double redundant_accelerations, double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT s_ddot)
@@ -161,7 +161,7 @@ static inline void krhpr_platform_planar_c_end_acceleration(
 
 /* J t_dot = N s_ddot + bias with bias = N_dot s_dot - J_dot t: what (1.30) gains when it is differentiated.
  * (15 add, 21 multiply) */
-static inline void krhpr_platform_planar_c_row_bias(
+KRHPR_STATIC void krhpr_platform_planar_c_row_bias(
     const krhpr_platform_planar_c_geometry *g, int i, const double p[2], const double Q[4],
     const double s[2], const double twist[3], const double s_dot[2], double *KRHPR_RESTRICT bias)
 {
@@ -176,7 +176,7 @@ static inline void krhpr_platform_planar_c_row_bias(
 }
 
 /* Orientation of the redundant link and the joint that ties it to the platform.  (5 add, 6 multiply) */
-static inline void krhpr_platform_planar_c_joint(
+KRHPR_STATIC void krhpr_platform_planar_c_joint(
     const krhpr_platform_planar_c_geometry *g, int i, const double p[2], const double Q[4],
     const double s[2], double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT platform_joint)
 {
@@ -188,7 +188,7 @@ static inline void krhpr_platform_planar_c_joint(
 }
 
 /* Where the redundant link meets the platform.  (no operations) */
-static inline void krhpr_platform_planar_c_attachment(
+KRHPR_STATIC void krhpr_platform_planar_c_attachment(
     const krhpr_platform_planar_c_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT attachment)
 {
     (void)(g);
@@ -199,7 +199,7 @@ static inline void krhpr_platform_planar_c_attachment(
 
 /* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (27
  * add, 53 multiply, 2 divide) */
-static inline void krhpr_platform_planar_c_solve(
+KRHPR_STATIC void krhpr_platform_planar_c_solve(
     const double Q[4], const double line[9], const double point[6], const double rate[3],
     double *KRHPR_RESTRICT twist, double *KRHPR_RESTRICT regularity)
 {
@@ -228,7 +228,7 @@ static inline void krhpr_platform_planar_c_solve(
 /* Factors of det J and margins.  Singular where sum w_i delta_i = 0 with w_i = n_j x n_k; free while all
  * delta_i > 0 and the three directions positively span the plane (the thesis says free, which holds only
  * so).  Thesis: 1.4, 2.3.2.  (5 add, 9 multiply) */
-static inline void krhpr_platform_planar_c_type_2(
+KRHPR_STATIC void krhpr_platform_planar_c_type_2(
     const double line[9], const double point[6], const double scale[6], double *KRHPR_RESTRICT type_2,
     double *KRHPR_RESTRICT margins)
 {
@@ -241,7 +241,7 @@ static inline void krhpr_platform_planar_c_type_2(
 }
 
 /* How the leg holds the platform, for the forward kinematics.  (no operations) */
-static inline void krhpr_platform_planar_c_tie(
+KRHPR_STATIC void krhpr_platform_planar_c_tie(
     const krhpr_platform_planar_c_geometry *g, int i, double *KRHPR_RESTRICT slide)
 {
     slide[0] = g->t[0][i];
@@ -250,7 +250,7 @@ static inline void krhpr_platform_planar_c_tie(
 
 /* Both poses of the platform that hold the three end points.  Thesis: (2.13).  (67 add, 98 multiply, 3
  * divide, 1 square root) */
-static inline void krhpr_platform_planar_c_assembly_modes(
+KRHPR_STATIC void krhpr_platform_planar_c_assembly_modes(
     const double s[6], const double slide[6], double *KRHPR_RESTRICT breadth,
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT redundant,
     double *KRHPR_RESTRICT det_J, double *KRHPR_RESTRICT count, double *KRHPR_RESTRICT tail_y,
@@ -337,7 +337,7 @@ static inline void krhpr_platform_planar_c_assembly_modes(
 
 /* The pose of the platform that holds the three end points, on one side of type II.  Thesis: (2.13).  (44
  * add, 70 multiply, 4 divide, 1 square root) */
-static inline void krhpr_platform_planar_c_assembly_mode(
+KRHPR_STATIC void krhpr_platform_planar_c_assembly_mode(
     const double s[6], const double slide[6], double side, double *KRHPR_RESTRICT breadth,
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT sign, double *KRHPR_RESTRICT p,
     double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT count, double *KRHPR_RESTRICT certified,
@@ -392,7 +392,7 @@ static inline void krhpr_platform_planar_c_assembly_mode(
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
  * (3.24).  (19 add, 22 multiply, 2 divide, 2 square root, 1 select) */
-static inline void krhpr_platform_planar_c_two_encoders(
+KRHPR_STATIC void krhpr_platform_planar_c_two_encoders(
     const double s[6], const double measured[2], const double slide[6], double tolerance,
     double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT spread,
     double *KRHPR_RESTRICT linear, double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement)
@@ -439,7 +439,7 @@ static inline void krhpr_platform_planar_c_two_encoders(
 
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
  * 3.2.5, (3.30).  (29 add, 38 multiply, 2 divide, 6 square root, 5 select) */
-static inline void krhpr_platform_planar_c_three_encoders(
+KRHPR_STATIC void krhpr_platform_planar_c_three_encoders(
     const double s[6], const double measured[3], const double slide[6], double tolerance,
     double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT spread,
     double *KRHPR_RESTRICT linear, double *KRHPR_RESTRICT mismatch, double *KRHPR_RESTRICT agreement)
@@ -504,7 +504,7 @@ static inline void krhpr_platform_planar_c_three_encoders(
 
 /* One Gauss-Newton step with encoders at 2 legs.  Thesis: 3.2.6, (3.32), (3.33).  (155 add, 255 multiply, 7
  * divide) */
-static inline void krhpr_platform_planar_c_gauss_newton_2(
+KRHPR_STATIC void krhpr_platform_planar_c_gauss_newton_2(
     const double state[6], const double weights[3], const double points[6], const double ends[4],
     const double slide[6], double *KRHPR_RESTRICT state_next, double *KRHPR_RESTRICT change)
 {
@@ -623,7 +623,7 @@ static inline void krhpr_platform_planar_c_gauss_newton_2(
 
 /* One Gauss-Newton step with encoders at 3 legs.  Thesis: 3.2.6, (3.32), (3.33).  (136 add, 220 multiply, 7
  * divide) */
-static inline void krhpr_platform_planar_c_gauss_newton_3(
+KRHPR_STATIC void krhpr_platform_planar_c_gauss_newton_3(
     const double state[6], const double weights[3], const double points[6], const double ends[6],
     double *KRHPR_RESTRICT state_next, double *KRHPR_RESTRICT change)
 {
@@ -727,7 +727,7 @@ static inline void krhpr_platform_planar_c_gauss_newton_3(
 
 /* The pose from U and p in the plane, U made a rotation.  Thesis: 3.3.  (3 add, 4 multiply, 1 divide, 1
  * square root) */
-static inline void krhpr_platform_planar_c_encoder_pose(
+KRHPR_STATIC void krhpr_platform_planar_c_encoder_pose(
     const double s[6], const double state[6], double *KRHPR_RESTRICT direction, double *KRHPR_RESTRICT p,
     double *KRHPR_RESTRICT raw, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {

@@ -23,7 +23,7 @@ typedef struct {
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (6 multiply, 1 divide, 1 sine cosine) */
-static inline void krhpr_platform_spatial_a_prepare(krhpr_platform_spatial_a_geometry *g, int i)
+KRHPR_STATIC void krhpr_platform_spatial_a_prepare(krhpr_platform_spatial_a_geometry *g, int i)
 {
     double e_r_1, e_r_0; krhpr_sincos(g->platform_azimuth[i], &e_r_1, &e_r_0);
     g->e_r[0][i] = e_r_0;
@@ -37,13 +37,13 @@ static inline void krhpr_platform_spatial_a_prepare(krhpr_platform_spatial_a_geo
 }
 
 /* Angles whose sines and cosines `end_point` reads.  (no operations) */
-static inline void krhpr_platform_spatial_a_end_point_angles(double redundant, double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_platform_spatial_a_end_point_angles(double redundant, double *KRHPR_RESTRICT angle)
 {
     angle[0] = redundant;
 }
 
 /* End point of the sub-leg, arrangement (a).  Thesis: (1.37), 2.5.  (10 add, 12 multiply) */
-static inline void krhpr_platform_spatial_a_end_point(
+KRHPR_STATIC void krhpr_platform_spatial_a_end_point(
     const krhpr_platform_spatial_a_geometry *g, int i, const double p[3], const double Q[9],
     const double sine[1], const double cosine[1], double *KRHPR_RESTRICT s)
 {
@@ -58,7 +58,7 @@ static inline void krhpr_platform_spatial_a_end_point(
 
 /* Redundant coordinate: angle beta_i at B_i from the inward ray to the redundant link, clockwise from +z'.
  * (15 add, 16 multiply) */
-static inline void krhpr_platform_spatial_a_redundant(
+KRHPR_STATIC void krhpr_platform_spatial_a_redundant(
     const krhpr_platform_spatial_a_geometry *g, int i, const double p[3], const double Q[9],
     const double s[3], double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
@@ -75,7 +75,7 @@ static inline void krhpr_platform_spatial_a_redundant(
 }
 
 /* Residuals of the constraint equations.  Thesis: (1.1), (1.2).  (14 add, 13 multiply) */
-static inline void krhpr_platform_spatial_a_residual(
+KRHPR_STATIC void krhpr_platform_spatial_a_residual(
     const krhpr_platform_spatial_a_geometry *g, int i, const double p[3], const double Q[9],
     const double s[3], double *KRHPR_RESTRICT residual)
 {
@@ -91,7 +91,7 @@ static inline void krhpr_platform_spatial_a_residual(
 }
 
 /* Rows of J, and the directions N with J t = N s_dot.  Thesis: (1.31), (2.28).  (18 add, 18 multiply) */
-static inline void krhpr_platform_spatial_a_rows(
+KRHPR_STATIC void krhpr_platform_spatial_a_rows(
     const krhpr_platform_spatial_a_geometry *g, int i, const double p[3], const double Q[9],
     const double s[3], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT N)
 {
@@ -126,7 +126,7 @@ static inline void krhpr_platform_spatial_a_rows(
 
 /* The leg's line in the platform frame (direction, moment about O'), its end point there, and N.  Thesis:
  * (1.33), (1.34).  (31 add, 36 multiply) */
-static inline void krhpr_platform_spatial_a_line(
+KRHPR_STATIC void krhpr_platform_spatial_a_line(
     const krhpr_platform_spatial_a_geometry *g, int i, const double p[3], const double Q[9],
     const double s[3], double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT N,
     double *KRHPR_RESTRICT scale)
@@ -165,7 +165,7 @@ static inline void krhpr_platform_spatial_a_line(
 }
 
 /* Angles whose sines and cosines `line_of_redundant` reads.  (no operations) */
-static inline void krhpr_platform_spatial_a_line_of_redundant_angles(
+KRHPR_STATIC void krhpr_platform_spatial_a_line_of_redundant_angles(
     double redundant, double *KRHPR_RESTRICT angle)
 {
     angle[0] = redundant;
@@ -173,7 +173,7 @@ static inline void krhpr_platform_spatial_a_line_of_redundant_angles(
 
 /* The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis: (1.33),
  * (1.34).  (7 add, 8 multiply) */
-static inline void krhpr_platform_spatial_a_line_of_redundant(
+KRHPR_STATIC void krhpr_platform_spatial_a_line_of_redundant(
     const krhpr_platform_spatial_a_geometry *g, int i, const double sine[1], const double cosine[1],
     double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT scale)
 {
@@ -197,7 +197,7 @@ static inline void krhpr_platform_spatial_a_line_of_redundant(
 
 /* Velocity of the end point from the platform's twist and the redundant coordinate's rate.  Thesis: (1.37)
  * differentiated.  (24 add, 21 multiply) */
-static inline void krhpr_platform_spatial_a_end_velocity(
+KRHPR_STATIC void krhpr_platform_spatial_a_end_velocity(
     const krhpr_platform_spatial_a_geometry *g, int i, const double p[3], const double Q[9],
     const double s[3], const double twist[6], double redundant_rates, double *KRHPR_RESTRICT s_dot)
 {
@@ -219,7 +219,7 @@ static inline void krhpr_platform_spatial_a_end_velocity(
 }
 
 /* Velocity and acceleration of the end point from those of the platform.  (72 add, 75 multiply) */
-static inline void krhpr_platform_spatial_a_end_acceleration(
+KRHPR_STATIC void krhpr_platform_spatial_a_end_acceleration(
     const krhpr_platform_spatial_a_geometry *g, int i, const double p[3], const double Q[9],
     const double s[3], const double twist[6], double redundant_rates, const double twist_rate[6],
     double redundant_accelerations, double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT s_ddot)
@@ -270,7 +270,7 @@ static inline void krhpr_platform_spatial_a_end_acceleration(
 
 /* J t_dot = N s_ddot + bias with bias = N_dot s_dot - J_dot t: what (1.30) gains when it is differentiated.
  * (67 add, 72 multiply) */
-static inline void krhpr_platform_spatial_a_row_bias(
+KRHPR_STATIC void krhpr_platform_spatial_a_row_bias(
     const krhpr_platform_spatial_a_geometry *g, int i, const double p[3], const double Q[9],
     const double s[3], const double twist[6], const double s_dot[3], double *KRHPR_RESTRICT bias)
 {
@@ -304,7 +304,7 @@ static inline void krhpr_platform_spatial_a_row_bias(
 }
 
 /* Orientation of the redundant link and the joint that ties it to the platform.  (18 add, 25 multiply) */
-static inline void krhpr_platform_spatial_a_joint(
+KRHPR_STATIC void krhpr_platform_spatial_a_joint(
     const krhpr_platform_spatial_a_geometry *g, int i, const double p[3], const double Q[9],
     const double s[3], double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT tail_y,
     double *KRHPR_RESTRICT tail_x)
@@ -337,7 +337,7 @@ static inline void krhpr_platform_spatial_a_joint(
 }
 
 /* Where the redundant link meets the platform.  (6 add, 6 multiply) */
-static inline void krhpr_platform_spatial_a_attachment(
+KRHPR_STATIC void krhpr_platform_spatial_a_attachment(
     const krhpr_platform_spatial_a_geometry *g, int i, const double p[3], const double Q[9],
     double *KRHPR_RESTRICT attachment)
 {
@@ -351,7 +351,7 @@ static inline void krhpr_platform_spatial_a_attachment(
 
 /* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (64
  * add, 98 multiply, 4 divide) */
-static inline void krhpr_platform_spatial_a_solve(
+KRHPR_STATIC void krhpr_platform_spatial_a_solve(
     const double Q[9], const double line[18], const double point[6], const double rate[6],
     double *KRHPR_RESTRICT twist, double *KRHPR_RESTRICT regularity)
 {
@@ -399,7 +399,7 @@ static inline void krhpr_platform_spatial_a_solve(
 /* Factors of det J and margins.  Singular where the three redundant links' lines meet in a point or are
  * parallel (det J_a = 0), or where S_1, S_2, S_3 are collinear (det J_n = 0; excluded for l < 3 R_p / 4,
  * (1.35)).  Thesis: 1.4, 2.3.2.  (12 add, 20 multiply, 2 divide) */
-static inline void krhpr_platform_spatial_a_type_2(
+KRHPR_STATIC void krhpr_platform_spatial_a_type_2(
     const double line[18], const double point[6], const double scale[6], double *KRHPR_RESTRICT type_2,
     double *KRHPR_RESTRICT margins)
 {
@@ -415,7 +415,7 @@ static inline void krhpr_platform_spatial_a_type_2(
 }
 
 /* How the leg holds the platform, for the forward kinematics.  (no operations) */
-static inline void krhpr_platform_spatial_a_tie(
+KRHPR_STATIC void krhpr_platform_spatial_a_tie(
     const krhpr_platform_spatial_a_geometry *g, int i, double *KRHPR_RESTRICT anchor,
     double *KRHPR_RESTRICT length)
 {
@@ -426,7 +426,7 @@ static inline void krhpr_platform_spatial_a_tie(
 
 /* The sextic in tan(phi / 2) that holds the three end points.  Thesis: 3.2.1, (3.1) to (3.4).  (127 add,
  * 178 multiply, 3 divide, 2 square root) */
-static inline void krhpr_platform_spatial_a_sextic(
+KRHPR_STATIC void krhpr_platform_spatial_a_sextic(
     const double s[9], const double anchor[6], const double length[3], double turned,
     double *KRHPR_RESTRICT sign, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
     double *KRHPR_RESTRICT axes, double *KRHPR_RESTRICT sextic)
@@ -567,7 +567,7 @@ static inline void krhpr_platform_spatial_a_sextic(
 
 /* The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (184 add, 232 multiply, 9 divide, 2
  * square root) */
-static inline void krhpr_platform_spatial_a_assembly(
+KRHPR_STATIC void krhpr_platform_spatial_a_assembly(
     const double root[2], const double s[9], const double anchor[6], const double length[3],
     const double points[6], const double axes[9], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q,
     double *KRHPR_RESTRICT det_J, double *KRHPR_RESTRICT miss, double *KRHPR_RESTRICT tail_y,
@@ -723,7 +723,7 @@ static inline void krhpr_platform_spatial_a_assembly(
 
 /* Where a box holds one solution: margins that are all at least zero there.  Thesis: errata 4, (1.35).  (32
  * add, 28 multiply, 3 divide) */
-static inline void krhpr_platform_spatial_a_uniqueness(
+KRHPR_STATIC void krhpr_platform_spatial_a_uniqueness(
     const double anchor[6], const double length[3], const double box[6], double *KRHPR_RESTRICT certificate)
 {
     const double R_1 = anchor[0] * anchor[0] + anchor[1] * anchor[1];
@@ -765,7 +765,7 @@ static inline void krhpr_platform_spatial_a_uniqueness(
 
 /* The pose nearby in the platform's plane, and whether steps from it are certain to converge.  Thesis:
  * 3.2.2, (3.4) to (3.9).  (107 add, 164 multiply, 8 divide, 10 square root, 1 select) */
-static inline void krhpr_platform_spatial_a_newton_start(
+KRHPR_STATIC void krhpr_platform_spatial_a_newton_start(
     const double s[9], const double anchor[6], const double length[3], const double p_near[3],
     const double Q_near[9], double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
     double *KRHPR_RESTRICT axes, double *KRHPR_RESTRICT centre, double *KRHPR_RESTRICT start,
@@ -891,7 +891,7 @@ static inline void krhpr_platform_spatial_a_newton_start(
 }
 
 /* Angles whose sines and cosines `newton_step` reads.  (no operations) */
-static inline void krhpr_platform_spatial_a_newton_step_angles(
+KRHPR_STATIC void krhpr_platform_spatial_a_newton_step_angles(
     const double state[5], double *KRHPR_RESTRICT angle)
 {
     angle[0] = state[0];
@@ -899,7 +899,7 @@ static inline void krhpr_platform_spatial_a_newton_step_angles(
 
 /* One Newton step of the links' lengths.  Thesis: 3.2.2, (3.4) to (3.9).  (63 add, 81 multiply, 4 divide, 1
  * square root) */
-static inline void krhpr_platform_spatial_a_newton_step(
+KRHPR_STATIC void krhpr_platform_spatial_a_newton_step(
     const double state[5], const double centre[2], const double anchor[6], const double length[3],
     const double points[6], const double sine[1], const double cosine[1], double *KRHPR_RESTRICT state_next,
     double *KRHPR_RESTRICT change)
@@ -955,7 +955,7 @@ static inline void krhpr_platform_spatial_a_newton_step(
 }
 
 /* The pose where the steps end.  Thesis: 3.2.2, (3.4) to (3.9).  (46 add, 54 multiply) */
-static inline void krhpr_platform_spatial_a_newton_pose(
+KRHPR_STATIC void krhpr_platform_spatial_a_newton_pose(
     const double s[9], const double state[5], const double anchor[6], const double points[6],
     const double axes[9], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT tail_y,
     double *KRHPR_RESTRICT tail_x)
@@ -1003,7 +1003,7 @@ static inline void krhpr_platform_spatial_a_newton_pose(
 }
 
 /* The redundant link where its angle is a half turn.  (no operations) */
-static inline void krhpr_platform_spatial_a_arm(
+KRHPR_STATIC void krhpr_platform_spatial_a_arm(
     const krhpr_platform_spatial_a_geometry *g, int i, double *KRHPR_RESTRICT arm)
 {
     arm[0] = g->k[2][i];
@@ -1011,14 +1011,14 @@ static inline void krhpr_platform_spatial_a_arm(
 }
 
 /* Angles whose sines and cosines `turns_1` reads.  (no operations) */
-static inline void krhpr_platform_spatial_a_turns_1_angles(
+KRHPR_STATIC void krhpr_platform_spatial_a_turns_1_angles(
     const double measured[1], double *KRHPR_RESTRICT angle)
 {
     angle[0] = measured[0];
 }
 
 /* Cosines and sines of measured angles.  (no operations) */
-static inline void krhpr_platform_spatial_a_turns_1(
+KRHPR_STATIC void krhpr_platform_spatial_a_turns_1(
     const double sine[1], const double cosine[1], double *KRHPR_RESTRICT turns)
 {
     turns[0] = cosine[0];
@@ -1026,7 +1026,7 @@ static inline void krhpr_platform_spatial_a_turns_1(
 }
 
 /* Angles whose sines and cosines `turns_2` reads.  (no operations) */
-static inline void krhpr_platform_spatial_a_turns_2_angles(
+KRHPR_STATIC void krhpr_platform_spatial_a_turns_2_angles(
     const double measured[2], double *KRHPR_RESTRICT angle)
 {
     angle[0] = measured[0];
@@ -1034,7 +1034,7 @@ static inline void krhpr_platform_spatial_a_turns_2_angles(
 }
 
 /* Cosines and sines of measured angles.  (no operations) */
-static inline void krhpr_platform_spatial_a_turns_2(
+KRHPR_STATIC void krhpr_platform_spatial_a_turns_2(
     const double sine[2], const double cosine[2], double *KRHPR_RESTRICT turns)
 {
     turns[0] = cosine[0];
@@ -1044,7 +1044,7 @@ static inline void krhpr_platform_spatial_a_turns_2(
 }
 
 /* Angles whose sines and cosines `turns_3` reads.  (no operations) */
-static inline void krhpr_platform_spatial_a_turns_3_angles(
+KRHPR_STATIC void krhpr_platform_spatial_a_turns_3_angles(
     const double measured[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = measured[0];
@@ -1053,7 +1053,7 @@ static inline void krhpr_platform_spatial_a_turns_3_angles(
 }
 
 /* Cosines and sines of measured angles.  (no operations) */
-static inline void krhpr_platform_spatial_a_turns_3(
+KRHPR_STATIC void krhpr_platform_spatial_a_turns_3(
     const double sine[3], const double cosine[3], double *KRHPR_RESTRICT turns)
 {
     turns[0] = cosine[0];
@@ -1066,7 +1066,7 @@ static inline void krhpr_platform_spatial_a_turns_3(
 
 /* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (98 add, 131 multiply, 5
  * divide, 5 square root, 4 select) */
-static inline void krhpr_platform_spatial_a_one_encoder(
+KRHPR_STATIC void krhpr_platform_spatial_a_one_encoder(
     const double s[9], const double turns[2], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT radicand,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT mismatch,
@@ -1180,7 +1180,7 @@ static inline void krhpr_platform_spatial_a_one_encoder(
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
  * (3.24).  (49 add, 68 multiply, 5 divide, 3 square root, 1 select) */
-static inline void krhpr_platform_spatial_a_two_encoders(
+KRHPR_STATIC void krhpr_platform_spatial_a_two_encoders(
     const double s[9], const double turns[4], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
     double *KRHPR_RESTRICT axes, double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT spread,
@@ -1262,7 +1262,7 @@ static inline void krhpr_platform_spatial_a_two_encoders(
 
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
  * 3.2.5, (3.30).  (65 add, 84 multiply, 5 divide, 7 square root, 5 select) */
-static inline void krhpr_platform_spatial_a_three_encoders(
+KRHPR_STATIC void krhpr_platform_spatial_a_three_encoders(
     const double s[9], const double turns[6], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
     double *KRHPR_RESTRICT axes, double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT spread,
@@ -1367,7 +1367,7 @@ static inline void krhpr_platform_spatial_a_three_encoders(
 
 /* One Gauss-Newton step with encoders at 2 legs.  Thesis: 3.2.6, (3.32), (3.33).  (157 add, 264 multiply, 8
  * divide) */
-static inline void krhpr_platform_spatial_a_gauss_newton_2(
+KRHPR_STATIC void krhpr_platform_spatial_a_gauss_newton_2(
     const double state[6], const double weights[3], const double points[6], const double ends[4],
     const double anchor[6], const double length[3], double *KRHPR_RESTRICT state_next,
     double *KRHPR_RESTRICT change)
@@ -1489,7 +1489,7 @@ static inline void krhpr_platform_spatial_a_gauss_newton_2(
 
 /* One Gauss-Newton step with encoders at 3 legs.  Thesis: 3.2.6, (3.32), (3.33).  (136 add, 220 multiply, 7
  * divide) */
-static inline void krhpr_platform_spatial_a_gauss_newton_3(
+KRHPR_STATIC void krhpr_platform_spatial_a_gauss_newton_3(
     const double state[6], const double weights[3], const double points[6], const double ends[6],
     double *KRHPR_RESTRICT state_next, double *KRHPR_RESTRICT change)
 {
@@ -1593,7 +1593,7 @@ static inline void krhpr_platform_spatial_a_gauss_newton_3(
 
 /* The pose from U and p in the plane, U made a rotation.  Thesis: 3.3.  (19 add, 34 multiply, 1 divide, 1
  * square root) */
-static inline void krhpr_platform_spatial_a_encoder_pose(
+KRHPR_STATIC void krhpr_platform_spatial_a_encoder_pose(
     const double s[9], const double state[6], const double axes[9], double *KRHPR_RESTRICT direction,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT raw)
 {

@@ -23,7 +23,7 @@ typedef struct {
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (3 add, 6 multiply, 1 sine cosine) */
-static inline void krhpr_platform_spatial_b_prepare(krhpr_platform_spatial_b_geometry *g, int i)
+KRHPR_STATIC void krhpr_platform_spatial_b_prepare(krhpr_platform_spatial_b_geometry *g, int i)
 {
     double t1, t_1; krhpr_sincos(g->platform_azimuth[i], &t1, &t_1);
     const double t2 = g->R_p[i] - g->l_r[i];
@@ -46,7 +46,7 @@ static inline void krhpr_platform_spatial_b_prepare(krhpr_platform_spatial_b_geo
 }
 
 /* End point of the sub-leg, arrangement (b).  Thesis: (1.37), 2.5.  (8 add, 8 multiply) */
-static inline void krhpr_platform_spatial_b_end_point(
+KRHPR_STATIC void krhpr_platform_spatial_b_end_point(
     const krhpr_platform_spatial_b_geometry *g, int i, const double p[3], const double Q[9],
     double redundant, double *KRHPR_RESTRICT s)
 {
@@ -58,7 +58,7 @@ static inline void krhpr_platform_spatial_b_end_point(
 }
 
 /* Redundant coordinate: slide d_i of S_i along t_i = e_t, signed.  (10 add, 9 multiply) */
-static inline void krhpr_platform_spatial_b_redundant(
+KRHPR_STATIC void krhpr_platform_spatial_b_redundant(
     const krhpr_platform_spatial_b_geometry *g, int i, const double p[3], const double Q[9],
     const double s[3], double *KRHPR_RESTRICT redundant)
 {
@@ -70,7 +70,7 @@ static inline void krhpr_platform_spatial_b_redundant(
 }
 
 /* Residuals of the constraint equations.  Thesis: (2.19), (2.21).  (12 add, 12 multiply) */
-static inline void krhpr_platform_spatial_b_residual(
+KRHPR_STATIC void krhpr_platform_spatial_b_residual(
     const krhpr_platform_spatial_b_geometry *g, int i, const double p[3], const double Q[9],
     const double s[3], double *KRHPR_RESTRICT residual)
 {
@@ -85,7 +85,7 @@ static inline void krhpr_platform_spatial_b_residual(
 }
 
 /* Rows of J, and the directions N with J t = N s_dot.  Thesis: (1.31), (2.28).  (12 add, 18 multiply) */
-static inline void krhpr_platform_spatial_b_rows(
+KRHPR_STATIC void krhpr_platform_spatial_b_rows(
     const krhpr_platform_spatial_b_geometry *g, int i, const double p[3], const double Q[9],
     const double s[3], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT N)
 {
@@ -117,7 +117,7 @@ static inline void krhpr_platform_spatial_b_rows(
 
 /* The leg's line in the platform frame (direction, moment about O'), its end point there, and N.  Thesis:
  * (1.33), (1.34).  (21 add, 30 multiply) */
-static inline void krhpr_platform_spatial_b_line(
+KRHPR_STATIC void krhpr_platform_spatial_b_line(
     const krhpr_platform_spatial_b_geometry *g, int i, const double p[3], const double Q[9],
     const double s[3], double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT N,
     double *KRHPR_RESTRICT scale)
@@ -154,7 +154,7 @@ static inline void krhpr_platform_spatial_b_line(
 
 /* The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis: (1.33),
  * (1.34).  (3 add, 4 multiply) */
-static inline void krhpr_platform_spatial_b_line_of_redundant(
+KRHPR_STATIC void krhpr_platform_spatial_b_line_of_redundant(
     const krhpr_platform_spatial_b_geometry *g, int i, double redundant, double *KRHPR_RESTRICT line,
     double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT scale)
 {
@@ -175,7 +175,7 @@ static inline void krhpr_platform_spatial_b_line_of_redundant(
 
 /* Velocity of the end point from the platform's twist and the redundant coordinate's rate.  Thesis: (1.37)
  * differentiated.  (15 add, 15 multiply) */
-static inline void krhpr_platform_spatial_b_end_velocity(
+KRHPR_STATIC void krhpr_platform_spatial_b_end_velocity(
     const krhpr_platform_spatial_b_geometry *g, int i, const double p[3], const double Q[9],
     const double s[3], const double twist[6], double redundant_rates, double *KRHPR_RESTRICT s_dot)
 {
@@ -194,7 +194,7 @@ static inline void krhpr_platform_spatial_b_end_velocity(
 }
 
 /* Velocity and acceleration of the end point from those of the platform.  (45 add, 51 multiply) */
-static inline void krhpr_platform_spatial_b_end_acceleration(
+KRHPR_STATIC void krhpr_platform_spatial_b_end_acceleration(
     const krhpr_platform_spatial_b_geometry *g, int i, const double p[3], const double Q[9],
     const double s[3], const double twist[6], double redundant_rates, const double twist_rate[6],
     double redundant_accelerations, double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT s_ddot)
@@ -230,7 +230,7 @@ static inline void krhpr_platform_spatial_b_end_acceleration(
 
 /* J t_dot = N s_ddot + bias with bias = N_dot s_dot - J_dot t: what (1.30) gains when it is differentiated.
  * (55 add, 72 multiply) */
-static inline void krhpr_platform_spatial_b_row_bias(
+KRHPR_STATIC void krhpr_platform_spatial_b_row_bias(
     const krhpr_platform_spatial_b_geometry *g, int i, const double p[3], const double Q[9],
     const double s[3], const double twist[6], const double s_dot[3], double *KRHPR_RESTRICT bias)
 {
@@ -258,7 +258,7 @@ static inline void krhpr_platform_spatial_b_row_bias(
 }
 
 /* Orientation of the redundant link and the joint that ties it to the platform.  (13 add, 15 multiply) */
-static inline void krhpr_platform_spatial_b_joint(
+KRHPR_STATIC void krhpr_platform_spatial_b_joint(
     const krhpr_platform_spatial_b_geometry *g, int i, const double p[3], const double Q[9],
     const double s[3], double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT platform_joint)
 {
@@ -282,7 +282,7 @@ static inline void krhpr_platform_spatial_b_joint(
 }
 
 /* Where the redundant link meets the platform.  (6 add, 9 multiply) */
-static inline void krhpr_platform_spatial_b_attachment(
+KRHPR_STATIC void krhpr_platform_spatial_b_attachment(
     const krhpr_platform_spatial_b_geometry *g, int i, const double Q[9], const double s[3],
     double *KRHPR_RESTRICT attachment)
 {
@@ -296,7 +296,7 @@ static inline void krhpr_platform_spatial_b_attachment(
 
 /* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (64
  * add, 98 multiply, 4 divide) */
-static inline void krhpr_platform_spatial_b_solve(
+KRHPR_STATIC void krhpr_platform_spatial_b_solve(
     const double Q[9], const double line[18], const double point[6], const double rate[6],
     double *KRHPR_RESTRICT twist, double *KRHPR_RESTRICT regularity)
 {
@@ -345,7 +345,7 @@ static inline void krhpr_platform_spatial_b_solve(
  * -(sqrt3/2)(d_1 + d_2 + d_3)), or where S_1, S_2, S_3 are collinear: 3 h^2 + d_1 d_2 + d_2 d_3 + d_3 d_1 =
  * 0 with h = R_p - l_r, which the thesis leaves out and |d_i| < sqrt(3) |h| excludes (equal legs at 120
  * deg).  Thesis: 1.4, 2.3.2.  (10 add, 13 multiply) */
-static inline void krhpr_platform_spatial_b_type_2(
+KRHPR_STATIC void krhpr_platform_spatial_b_type_2(
     const double line[18], const double point[6], const double scale[6], double *KRHPR_RESTRICT type_2,
     double *KRHPR_RESTRICT margins)
 {
@@ -361,7 +361,7 @@ static inline void krhpr_platform_spatial_b_type_2(
 }
 
 /* How the leg holds the platform, for the forward kinematics.  (no operations) */
-static inline void krhpr_platform_spatial_b_tie(
+KRHPR_STATIC void krhpr_platform_spatial_b_tie(
     const krhpr_platform_spatial_b_geometry *g, int i, double *KRHPR_RESTRICT slide,
     double *KRHPR_RESTRICT distance, double *KRHPR_RESTRICT start)
 {
@@ -373,7 +373,7 @@ static inline void krhpr_platform_spatial_b_tie(
 
 /* Both poses of the platform that hold the three end points.  Thesis: (2.19), (2.21).  (143 add, 214
  * multiply, 6 divide, 3 square root) */
-static inline void krhpr_platform_spatial_b_assembly_modes(
+KRHPR_STATIC void krhpr_platform_spatial_b_assembly_modes(
     const double s[9], const double slide[6], const double distance[3], const double start[3], double turned,
     double *KRHPR_RESTRICT sign, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT breadth,
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q,
@@ -521,7 +521,7 @@ static inline void krhpr_platform_spatial_b_assembly_modes(
 
 /* The pose of the platform that holds the three end points, on one side of type II.  Thesis: (2.19),
  * (2.21).  (86 add, 140 multiply, 7 divide, 3 square root) */
-static inline void krhpr_platform_spatial_b_assembly_mode(
+KRHPR_STATIC void krhpr_platform_spatial_b_assembly_mode(
     const double s[9], const double slide[6], const double distance[3], const double start[3], double side,
     double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT radicand,
     double *KRHPR_RESTRICT sign, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q,
@@ -619,7 +619,7 @@ static inline void krhpr_platform_spatial_b_assembly_mode(
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
  * (3.24).  (47 add, 72 multiply, 5 divide, 3 square root, 1 select) */
-static inline void krhpr_platform_spatial_b_two_encoders(
+KRHPR_STATIC void krhpr_platform_spatial_b_two_encoders(
     const double s[9], const double measured[2], const double slide[6], const double distance[3],
     const double start[3], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
     double *KRHPR_RESTRICT axes, double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT spread,
@@ -703,7 +703,7 @@ static inline void krhpr_platform_spatial_b_two_encoders(
 
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
  * 3.2.5, (3.30).  (62 add, 88 multiply, 5 divide, 7 square root, 5 select) */
-static inline void krhpr_platform_spatial_b_three_encoders(
+KRHPR_STATIC void krhpr_platform_spatial_b_three_encoders(
     const double s[9], const double measured[3], const double slide[6], const double distance[3],
     const double start[3], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
     double *KRHPR_RESTRICT axes, double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT spread,
@@ -811,7 +811,7 @@ static inline void krhpr_platform_spatial_b_three_encoders(
 
 /* One Gauss-Newton step with encoders at 2 legs.  Thesis: 3.2.6, (3.32), (3.33).  (162 add, 265 multiply, 7
  * divide) */
-static inline void krhpr_platform_spatial_b_gauss_newton_2(
+KRHPR_STATIC void krhpr_platform_spatial_b_gauss_newton_2(
     const double state[6], const double weights[3], const double points[6], const double ends[4],
     const double slide[6], const double distance[3], double *KRHPR_RESTRICT state_next,
     double *KRHPR_RESTRICT change)
@@ -931,7 +931,7 @@ static inline void krhpr_platform_spatial_b_gauss_newton_2(
 
 /* One Gauss-Newton step with encoders at 3 legs.  Thesis: 3.2.6, (3.32), (3.33).  (136 add, 220 multiply, 7
  * divide) */
-static inline void krhpr_platform_spatial_b_gauss_newton_3(
+KRHPR_STATIC void krhpr_platform_spatial_b_gauss_newton_3(
     const double state[6], const double weights[3], const double points[6], const double ends[6],
     double *KRHPR_RESTRICT state_next, double *KRHPR_RESTRICT change)
 {
@@ -1035,7 +1035,7 @@ static inline void krhpr_platform_spatial_b_gauss_newton_3(
 
 /* The pose from U and p in the plane, U made a rotation.  Thesis: 3.3.  (19 add, 34 multiply, 1 divide, 1
  * square root) */
-static inline void krhpr_platform_spatial_b_encoder_pose(
+KRHPR_STATIC void krhpr_platform_spatial_b_encoder_pose(
     const double s[9], const double state[6], const double axes[9], double *KRHPR_RESTRICT direction,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT raw)
 {

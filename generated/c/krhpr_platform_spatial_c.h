@@ -19,7 +19,7 @@ typedef struct {
 
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (1 sine cosine) */
-static inline void krhpr_platform_spatial_c_prepare(krhpr_platform_spatial_c_geometry *g, int i)
+KRHPR_STATIC void krhpr_platform_spatial_c_prepare(krhpr_platform_spatial_c_geometry *g, int i)
 {
     double t_1, t_0; krhpr_sincos(g->platform_azimuth[i], &t_1, &t_0);
     g->t[0][i] = t_0;
@@ -27,7 +27,7 @@ static inline void krhpr_platform_spatial_c_prepare(krhpr_platform_spatial_c_geo
 }
 
 /* End point of the sub-leg, arrangement (c).  Thesis: (1.37), 2.5.  (6 add, 9 multiply) */
-static inline void krhpr_platform_spatial_c_end_point(
+KRHPR_STATIC void krhpr_platform_spatial_c_end_point(
     const krhpr_platform_spatial_c_geometry *g, int i, const double p[3], const double Q[9],
     double redundant, double *KRHPR_RESTRICT s)
 {
@@ -40,7 +40,7 @@ static inline void krhpr_platform_spatial_c_end_point(
 }
 
 /* Redundant coordinate: slide d_i of S_i along t_i = e_r, from O', signed.  (8 add, 9 multiply) */
-static inline void krhpr_platform_spatial_c_redundant(
+KRHPR_STATIC void krhpr_platform_spatial_c_redundant(
     const krhpr_platform_spatial_c_geometry *g, int i, const double p[3], const double Q[9],
     const double s[3], double *KRHPR_RESTRICT redundant)
 {
@@ -51,7 +51,7 @@ static inline void krhpr_platform_spatial_c_redundant(
 }
 
 /* Residuals of the constraint equations.  Thesis: (2.30), (2.31).  (10 add, 12 multiply) */
-static inline void krhpr_platform_spatial_c_residual(
+KRHPR_STATIC void krhpr_platform_spatial_c_residual(
     const krhpr_platform_spatial_c_geometry *g, int i, const double p[3], const double Q[9],
     const double s[3], double *KRHPR_RESTRICT residual)
 {
@@ -66,7 +66,7 @@ static inline void krhpr_platform_spatial_c_residual(
 }
 
 /* Rows of J, and the directions N with J t = N s_dot.  Thesis: (1.31), (2.28).  (12 add, 18 multiply) */
-static inline void krhpr_platform_spatial_c_rows(
+KRHPR_STATIC void krhpr_platform_spatial_c_rows(
     const krhpr_platform_spatial_c_geometry *g, int i, const double p[3], const double Q[9],
     const double s[3], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT N)
 {
@@ -98,7 +98,7 @@ static inline void krhpr_platform_spatial_c_rows(
 
 /* The leg's line in the platform frame (direction, moment about O'), its end point there, and N.  Thesis:
  * (1.33), (1.34).  (21 add, 30 multiply) */
-static inline void krhpr_platform_spatial_c_line(
+KRHPR_STATIC void krhpr_platform_spatial_c_line(
     const krhpr_platform_spatial_c_geometry *g, int i, const double p[3], const double Q[9],
     const double s[3], double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT N,
     double *KRHPR_RESTRICT scale)
@@ -135,7 +135,7 @@ static inline void krhpr_platform_spatial_c_line(
 
 /* The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis: (1.33),
  * (1.34).  (1 add, 4 multiply) */
-static inline void krhpr_platform_spatial_c_line_of_redundant(
+KRHPR_STATIC void krhpr_platform_spatial_c_line_of_redundant(
     const krhpr_platform_spatial_c_geometry *g, int i, double redundant, double *KRHPR_RESTRICT line,
     double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT scale)
 {
@@ -156,7 +156,7 @@ static inline void krhpr_platform_spatial_c_line_of_redundant(
 
 /* Velocity of the end point from the platform's twist and the redundant coordinate's rate.  Thesis: (1.37)
  * differentiated.  (15 add, 15 multiply) */
-static inline void krhpr_platform_spatial_c_end_velocity(
+KRHPR_STATIC void krhpr_platform_spatial_c_end_velocity(
     const krhpr_platform_spatial_c_geometry *g, int i, const double p[3], const double Q[9],
     const double s[3], const double twist[6], double redundant_rates, double *KRHPR_RESTRICT s_dot)
 {
@@ -175,7 +175,7 @@ static inline void krhpr_platform_spatial_c_end_velocity(
 }
 
 /* Velocity and acceleration of the end point from those of the platform.  (45 add, 51 multiply) */
-static inline void krhpr_platform_spatial_c_end_acceleration(
+KRHPR_STATIC void krhpr_platform_spatial_c_end_acceleration(
     const krhpr_platform_spatial_c_geometry *g, int i, const double p[3], const double Q[9],
     const double s[3], const double twist[6], double redundant_rates, const double twist_rate[6],
     double redundant_accelerations, double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT s_ddot)
@@ -211,7 +211,7 @@ static inline void krhpr_platform_spatial_c_end_acceleration(
 
 /* J t_dot = N s_ddot + bias with bias = N_dot s_dot - J_dot t: what (1.30) gains when it is differentiated.
  * (55 add, 72 multiply) */
-static inline void krhpr_platform_spatial_c_row_bias(
+KRHPR_STATIC void krhpr_platform_spatial_c_row_bias(
     const krhpr_platform_spatial_c_geometry *g, int i, const double p[3], const double Q[9],
     const double s[3], const double twist[6], const double s_dot[3], double *KRHPR_RESTRICT bias)
 {
@@ -239,7 +239,7 @@ static inline void krhpr_platform_spatial_c_row_bias(
 }
 
 /* Orientation of the redundant link and the joint that ties it to the platform.  (11 add, 15 multiply) */
-static inline void krhpr_platform_spatial_c_joint(
+KRHPR_STATIC void krhpr_platform_spatial_c_joint(
     const krhpr_platform_spatial_c_geometry *g, int i, const double p[3], const double Q[9],
     const double s[3], double *KRHPR_RESTRICT redundant_link, double *KRHPR_RESTRICT platform_joint)
 {
@@ -262,7 +262,7 @@ static inline void krhpr_platform_spatial_c_joint(
 }
 
 /* Where the redundant link meets the platform.  (no operations) */
-static inline void krhpr_platform_spatial_c_attachment(
+KRHPR_STATIC void krhpr_platform_spatial_c_attachment(
     const krhpr_platform_spatial_c_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT attachment)
 {
     (void)(g);
@@ -274,7 +274,7 @@ static inline void krhpr_platform_spatial_c_attachment(
 
 /* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (64
  * add, 98 multiply, 4 divide) */
-static inline void krhpr_platform_spatial_c_solve(
+KRHPR_STATIC void krhpr_platform_spatial_c_solve(
     const double Q[9], const double line[18], const double point[6], const double rate[6],
     double *KRHPR_RESTRICT twist, double *KRHPR_RESTRICT regularity)
 {
@@ -322,7 +322,7 @@ static inline void krhpr_platform_spatial_c_solve(
 /* Factors of det J and margins.  Free of type II singularities if all d_i >= 0 and at most one is zero (the
  * thesis says completely free, which holds only with this slide limit); det J_a = (sqrt3/2)(d_1 + d_2 +
  * d_3), det J_n = (sqrt3/2)(d_1 d_2 + d_2 d_3 + d_3 d_1).  Thesis: 1.4, 2.3.2.  (10 add, 13 multiply) */
-static inline void krhpr_platform_spatial_c_type_2(
+KRHPR_STATIC void krhpr_platform_spatial_c_type_2(
     const double line[18], const double point[6], const double scale[6], double *KRHPR_RESTRICT type_2,
     double *KRHPR_RESTRICT margins)
 {
@@ -338,7 +338,7 @@ static inline void krhpr_platform_spatial_c_type_2(
 }
 
 /* How the leg holds the platform, for the forward kinematics.  (no operations) */
-static inline void krhpr_platform_spatial_c_tie(
+KRHPR_STATIC void krhpr_platform_spatial_c_tie(
     const krhpr_platform_spatial_c_geometry *g, int i, double *KRHPR_RESTRICT slide)
 {
     slide[0] = g->t[0][i];
@@ -347,7 +347,7 @@ static inline void krhpr_platform_spatial_c_tie(
 
 /* Both poses of the platform that hold the three end points.  Thesis: (2.30), (2.31).  (117 add, 189
  * multiply, 6 divide, 3 square root) */
-static inline void krhpr_platform_spatial_c_assembly_modes(
+KRHPR_STATIC void krhpr_platform_spatial_c_assembly_modes(
     const double s[9], const double slide[6], double turned, double *KRHPR_RESTRICT sign,
     double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT radicand,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant,
@@ -495,7 +495,7 @@ static inline void krhpr_platform_spatial_c_assembly_modes(
 
 /* The pose of the platform that holds the three end points, on one side of type II.  Thesis: (2.30),
  * (2.31).  (71 add, 126 multiply, 7 divide, 3 square root) */
-static inline void krhpr_platform_spatial_c_assembly_mode(
+KRHPR_STATIC void krhpr_platform_spatial_c_assembly_mode(
     const double s[9], const double slide[6], double side, double *KRHPR_RESTRICT flatness,
     double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT sign,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant,
@@ -586,7 +586,7 @@ static inline void krhpr_platform_spatial_c_assembly_mode(
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
  * (3.24).  (41 add, 68 multiply, 5 divide, 3 square root, 1 select) */
-static inline void krhpr_platform_spatial_c_two_encoders(
+KRHPR_STATIC void krhpr_platform_spatial_c_two_encoders(
     const double s[9], const double measured[2], const double slide[6], double tolerance,
     double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT axes,
     double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT spread, double *KRHPR_RESTRICT linear,
@@ -668,7 +668,7 @@ static inline void krhpr_platform_spatial_c_two_encoders(
 
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
  * 3.2.5, (3.30).  (53 add, 82 multiply, 5 divide, 7 square root, 5 select) */
-static inline void krhpr_platform_spatial_c_three_encoders(
+KRHPR_STATIC void krhpr_platform_spatial_c_three_encoders(
     const double s[9], const double measured[3], const double slide[6], double tolerance,
     double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT axes,
     double *KRHPR_RESTRICT ends, double *KRHPR_RESTRICT spread, double *KRHPR_RESTRICT linear,
@@ -773,7 +773,7 @@ static inline void krhpr_platform_spatial_c_three_encoders(
 
 /* One Gauss-Newton step with encoders at 2 legs.  Thesis: 3.2.6, (3.32), (3.33).  (155 add, 255 multiply, 7
  * divide) */
-static inline void krhpr_platform_spatial_c_gauss_newton_2(
+KRHPR_STATIC void krhpr_platform_spatial_c_gauss_newton_2(
     const double state[6], const double weights[3], const double points[6], const double ends[4],
     const double slide[6], double *KRHPR_RESTRICT state_next, double *KRHPR_RESTRICT change)
 {
@@ -892,7 +892,7 @@ static inline void krhpr_platform_spatial_c_gauss_newton_2(
 
 /* One Gauss-Newton step with encoders at 3 legs.  Thesis: 3.2.6, (3.32), (3.33).  (136 add, 220 multiply, 7
  * divide) */
-static inline void krhpr_platform_spatial_c_gauss_newton_3(
+KRHPR_STATIC void krhpr_platform_spatial_c_gauss_newton_3(
     const double state[6], const double weights[3], const double points[6], const double ends[6],
     double *KRHPR_RESTRICT state_next, double *KRHPR_RESTRICT change)
 {
@@ -996,7 +996,7 @@ static inline void krhpr_platform_spatial_c_gauss_newton_3(
 
 /* The pose from U and p in the plane, U made a rotation.  Thesis: 3.3.  (19 add, 34 multiply, 1 divide, 1
  * square root) */
-static inline void krhpr_platform_spatial_c_encoder_pose(
+KRHPR_STATIC void krhpr_platform_spatial_c_encoder_pose(
     const double s[9], const double state[6], const double axes[9], double *KRHPR_RESTRICT direction,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT raw)
 {

@@ -150,7 +150,7 @@ KRHPR_INLINE void krhpr_return_4(double *to, ptrdiff_t step, const krhpr_lanes_a
 #endif
 
 /* How many of n numbers are turned by fours. */
-static inline int krhpr_by_fours(int n)
+KRHPR_STATIC int krhpr_by_fours(int n)
 {
 #if KRHPR_LANES == 2
     (void)n;
@@ -162,14 +162,14 @@ static inline int krhpr_by_fours(int n)
 #endif
 
 /* How many of the poses of a batch are computed together: all, but a few that are left over and quicker one by one. */
-static inline ptrdiff_t krhpr_poses_together(size_t count)
+KRHPR_STATIC ptrdiff_t krhpr_poses_together(size_t count)
 {
     const ptrdiff_t rest = (ptrdiff_t)(count % KRHPR_LANES);
     return (ptrdiff_t)count - (3 * rest <= KRHPR_LANES ? rest : 0);
 }
 
 /* How many of the poses left fit. */
-static inline int krhpr_poses_here(size_t left)
+KRHPR_STATIC int krhpr_poses_here(size_t left)
 {
     return left < KRHPR_LANES ? (int)left : KRHPR_LANES;
 }
@@ -229,7 +229,7 @@ KRHPR_OUTLINE void krhpr_poses_store(double *to, ptrdiff_t step, const krhpr_lan
 
 /* The same where a number's values for one pose after the other follow one another, and those of the next number `row`
  * doubles behind: whether the array can be used as it is. */
-static inline int krhpr_poses_lie_ready(ptrdiff_t row, int here)
+KRHPR_STATIC int krhpr_poses_lie_ready(ptrdiff_t row, int here)
 {
     return here == KRHPR_LANES && row == KRHPR_LANES;
 }
@@ -263,7 +263,7 @@ KRHPR_OUTLINE void krhpr_poses_store_rows(double *to, ptrdiff_t row, const krhpr
 }
 
 /* Input and output arrays of a kernel: in their place, or in `room`. */
-static inline const krhpr_lanes_at *krhpr_poses_in(krhpr_lanes *room, const double *from, ptrdiff_t row, int size, int here)
+KRHPR_STATIC const krhpr_lanes_at *krhpr_poses_in(krhpr_lanes *room, const double *from, ptrdiff_t row, int size, int here)
 {
     if (krhpr_poses_lie_ready(row, here)) {
         return (const krhpr_lanes_at *)from;
@@ -272,12 +272,12 @@ static inline const krhpr_lanes_at *krhpr_poses_in(krhpr_lanes *room, const doub
     return room;
 }
 
-static inline krhpr_lanes_at *krhpr_poses_out(krhpr_lanes *room, double *to, ptrdiff_t row, int here)
+KRHPR_STATIC krhpr_lanes_at *krhpr_poses_out(krhpr_lanes *room, double *to, ptrdiff_t row, int here)
 {
     return krhpr_poses_lie_ready(row, here) ? (krhpr_lanes_at *)to : room;
 }
 
-static inline void krhpr_poses_done(const krhpr_lanes *room, double *to, ptrdiff_t row, int size, int here)
+KRHPR_STATIC void krhpr_poses_done(const krhpr_lanes *room, double *to, ptrdiff_t row, int size, int here)
 {
     if (!krhpr_poses_lie_ready(row, here)) {
         krhpr_poses_store_rows(to, row, room, size, here);
@@ -285,14 +285,14 @@ static inline void krhpr_poses_done(const krhpr_lanes *room, double *to, ptrdiff
 }
 
 /* One pose of such arrays. */
-static inline void krhpr_pose_load(double *to, const double *from, ptrdiff_t row, int size)
+KRHPR_STATIC void krhpr_pose_load(double *to, const double *from, ptrdiff_t row, int size)
 {
     for (int k = 0; k < size; ++k) {
         to[k] = from[k * row];
     }
 }
 
-static inline void krhpr_pose_store(double *to, ptrdiff_t row, const double *from, int size)
+KRHPR_STATIC void krhpr_pose_store(double *to, ptrdiff_t row, const double *from, int size)
 {
     for (int k = 0; k < size; ++k) {
         to[k * row] = from[k];
@@ -302,7 +302,7 @@ static inline void krhpr_pose_store(double *to, ptrdiff_t row, const double *fro
 /* -- answers that do not exist ----------------------------------------------------------------------------------------- */
 
 /* Zero in the lanes where all n numbers are finite, NaN elsewhere; taints add up. */
-static inline krhpr_lanes krhpr_poses_taint(const krhpr_lanes_at *x, int n)
+KRHPR_STATIC krhpr_lanes krhpr_poses_taint(const krhpr_lanes_at *x, int n)
 {
     krhpr_lanes taint = krhpr_all(0.0);
     KRHPR_ROLLED
@@ -322,7 +322,7 @@ KRHPR_OUTLINE void krhpr_poses_keep(krhpr_ints condition, krhpr_lanes_at *x, int
 }
 
 /* The same status in all lanes. */
-static inline krhpr_ints krhpr_all_status(int status)
+KRHPR_STATIC krhpr_ints krhpr_all_status(int status)
 {
 #if KRHPR_LANES == 1
     return status;
@@ -332,13 +332,13 @@ static inline krhpr_ints krhpr_all_status(int status)
 #endif
 }
 
-static inline krhpr_ints krhpr_is_ok(krhpr_ints status)
+KRHPR_STATIC krhpr_ints krhpr_is_ok(krhpr_ints status)
 {
     return (krhpr_ints)(status == krhpr_all_status(KRHPR_OK));
 }
 
 /* A new status in the lanes where a condition fails that had none. */
-static inline krhpr_ints krhpr_expect(krhpr_ints condition, krhpr_ints status, int otherwise)
+KRHPR_STATIC krhpr_ints krhpr_expect(krhpr_ints condition, krhpr_ints status, int otherwise)
 {
     const krhpr_ints failed = krhpr_not(condition) & krhpr_is_ok(status);
 #if KRHPR_LANES == 1
@@ -349,7 +349,7 @@ static inline krhpr_ints krhpr_expect(krhpr_ints condition, krhpr_ints status, i
 }
 
 /* A status in the lanes where a condition fails, whatever they had. */
-static inline krhpr_ints krhpr_demand(krhpr_ints condition, krhpr_ints status, int otherwise)
+KRHPR_STATIC krhpr_ints krhpr_demand(krhpr_ints condition, krhpr_ints status, int otherwise)
 {
 #if KRHPR_LANES == 1
     return condition ? status : otherwise;

@@ -26,14 +26,14 @@ typedef struct {
     int ends[2];                      /* signs at the ends, 0 where a root is taken to lie; once known they do not change */
 } krhpr_roots_interval;
 
-static inline int krhpr_roots_sign(double value, double error)
+KRHPR_STATIC int krhpr_roots_sign(double value, double error)
 {
     return (value > error) - (value < -error);
 }
 
 /* Roots inside an open interval: 0 or 1 where that is certain, else -1.  An end without a sign is a root of its own; it is told
  * from others only where there are none. */
-static inline int krhpr_roots_inside(int n, const krhpr_roots_interval *here)
+KRHPR_STATIC int krhpr_roots_inside(int n, const krhpr_roots_interval *here)
 {
     const double *b = here->b, error = here->error;
     const int first = here->ends[0] != 0 ? here->ends[0] : krhpr_roots_sign(b[1], error);
@@ -61,7 +61,7 @@ static inline int krhpr_roots_inside(int n, const krhpr_roots_interval *here)
 }
 
 /* Where the control polygon of an interval with one root crosses zero: close to the root, as a part of the interval. */
-static inline double krhpr_roots_crossing(int n, const krhpr_roots_interval *here)
+KRHPR_STATIC double krhpr_roots_crossing(int n, const krhpr_roots_interval *here)
 {
     const double *b = here->b;
     const int rising = here->ends[1] > 0;
@@ -74,7 +74,7 @@ static inline double krhpr_roots_crossing(int n, const krhpr_roots_interval *her
 
 /* The one root inside (low, high), by Newton's steps from t, kept in the bracket.  They end where the value is within its rounding error, or
  * where the next step, which quadratic convergence makes change^2 (change / before^2), is too short to matter. */
-static inline double krhpr_roots_refine(int n, const double *power, double low, double high, int rising, double t)
+KRHPR_STATIC double krhpr_roots_refine(int n, const double *power, double low, double high, int rising, double t)
 {
     double before = 0.0;
     if (!(t > low && t < high)) {
@@ -117,7 +117,7 @@ static inline double krhpr_roots_refine(int n, const double *power, double low, 
 }
 
 /* Where a value without a sign is a simple root at the end of an interval: its place from there. */
-static inline double krhpr_roots_beside(int n, double at, double next, double length)
+KRHPR_STATIC double krhpr_roots_beside(int n, double at, double next, double length)
 {
     return -at * length / ((double)n * (next - at));
 }

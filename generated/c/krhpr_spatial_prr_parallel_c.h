@@ -58,14 +58,6 @@ KRHPR_API size_t krhpr_spatial_prr_parallel_c_geometry_size(void);
  */
 KRHPR_API int krhpr_spatial_prr_parallel_c_rotation_error(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double Q[9], double *KRHPR_RESTRICT error);
-/* Batches: in = Q (9); out = error (1). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_rotation_error_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_rotation_error_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* End points of the sub-legs from the pose and the redundant coordinates.  Thesis: (1.37), 2.5.
  *   in     p (3, m, base frame): position of O'
@@ -76,14 +68,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_rotation_error_soa(
 KRHPR_API int krhpr_spatial_prr_parallel_c_end_points(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double p[3], const double Q[9],
     const double redundant[3], double *KRHPR_RESTRICT s);
-/* Batches: in = p (3), Q (9), redundant (3); out = s (9). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_end_points_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_end_points_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Redundant coordinates from the pose and the end points.  Thesis: 1.5.
  *   in     p (3, m, base frame): position of O'
@@ -94,14 +78,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_end_points_soa(
 KRHPR_API int krhpr_spatial_prr_parallel_c_redundant_coordinates(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     double *KRHPR_RESTRICT redundant);
-/* Batches: in = p (3), Q (9), s (9); out = redundant (3). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_redundant_coordinates_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_redundant_coordinates_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* End points of the sub-legs from the actuated joints.  Thesis: 3.5.
  *   in     theta (3 x 3, rad or m, joint frame): actuated joints [d, theta_2, theta_3]
@@ -109,14 +85,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_redundant_coordinates_soa(
  */
 KRHPR_API int krhpr_spatial_prr_parallel_c_subleg_forward(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double theta[9], double *KRHPR_RESTRICT s);
-/* Batches: in = theta (9); out = s (9). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_subleg_forward_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_subleg_forward_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Actuated joints of the sub-legs in every working mode, from the end points; NaN where a mode does not
  * exist.  Thesis: App. B.
@@ -125,14 +93,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_subleg_forward_soa(
  */
 KRHPR_API int krhpr_spatial_prr_parallel_c_subleg_inverse(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double s[9], double *KRHPR_RESTRICT theta);
-/* Batches: in = s (9); out = theta (18). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_subleg_inverse_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_subleg_inverse_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Jacobians M_i of the sub-legs: s_dot_i = M_i theta_dot_i.  Thesis: (1.16), (2.15).
  *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
@@ -142,14 +102,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_subleg_inverse_soa(
 KRHPR_API int krhpr_spatial_prr_parallel_c_subleg_jacobian(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double s[9], const double theta[9],
     double *KRHPR_RESTRICT M);
-/* Batches: in = s (9), theta (9); out = M (27). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_subleg_jacobian_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_subleg_jacobian_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Residuals of the constraint equations; all zero where the platform closes.  Their rates are J t - N
  * s_dot.  Thesis: (2.30), (2.31).
@@ -161,14 +113,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_subleg_jacobian_soa(
 KRHPR_API int krhpr_spatial_prr_parallel_c_constraints(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     double *KRHPR_RESTRICT residual);
-/* Batches: in = p (3), Q (9), s (9); out = residual (6). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_constraints_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_constraints_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* J and K of J t = K theta_dot.  Thesis: (1.30) to (1.32), (2.7), (2.28), (2.29).
  *   in     p (3, m, base frame): position of O'
@@ -181,14 +125,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_constraints_soa(
 KRHPR_API int krhpr_spatial_prr_parallel_c_jacobians(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K);
-/* Batches: in = p (3), Q (9), s (9), theta (9); out = J (36), K (54). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_jacobians_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_jacobians_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* J, and K as the legs' blocks without the zeros.  Thesis: (1.30) to (1.32), (2.7), (2.28), (2.29).
  *   in     p (3, m, base frame): position of O'
@@ -201,14 +137,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_jacobians_soa(
 KRHPR_API int krhpr_spatial_prr_parallel_c_jacobian_blocks(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K);
-/* Batches: in = p (3), Q (9), s (9), theta (9); out = J (36), K (18). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_jacobian_blocks_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_jacobian_blocks_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Actuated joints in one working mode for each leg.  Thesis: 1.5, 2.5, App. B.
  *   in     p (3, m, base frame): position of O'
@@ -220,14 +148,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_jacobian_blocks_soa(
 KRHPR_API int krhpr_spatial_prr_parallel_c_inverse(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double p[3], const double Q[9],
     const double redundant[3], const double mode[3], double *KRHPR_RESTRICT theta);
-/* Batches: in = p (3), Q (9), redundant (3), mode (3); out = theta (9). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_inverse_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_inverse_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Actuated joints in every working mode; NaN where a mode does not exist.  Thesis: 1.5, 2.5, App. B.
  *   in     p (3, m, base frame): position of O'
@@ -238,14 +158,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_inverse_soa(
 KRHPR_API int krhpr_spatial_prr_parallel_c_inverse_all(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double p[3], const double Q[9],
     const double redundant[3], double *KRHPR_RESTRICT theta);
-/* Batches: in = p (3), Q (9), redundant (3); out = theta (18). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_inverse_all_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_inverse_all_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Actuated joints in the working mode nearest to theta_near, with angles continued beyond +-pi.  Thesis:
  * 1.8.
@@ -260,14 +172,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_inverse_all_soa(
 KRHPR_API int krhpr_spatial_prr_parallel_c_inverse_near(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double p[3], const double Q[9],
     const double redundant[3], const double theta_near[9], double *KRHPR_RESTRICT theta);
-/* Batches: in = p (3), Q (9), redundant (3), theta_near (9); out = theta (9). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_inverse_near_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_inverse_near_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Which leg cannot reach its end point, and by how much.  Thesis: 1.5.
  *   in     p (3, m, base frame): position of O'
@@ -279,14 +183,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_inverse_near_soa(
 KRHPR_API int krhpr_spatial_prr_parallel_c_inverse_status(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double p[3], const double Q[9],
     const double redundant[3], const double mode[3], double *KRHPR_RESTRICT excess);
-/* Batches: in = p (3), Q (9), redundant (3), mode (3); out = excess (3). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_inverse_status_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_inverse_status_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Twist of the platform from the rates of the actuated joints: t = J^-1 K theta_dot.  Thesis: (1.30).
  *   in     p (3, m, base frame): position of O'
@@ -299,14 +195,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_inverse_status_soa(
 KRHPR_API int krhpr_spatial_prr_parallel_c_twist(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double theta_dot[9], double *KRHPR_RESTRICT twist);
-/* Batches: in = p (3), Q (9), s (9), theta (9), theta_dot (9); out = twist (6). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_twist_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_twist_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Rates of the actuated joints from the twist and the rates of the redundant coordinates.  Thesis: (1.30),
  * (1.9).
@@ -322,14 +210,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_joint_rates(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double twist[6], const double redundant_rates[3],
     double *KRHPR_RESTRICT theta_dot);
-/* Batches: in = p (3), Q (9), s (9), theta (9), twist (6), redundant_rates (3); out = theta_dot (9). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_joint_rates_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_joint_rates_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Rate of the twist from the accelerations of the actuated joints; `twist` is the one that theta_dot gives.
  * Thesis: (1.30) differentiated.
@@ -347,15 +227,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_platform_acceleration(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], const double twist[6], const double theta_dot[9], const double theta_ddot[9],
     double *KRHPR_RESTRICT twist_rate);
-/* Batches: in = p (3), Q (9), s (9), theta (9), twist (6), theta_dot (9), theta_ddot (9); out = twist_rate
- * (6). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_platform_acceleration_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_platform_acceleration_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Accelerations of the actuated joints; `theta_dot` are the rates that twist and redundant rates give.
  * Thesis: (1.30) differentiated.
@@ -376,15 +247,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_joint_accelerations(
     const double theta[9], const double twist[6], const double redundant_rates[3],
     const double theta_dot[9], const double twist_rate[6], const double redundant_accelerations[3],
     double *KRHPR_RESTRICT theta_ddot);
-/* Batches: in = p (3), Q (9), s (9), theta (9), twist (6), redundant_rates (3), theta_dot (9), twist_rate
- * (6), redundant_accelerations (3); out = theta_ddot (9). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_joint_accelerations_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_joint_accelerations_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Every passive joint, from the base to the platform.
  *   in     p (3, m, base frame): position of O'
@@ -398,14 +260,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_joint_accelerations_soa(
 KRHPR_API int krhpr_spatial_prr_parallel_c_passive_joints(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT spherical, double *KRHPR_RESTRICT platform_joint);
-/* Batches: in = p (3), Q (9), s (9), theta (9); out = spherical (27), platform_joint (3). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_passive_joints_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_passive_joints_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Where the joints of every leg are, and where its redundant link meets the platform: the ends of all
  * straight links.
@@ -419,14 +273,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_passive_joints_soa(
 KRHPR_API int krhpr_spatial_prr_parallel_c_link_points(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment);
-/* Batches: in = p (3), Q (9), s (9), theta (9); out = points (45), attachment (9). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_link_points_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_link_points_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Determinants of the legs and their factors; the factors of det J and margins that are positive inside the
  * working box.  Free of type II singularities if all d_i >= 0 and at most one is zero (the thesis says
@@ -446,14 +292,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_singularity(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors,
     double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins);
-/* Batches: in = p (3), Q (9), s (9), theta (9); out = type_1 (3), factors (3), type_2 (2), margins (2). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_singularity_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_singularity_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* The factors of det J and margins, as `singularity` gives them, from the redundant coordinates alone: they
  * depend neither on the pose nor on the sub-legs.  Thesis: 1.4, 2.3.2.
@@ -464,14 +302,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_singularity_soa(
 KRHPR_API int krhpr_spatial_prr_parallel_c_type_2_of_redundant(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double redundant[3],
     double *KRHPR_RESTRICT type_2, double *KRHPR_RESTRICT margins);
-/* Batches: in = redundant (3); out = type_2 (2), margins (2). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_type_2_of_redundant_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_type_2_of_redundant_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Every pose of the platform that holds the end points of the sub-legs, with its redundant coordinates:
  * two, in closed form, with opposite det J, first the one whose first margin is positive.  Thesis: 3.6; 3.2
@@ -490,14 +320,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_forward_all(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double s[9], double turned,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant,
     double *KRHPR_RESTRICT det_J, double *KRHPR_RESTRICT count);
-/* Batches: in = s (9), turned (1); out = p (6), Q (18), redundant (6), det_J (2), count (1). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_forward_all_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_forward_all_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* The pose of the platform and the redundant coordinates from the actuated joints alone, unique on the
  * known side of type II: no guess and no extra encoder.  Thesis: 3.6.
@@ -514,14 +336,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_forward(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double theta[9], double side,
     double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant,
     double *KRHPR_RESTRICT count, double *KRHPR_RESTRICT certified);
-/* Batches: in = theta (9), side (1); out = p (3), Q (9), redundant (3), count (1), certified (1). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_forward_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_forward_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* Every passive joint from the actuated ones alone, by `forward`; and the pose.  Thesis: 3.2, 3.6.
  *   in     theta (3 x 3, rad or m, joint frame): actuated joints [d, theta_2, theta_3]
@@ -537,14 +351,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_passive_joints_of_theta(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double theta[9], double side,
     double *KRHPR_RESTRICT spherical, double *KRHPR_RESTRICT platform_joint, double *KRHPR_RESTRICT p,
     double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant);
-/* Batches: in = theta (9), side (1); out = spherical (27), platform_joint (3), p (3), Q (9), redundant (3). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_passive_joints_of_theta_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_passive_joints_of_theta_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* The pose with encoders at two redundant joints, by linear equations; the orientation as they give it, and
  * made a rotation.  Thesis: 3.2.4, 3.3.
@@ -560,14 +366,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_forward_encoders_2(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double s[9], const double measured[2],
     double tolerance, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT raw,
     double *KRHPR_RESTRICT mismatch);
-/* Batches: in = s (9), measured (2), tolerance (1); out = p (3), Q (9), raw (9), mismatch (1). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_forward_encoders_2_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_forward_encoders_2_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* The pose with encoders at three redundant joints, by linear equations; the orientation as they give it,
  * and made a rotation.  Thesis: 3.2.5, 3.3.
@@ -583,14 +381,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_forward_encoders_3(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double s[9], const double measured[3],
     double tolerance, double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT raw,
     double *KRHPR_RESTRICT mismatch);
-/* Batches: in = s (9), measured (3), tolerance (1); out = p (3), Q (9), raw (9), mismatch (3). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_forward_encoders_3_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_forward_encoders_3_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* The pose with encoders at two redundant joints, by weighted least squares.  Thesis: 3.2.6, 3.3.
  *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
@@ -606,14 +396,6 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_forward_gauss_newton_2(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double s[9], const double measured[2],
     double tolerance, const double weights[3], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q,
     double *KRHPR_RESTRICT raw, double *KRHPR_RESTRICT mismatch);
-/* Batches: in = s (9), measured (2), tolerance (1), weights (3); out = p (3), Q (9), raw (9), mismatch (1). */
-KRHPR_API int krhpr_spatial_prr_parallel_c_forward_gauss_newton_2_batch(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
-    ptrdiff_t status_step);
-KRHPR_API int krhpr_spatial_prr_parallel_c_forward_gauss_newton_2_soa(
-    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
-    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 
 /* The pose with encoders at three redundant joints, by weighted least squares.  Thesis: 3.2.6, 3.3.
  *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
@@ -629,7 +411,225 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_forward_gauss_newton_3(
     const krhpr_spatial_prr_parallel_c_geometry *g, const double s[9], const double measured[3],
     double tolerance, const double weights[3], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT Q,
     double *KRHPR_RESTRICT raw, double *KRHPR_RESTRICT mismatch);
-/* Batches: in = s (9), measured (3), tolerance (1), weights (3); out = p (3), Q (9), raw (9), mismatch (3). */
+
+#ifndef KRHPR_WITHOUT_BATCHES
+/* rotation_error: in = Q (9); out = error (1). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_rotation_error_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_rotation_error_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* end_points: in = p (3), Q (9), redundant (3); out = s (9). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_end_points_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_end_points_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* redundant_coordinates: in = p (3), Q (9), s (9); out = redundant (3). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_redundant_coordinates_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_redundant_coordinates_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* subleg_forward: in = theta (9); out = s (9). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_subleg_forward_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_subleg_forward_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* subleg_inverse: in = s (9); out = theta (18). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_subleg_inverse_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_subleg_inverse_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* subleg_jacobian: in = s (9), theta (9); out = M (27). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_subleg_jacobian_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_subleg_jacobian_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* constraints: in = p (3), Q (9), s (9); out = residual (6). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_constraints_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_constraints_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* jacobians: in = p (3), Q (9), s (9), theta (9); out = J (36), K (54). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_jacobians_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_jacobians_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* jacobian_blocks: in = p (3), Q (9), s (9), theta (9); out = J (36), K (18). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_jacobian_blocks_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_jacobian_blocks_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* inverse: in = p (3), Q (9), redundant (3), mode (3); out = theta (9). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_inverse_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_inverse_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* inverse_all: in = p (3), Q (9), redundant (3); out = theta (18). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_inverse_all_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_inverse_all_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* inverse_near: in = p (3), Q (9), redundant (3), theta_near (9); out = theta (9). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_inverse_near_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_inverse_near_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* inverse_status: in = p (3), Q (9), redundant (3), mode (3); out = excess (3). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_inverse_status_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_inverse_status_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* twist: in = p (3), Q (9), s (9), theta (9), theta_dot (9); out = twist (6). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_twist_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_twist_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* joint_rates: in = p (3), Q (9), s (9), theta (9), twist (6), redundant_rates (3); out = theta_dot (9). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_joint_rates_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_joint_rates_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* platform_acceleration: in = p (3), Q (9), s (9), theta (9), twist (6), theta_dot (9), theta_ddot (9); out = twist_rate (6). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_platform_acceleration_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_platform_acceleration_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* joint_accelerations: in = p (3), Q (9), s (9), theta (9), twist (6), redundant_rates (3), theta_dot (9), twist_rate (6), redundant_accelerations (3); out = theta_ddot (9). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_joint_accelerations_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_joint_accelerations_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* passive_joints: in = p (3), Q (9), s (9), theta (9); out = spherical (27), platform_joint (3). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_passive_joints_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_passive_joints_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* link_points: in = p (3), Q (9), s (9), theta (9); out = points (45), attachment (9). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_link_points_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_link_points_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* singularity: in = p (3), Q (9), s (9), theta (9); out = type_1 (3), factors (3), type_2 (2), margins (2). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_singularity_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_singularity_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* type_2_of_redundant: in = redundant (3); out = type_2 (2), margins (2). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_type_2_of_redundant_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_type_2_of_redundant_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* forward_all: in = s (9), turned (1); out = p (6), Q (18), redundant (6), det_J (2), count (1). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_forward_all_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_forward_all_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* forward: in = theta (9), side (1); out = p (3), Q (9), redundant (3), count (1), certified (1). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_forward_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_forward_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* passive_joints_of_theta: in = theta (9), side (1); out = spherical (27), platform_joint (3), p (3), Q (9), redundant (3). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_passive_joints_of_theta_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_passive_joints_of_theta_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* forward_encoders_2: in = s (9), measured (2), tolerance (1); out = p (3), Q (9), raw (9), mismatch (1). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_forward_encoders_2_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_forward_encoders_2_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* forward_encoders_3: in = s (9), measured (3), tolerance (1); out = p (3), Q (9), raw (9), mismatch (3). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_forward_encoders_3_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_forward_encoders_3_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* forward_gauss_newton_2: in = s (9), measured (2), tolerance (1), weights (3); out = p (3), Q (9), raw (9), mismatch (1). */
+KRHPR_API int krhpr_spatial_prr_parallel_c_forward_gauss_newton_2_batch(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_parallel_c_forward_gauss_newton_2_soa(
+    const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* forward_gauss_newton_3: in = s (9), measured (3), tolerance (1), weights (3); out = p (3), Q (9), raw (9), mismatch (3). */
 KRHPR_API int krhpr_spatial_prr_parallel_c_forward_gauss_newton_3_batch(
     const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
@@ -637,6 +637,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_forward_gauss_newton_3_batch(
 KRHPR_API int krhpr_spatial_prr_parallel_c_forward_gauss_newton_3_soa(
     const krhpr_spatial_prr_parallel_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+#endif
 
 #ifdef __cplusplus
 }

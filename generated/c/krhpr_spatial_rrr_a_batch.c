@@ -42,11 +42,11 @@ KRHPR_API int krhpr_spatial_rrr_a_rotation_error_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes Q[9];
-        krhpr_poses_load(Q, in[0] + k * in_step[0], in_step[0], 9, here);
-        krhpr_lanes error[1];
-        krhpr_spatial_rrr_a_rotation_error_lanes(g, Q, error, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], error, 1, here);
+        krhpr_lanes Q_lanes[9];
+        krhpr_poses_load(Q_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_lanes error_lanes[1];
+        krhpr_spatial_rrr_a_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], error_lanes, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -76,11 +76,11 @@ KRHPR_API int krhpr_spatial_rrr_a_rotation_error_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes Q_room[9];
-            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[0] + b * in_step[0] + k, row, 9, here);
+            const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[0] + b * in_step[0] + k, row, 9, here);
             krhpr_lanes error_room[1];
             double *const error_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const error = krhpr_poses_out(error_room, error_at, row, here);
-            krhpr_spatial_rrr_a_rotation_error_lanes(g, Q, error, &answer);
+            krhpr_lanes_at *const error_lanes = krhpr_poses_out(error_room, error_at, row, here);
+            krhpr_spatial_rrr_a_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
             krhpr_poses_done(error_room, error_at, row, 1, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -127,15 +127,15 @@ KRHPR_API int krhpr_spatial_rrr_a_end_points_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[3];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 3, here);
-        krhpr_lanes Q[9];
-        krhpr_poses_load(Q, in[1] + k * in_step[1], in_step[1], 9, here);
-        krhpr_lanes redundant[3];
-        krhpr_poses_load(redundant, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes s[9];
-        krhpr_spatial_rrr_a_end_points_lanes(g, p, Q, redundant, s, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s, 9, here);
+        krhpr_lanes p_lanes[3];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes Q_lanes[9];
+        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes redundant_lanes[3];
+        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_spatial_rrr_a_end_points_lanes(g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -167,15 +167,15 @@ KRHPR_API int krhpr_spatial_rrr_a_end_points_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[3];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
             krhpr_lanes Q_room[9];
-            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes redundant_room[3];
-            const krhpr_lanes_at *const redundant = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
+            const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
             krhpr_lanes s_room[9];
             double *const s_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const s = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_spatial_rrr_a_end_points_lanes(g, p, Q, redundant, s, &answer);
+            krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
+            krhpr_spatial_rrr_a_end_points_lanes(g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 9, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -222,15 +222,16 @@ KRHPR_API int krhpr_spatial_rrr_a_redundant_coordinates_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[3];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 3, here);
-        krhpr_lanes Q[9];
-        krhpr_poses_load(Q, in[1] + k * in_step[1], in_step[1], 9, here);
-        krhpr_lanes s[9];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 9, here);
-        krhpr_lanes redundant[3];
-        krhpr_spatial_rrr_a_redundant_coordinates_lanes(g, p, Q, s, redundant, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant, 3, here);
+        krhpr_lanes p_lanes[3];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes Q_lanes[9];
+        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_lanes redundant_lanes[3];
+        krhpr_spatial_rrr_a_redundant_coordinates_lanes(
+            g, p_lanes, Q_lanes, s_lanes, redundant_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -262,15 +263,16 @@ KRHPR_API int krhpr_spatial_rrr_a_redundant_coordinates_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[3];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
             krhpr_lanes Q_room[9];
-            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes s_room[9];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
             krhpr_lanes redundant_room[3];
             double *const redundant_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const redundant = krhpr_poses_out(redundant_room, redundant_at, row, here);
-            krhpr_spatial_rrr_a_redundant_coordinates_lanes(g, p, Q, s, redundant, &answer);
+            krhpr_lanes_at *const redundant_lanes = krhpr_poses_out(redundant_room, redundant_at, row, here);
+            krhpr_spatial_rrr_a_redundant_coordinates_lanes(
+                g, p_lanes, Q_lanes, s_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -316,11 +318,11 @@ KRHPR_API int krhpr_spatial_rrr_a_subleg_forward_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes theta[9];
-        krhpr_poses_load(theta, in[0] + k * in_step[0], in_step[0], 9, here);
-        krhpr_lanes s[9];
-        krhpr_spatial_rrr_a_subleg_forward_lanes(g, theta, s, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s, 9, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_spatial_rrr_a_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -350,11 +352,11 @@ KRHPR_API int krhpr_spatial_rrr_a_subleg_forward_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes theta_room[9];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 9, here);
             krhpr_lanes s_room[9];
             double *const s_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const s = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_spatial_rrr_a_subleg_forward_lanes(g, theta, s, &answer);
+            krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
+            krhpr_spatial_rrr_a_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 9, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -421,11 +423,11 @@ KRHPR_API int krhpr_spatial_rrr_a_subleg_inverse_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes s[9];
-        krhpr_poses_load(s, in[0] + k * in_step[0], in_step[0], 9, here);
-        krhpr_lanes theta[36];
-        krhpr_spatial_rrr_a_subleg_inverse_lanes(g, s, theta, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta, 36, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_lanes theta_lanes[36];
+        krhpr_spatial_rrr_a_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 36, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -455,11 +457,11 @@ KRHPR_API int krhpr_spatial_rrr_a_subleg_inverse_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes s_room[9];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 9, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 9, here);
             krhpr_lanes theta_room[36];
             double *const theta_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const theta = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_spatial_rrr_a_subleg_inverse_lanes(g, s, theta, &answer);
+            krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
+            krhpr_spatial_rrr_a_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 36, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -511,13 +513,13 @@ KRHPR_API int krhpr_spatial_rrr_a_subleg_jacobian_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes s[9];
-        krhpr_poses_load(s, in[0] + k * in_step[0], in_step[0], 9, here);
-        krhpr_lanes theta[9];
-        krhpr_poses_load(theta, in[1] + k * in_step[1], in_step[1], 9, here);
-        krhpr_lanes M[27];
-        krhpr_spatial_rrr_a_subleg_jacobian_lanes(g, s, theta, M, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M, 27, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes M_lanes[27];
+        krhpr_spatial_rrr_a_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M_lanes, 27, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -548,13 +550,13 @@ KRHPR_API int krhpr_spatial_rrr_a_subleg_jacobian_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes s_room[9];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 9, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 9, here);
             krhpr_lanes theta_room[9];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[1] + b * in_step[1] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes M_room[27];
             double *const M_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const M = krhpr_poses_out(M_room, M_at, row, here);
-            krhpr_spatial_rrr_a_subleg_jacobian_lanes(g, s, theta, M, &answer);
+            krhpr_lanes_at *const M_lanes = krhpr_poses_out(M_room, M_at, row, here);
+            krhpr_spatial_rrr_a_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
             krhpr_poses_done(M_room, M_at, row, 27, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -593,15 +595,15 @@ KRHPR_API int krhpr_spatial_rrr_a_constraints_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[3];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 3, here);
-        krhpr_lanes Q[9];
-        krhpr_poses_load(Q, in[1] + k * in_step[1], in_step[1], 9, here);
-        krhpr_lanes s[9];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 9, here);
-        krhpr_lanes residual[6];
-        krhpr_spatial_rrr_a_constraints_lanes(g, p, Q, s, residual, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], residual, 6, here);
+        krhpr_lanes p_lanes[3];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes Q_lanes[9];
+        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_lanes residual_lanes[6];
+        krhpr_spatial_rrr_a_constraints_lanes(g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], residual_lanes, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -633,15 +635,15 @@ KRHPR_API int krhpr_spatial_rrr_a_constraints_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[3];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
             krhpr_lanes Q_room[9];
-            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes s_room[9];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
             krhpr_lanes residual_room[6];
             double *const residual_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const residual = krhpr_poses_out(residual_room, residual_at, row, here);
-            krhpr_spatial_rrr_a_constraints_lanes(g, p, Q, s, residual, &answer);
+            krhpr_lanes_at *const residual_lanes = krhpr_poses_out(residual_room, residual_at, row, here);
+            krhpr_spatial_rrr_a_constraints_lanes(g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
             krhpr_poses_done(residual_room, residual_at, row, 6, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -706,19 +708,20 @@ KRHPR_API int krhpr_spatial_rrr_a_jacobians_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[3];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 3, here);
-        krhpr_lanes Q[9];
-        krhpr_poses_load(Q, in[1] + k * in_step[1], in_step[1], 9, here);
-        krhpr_lanes s[9];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 9, here);
-        krhpr_lanes theta[9];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 9, here);
-        krhpr_lanes J[36];
-        krhpr_lanes K[54];
-        krhpr_spatial_rrr_a_jacobians_lanes(g, p, Q, s, theta, J, K, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J, 36, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K, 54, here);
+        krhpr_lanes p_lanes[3];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes Q_lanes[9];
+        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes J_lanes[36];
+        krhpr_lanes K_lanes[54];
+        krhpr_spatial_rrr_a_jacobians_lanes(
+            g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 54, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -750,20 +753,21 @@ KRHPR_API int krhpr_spatial_rrr_a_jacobians_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[3];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
             krhpr_lanes Q_room[9];
-            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes s_room[9];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
             krhpr_lanes theta_room[9];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
             krhpr_lanes J_room[36];
             double *const J_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const J = krhpr_poses_out(J_room, J_at, row, here);
+            krhpr_lanes_at *const J_lanes = krhpr_poses_out(J_room, J_at, row, here);
             krhpr_lanes K_room[54];
             double *const K_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const K = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_spatial_rrr_a_jacobians_lanes(g, p, Q, s, theta, J, K, &answer);
+            krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
+            krhpr_spatial_rrr_a_jacobians_lanes(
+                g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 36, here);
             krhpr_poses_done(K_room, K_at, row, 54, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
@@ -821,19 +825,20 @@ KRHPR_API int krhpr_spatial_rrr_a_jacobian_blocks_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[3];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 3, here);
-        krhpr_lanes Q[9];
-        krhpr_poses_load(Q, in[1] + k * in_step[1], in_step[1], 9, here);
-        krhpr_lanes s[9];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 9, here);
-        krhpr_lanes theta[9];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 9, here);
-        krhpr_lanes J[36];
-        krhpr_lanes K[18];
-        krhpr_spatial_rrr_a_jacobian_blocks_lanes(g, p, Q, s, theta, J, K, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J, 36, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K, 18, here);
+        krhpr_lanes p_lanes[3];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes Q_lanes[9];
+        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes J_lanes[36];
+        krhpr_lanes K_lanes[18];
+        krhpr_spatial_rrr_a_jacobian_blocks_lanes(
+            g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 18, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -865,20 +870,21 @@ KRHPR_API int krhpr_spatial_rrr_a_jacobian_blocks_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[3];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
             krhpr_lanes Q_room[9];
-            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes s_room[9];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
             krhpr_lanes theta_room[9];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
             krhpr_lanes J_room[36];
             double *const J_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const J = krhpr_poses_out(J_room, J_at, row, here);
+            krhpr_lanes_at *const J_lanes = krhpr_poses_out(J_room, J_at, row, here);
             krhpr_lanes K_room[18];
             double *const K_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const K = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_spatial_rrr_a_jacobian_blocks_lanes(g, p, Q, s, theta, J, K, &answer);
+            krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
+            krhpr_spatial_rrr_a_jacobian_blocks_lanes(
+                g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 36, here);
             krhpr_poses_done(K_room, K_at, row, 18, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
@@ -948,17 +954,18 @@ KRHPR_API int krhpr_spatial_rrr_a_inverse_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[3];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 3, here);
-        krhpr_lanes Q[9];
-        krhpr_poses_load(Q, in[1] + k * in_step[1], in_step[1], 9, here);
-        krhpr_lanes redundant[3];
-        krhpr_poses_load(redundant, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes mode[6];
-        krhpr_poses_load(mode, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 6, here);
-        krhpr_lanes theta[9];
-        krhpr_spatial_rrr_a_inverse_lanes(g, p, Q, redundant, mode, theta, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta, 9, here);
+        krhpr_lanes p_lanes[3];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes Q_lanes[9];
+        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes redundant_lanes[3];
+        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_lanes mode_lanes[6];
+        krhpr_poses_load(mode_lanes, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 6, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_spatial_rrr_a_inverse_lanes(
+            g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, theta_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 9, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -990,22 +997,23 @@ KRHPR_API int krhpr_spatial_rrr_a_inverse_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[3];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
             krhpr_lanes Q_room[9];
-            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes redundant_room[3];
-            const krhpr_lanes_at *const redundant = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
+            const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
             krhpr_lanes mode_room[6];
-            const krhpr_lanes_at *mode = mode_room;
+            const krhpr_lanes_at *mode_lanes = mode_room;
             if (in[3] != NULL) {
-                mode = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 6, here);
+                mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 6, here);
             } else {
                 krhpr_poses_load(mode_room, mode_default, 0, 6, here);
             }
             krhpr_lanes theta_room[9];
             double *const theta_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const theta = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_spatial_rrr_a_inverse_lanes(g, p, Q, redundant, mode, theta, &answer);
+            krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
+            krhpr_spatial_rrr_a_inverse_lanes(
+                g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 9, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -1080,15 +1088,15 @@ KRHPR_API int krhpr_spatial_rrr_a_inverse_all_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[3];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 3, here);
-        krhpr_lanes Q[9];
-        krhpr_poses_load(Q, in[1] + k * in_step[1], in_step[1], 9, here);
-        krhpr_lanes redundant[3];
-        krhpr_poses_load(redundant, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes theta[36];
-        krhpr_spatial_rrr_a_inverse_all_lanes(g, p, Q, redundant, theta, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta, 36, here);
+        krhpr_lanes p_lanes[3];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes Q_lanes[9];
+        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes redundant_lanes[3];
+        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_lanes theta_lanes[36];
+        krhpr_spatial_rrr_a_inverse_all_lanes(g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 36, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -1120,15 +1128,15 @@ KRHPR_API int krhpr_spatial_rrr_a_inverse_all_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[3];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
             krhpr_lanes Q_room[9];
-            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes redundant_room[3];
-            const krhpr_lanes_at *const redundant = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
+            const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
             krhpr_lanes theta_room[36];
             double *const theta_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const theta = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_spatial_rrr_a_inverse_all_lanes(g, p, Q, redundant, theta, &answer);
+            krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
+            krhpr_spatial_rrr_a_inverse_all_lanes(g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 36, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -1168,17 +1176,17 @@ KRHPR_API int krhpr_spatial_rrr_a_inverse_near_soa(
         int *const answers = status == NULL ? NULL : status + b * row;
 
         for (ptrdiff_t k = 0; k < size; ++k) {
-            double p[3];
-            double Q[9];
-            double redundant[3];
-            double theta_near[9];
-            double theta[9];
-            krhpr_pose_load(p, in[0] + b * in_step[0] + k, row, 3);
-            krhpr_pose_load(Q, in[1] + b * in_step[1] + k, row, 9);
-            krhpr_pose_load(redundant, in[2] + b * in_step[2] + k, row, 3);
-            krhpr_pose_load(theta_near, in[3] + b * in_step[3] + k, row, 9);
-            const int here = krhpr_spatial_rrr_a_inverse_near(g, p, Q, redundant, theta_near, theta);
-            krhpr_pose_store(out[0] + b * out_step[0] + k, row, theta, 9);
+            double p_pose[3];
+            double Q_pose[9];
+            double redundant_pose[3];
+            double theta_near_pose[9];
+            double theta_pose[9];
+            krhpr_pose_load(p_pose, in[0] + b * in_step[0] + k, row, 3);
+            krhpr_pose_load(Q_pose, in[1] + b * in_step[1] + k, row, 9);
+            krhpr_pose_load(redundant_pose, in[2] + b * in_step[2] + k, row, 3);
+            krhpr_pose_load(theta_near_pose, in[3] + b * in_step[3] + k, row, 9);
+            const int here = krhpr_spatial_rrr_a_inverse_near(g, p_pose, Q_pose, redundant_pose, theta_near_pose, theta_pose);
+            krhpr_pose_store(out[0] + b * out_step[0] + k, row, theta_pose, 9);
             first = first == KRHPR_OK ? here : first;
             if (answers != NULL) {
                 answers[k] = here;
@@ -1237,17 +1245,18 @@ KRHPR_API int krhpr_spatial_rrr_a_inverse_status_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[3];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 3, here);
-        krhpr_lanes Q[9];
-        krhpr_poses_load(Q, in[1] + k * in_step[1], in_step[1], 9, here);
-        krhpr_lanes redundant[3];
-        krhpr_poses_load(redundant, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes mode[6];
-        krhpr_poses_load(mode, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 6, here);
-        krhpr_lanes excess[3];
-        krhpr_spatial_rrr_a_inverse_status_lanes(g, p, Q, redundant, mode, excess, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess, 3, here);
+        krhpr_lanes p_lanes[3];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes Q_lanes[9];
+        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes redundant_lanes[3];
+        krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_lanes mode_lanes[6];
+        krhpr_poses_load(mode_lanes, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 6, here);
+        krhpr_lanes excess_lanes[3];
+        krhpr_spatial_rrr_a_inverse_status_lanes(
+            g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, excess_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -1279,22 +1288,23 @@ KRHPR_API int krhpr_spatial_rrr_a_inverse_status_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[3];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
             krhpr_lanes Q_room[9];
-            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes redundant_room[3];
-            const krhpr_lanes_at *const redundant = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
+            const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
             krhpr_lanes mode_room[6];
-            const krhpr_lanes_at *mode = mode_room;
+            const krhpr_lanes_at *mode_lanes = mode_room;
             if (in[3] != NULL) {
-                mode = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 6, here);
+                mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 6, here);
             } else {
                 krhpr_poses_load(mode_room, mode_default, 0, 6, here);
             }
             krhpr_lanes excess_room[3];
             double *const excess_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const excess = krhpr_poses_out(excess_room, excess_at, row, here);
-            krhpr_spatial_rrr_a_inverse_status_lanes(g, p, Q, redundant, mode, excess, &answer);
+            krhpr_lanes_at *const excess_lanes = krhpr_poses_out(excess_room, excess_at, row, here);
+            krhpr_spatial_rrr_a_inverse_status_lanes(
+                g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, excess_lanes, &answer);
             krhpr_poses_done(excess_room, excess_at, row, 3, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -1365,19 +1375,20 @@ KRHPR_API int krhpr_spatial_rrr_a_twist_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[3];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 3, here);
-        krhpr_lanes Q[9];
-        krhpr_poses_load(Q, in[1] + k * in_step[1], in_step[1], 9, here);
-        krhpr_lanes s[9];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 9, here);
-        krhpr_lanes theta[9];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 9, here);
-        krhpr_lanes theta_dot[9];
-        krhpr_poses_load(theta_dot, in[4] + k * in_step[4], in_step[4], 9, here);
-        krhpr_lanes twist[6];
-        krhpr_spatial_rrr_a_twist_lanes(g, p, Q, s, theta, theta_dot, twist, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist, 6, here);
+        krhpr_lanes p_lanes[3];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes Q_lanes[9];
+        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes theta_dot_lanes[9];
+        krhpr_poses_load(theta_dot_lanes, in[4] + k * in_step[4], in_step[4], 9, here);
+        krhpr_lanes twist_lanes[6];
+        krhpr_spatial_rrr_a_twist_lanes(
+            g, p_lanes, Q_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_lanes, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -1409,19 +1420,20 @@ KRHPR_API int krhpr_spatial_rrr_a_twist_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[3];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
             krhpr_lanes Q_room[9];
-            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes s_room[9];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
             krhpr_lanes theta_room[9];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
             krhpr_lanes theta_dot_room[9];
-            const krhpr_lanes_at *const theta_dot = krhpr_poses_in(theta_dot_room, in[4] + b * in_step[4] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_dot_lanes = krhpr_poses_in(theta_dot_room, in[4] + b * in_step[4] + k, row, 9, here);
             krhpr_lanes twist_room[6];
             double *const twist_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const twist = krhpr_poses_out(twist_room, twist_at, row, here);
-            krhpr_spatial_rrr_a_twist_lanes(g, p, Q, s, theta, theta_dot, twist, &answer);
+            krhpr_lanes_at *const twist_lanes = krhpr_poses_out(twist_room, twist_at, row, here);
+            krhpr_spatial_rrr_a_twist_lanes(
+                g, p_lanes, Q_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
             krhpr_poses_done(twist_room, twist_at, row, 6, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -1487,21 +1499,23 @@ KRHPR_API int krhpr_spatial_rrr_a_joint_rates_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[3];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 3, here);
-        krhpr_lanes Q[9];
-        krhpr_poses_load(Q, in[1] + k * in_step[1], in_step[1], 9, here);
-        krhpr_lanes s[9];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 9, here);
-        krhpr_lanes theta[9];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 9, here);
-        krhpr_lanes twist[6];
-        krhpr_poses_load(twist, in[4] + k * in_step[4], in_step[4], 6, here);
-        krhpr_lanes redundant_rates[3];
-        krhpr_poses_load(redundant_rates, in[5] + k * in_step[5], in_step[5], 3, here);
-        krhpr_lanes theta_dot[9];
-        krhpr_spatial_rrr_a_joint_rates_lanes(g, p, Q, s, theta, twist, redundant_rates, theta_dot, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot, 9, here);
+        krhpr_lanes p_lanes[3];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes Q_lanes[9];
+        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes twist_lanes[6];
+        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
+        krhpr_lanes redundant_rates_lanes[3];
+        krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
+        krhpr_lanes theta_dot_lanes[9];
+        krhpr_spatial_rrr_a_joint_rates_lanes(
+            g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes, theta_dot_lanes,
+            &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 9, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -1533,22 +1547,23 @@ KRHPR_API int krhpr_spatial_rrr_a_joint_rates_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[3];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
             krhpr_lanes Q_room[9];
-            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes s_room[9];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
             krhpr_lanes theta_room[9];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
             krhpr_lanes twist_room[6];
-            const krhpr_lanes_at *const twist = krhpr_poses_in(twist_room, in[4] + b * in_step[4] + k, row, 6, here);
+            const krhpr_lanes_at *const twist_lanes = krhpr_poses_in(twist_room, in[4] + b * in_step[4] + k, row, 6, here);
             krhpr_lanes redundant_rates_room[3];
-            const krhpr_lanes_at *const redundant_rates = krhpr_poses_in(redundant_rates_room, in[5] + b * in_step[5] + k, row, 3, here);
+            const krhpr_lanes_at *const redundant_rates_lanes = krhpr_poses_in(redundant_rates_room, in[5] + b * in_step[5] + k, row, 3, here);
             krhpr_lanes theta_dot_room[9];
             double *const theta_dot_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const theta_dot = krhpr_poses_out(theta_dot_room, theta_dot_at, row, here);
+            krhpr_lanes_at *const theta_dot_lanes = krhpr_poses_out(theta_dot_room, theta_dot_at, row, here);
             krhpr_spatial_rrr_a_joint_rates_lanes(
-                g, p, Q, s, theta, twist, redundant_rates, theta_dot, &answer);
+                g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
+                theta_dot_lanes, &answer);
             krhpr_poses_done(theta_dot_room, theta_dot_at, row, 9, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -1629,24 +1644,25 @@ KRHPR_API int krhpr_spatial_rrr_a_platform_acceleration_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[3];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 3, here);
-        krhpr_lanes Q[9];
-        krhpr_poses_load(Q, in[1] + k * in_step[1], in_step[1], 9, here);
-        krhpr_lanes s[9];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 9, here);
-        krhpr_lanes theta[9];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 9, here);
-        krhpr_lanes twist[6];
-        krhpr_poses_load(twist, in[4] + k * in_step[4], in_step[4], 6, here);
-        krhpr_lanes theta_dot[9];
-        krhpr_poses_load(theta_dot, in[5] + k * in_step[5], in_step[5], 9, here);
-        krhpr_lanes theta_ddot[9];
-        krhpr_poses_load(theta_ddot, in[6] + k * in_step[6], in_step[6], 9, here);
-        krhpr_lanes twist_rate[6];
+        krhpr_lanes p_lanes[3];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes Q_lanes[9];
+        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes twist_lanes[6];
+        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
+        krhpr_lanes theta_dot_lanes[9];
+        krhpr_poses_load(theta_dot_lanes, in[5] + k * in_step[5], in_step[5], 9, here);
+        krhpr_lanes theta_ddot_lanes[9];
+        krhpr_poses_load(theta_ddot_lanes, in[6] + k * in_step[6], in_step[6], 9, here);
+        krhpr_lanes twist_rate_lanes[6];
         krhpr_spatial_rrr_a_platform_acceleration_lanes(
-            g, p, Q, s, theta, twist, theta_dot, theta_ddot, twist_rate, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_rate, 6, here);
+            g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
+            twist_rate_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 6, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -1679,24 +1695,25 @@ KRHPR_API int krhpr_spatial_rrr_a_platform_acceleration_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[3];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
             krhpr_lanes Q_room[9];
-            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes s_room[9];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
             krhpr_lanes theta_room[9];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
             krhpr_lanes twist_room[6];
-            const krhpr_lanes_at *const twist = krhpr_poses_in(twist_room, in[4] + b * in_step[4] + k, row, 6, here);
+            const krhpr_lanes_at *const twist_lanes = krhpr_poses_in(twist_room, in[4] + b * in_step[4] + k, row, 6, here);
             krhpr_lanes theta_dot_room[9];
-            const krhpr_lanes_at *const theta_dot = krhpr_poses_in(theta_dot_room, in[5] + b * in_step[5] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_dot_lanes = krhpr_poses_in(theta_dot_room, in[5] + b * in_step[5] + k, row, 9, here);
             krhpr_lanes theta_ddot_room[9];
-            const krhpr_lanes_at *const theta_ddot = krhpr_poses_in(theta_ddot_room, in[6] + b * in_step[6] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_ddot_lanes = krhpr_poses_in(theta_ddot_room, in[6] + b * in_step[6] + k, row, 9, here);
             krhpr_lanes twist_rate_room[6];
             double *const twist_rate_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const twist_rate = krhpr_poses_out(twist_rate_room, twist_rate_at, row, here);
+            krhpr_lanes_at *const twist_rate_lanes = krhpr_poses_out(twist_rate_room, twist_rate_at, row, here);
             krhpr_spatial_rrr_a_platform_acceleration_lanes(
-                g, p, Q, s, theta, twist, theta_dot, theta_ddot, twist_rate, &answer);
+                g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
+                twist_rate_lanes, &answer);
             krhpr_poses_done(twist_rate_room, twist_rate_at, row, 6, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -1774,29 +1791,29 @@ KRHPR_API int krhpr_spatial_rrr_a_joint_accelerations_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[3];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 3, here);
-        krhpr_lanes Q[9];
-        krhpr_poses_load(Q, in[1] + k * in_step[1], in_step[1], 9, here);
-        krhpr_lanes s[9];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 9, here);
-        krhpr_lanes theta[9];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 9, here);
-        krhpr_lanes twist[6];
-        krhpr_poses_load(twist, in[4] + k * in_step[4], in_step[4], 6, here);
-        krhpr_lanes redundant_rates[3];
-        krhpr_poses_load(redundant_rates, in[5] + k * in_step[5], in_step[5], 3, here);
-        krhpr_lanes theta_dot[9];
-        krhpr_poses_load(theta_dot, in[6] + k * in_step[6], in_step[6], 9, here);
-        krhpr_lanes twist_rate[6];
-        krhpr_poses_load(twist_rate, in[7] + k * in_step[7], in_step[7], 6, here);
-        krhpr_lanes redundant_accelerations[3];
-        krhpr_poses_load(redundant_accelerations, in[8] + k * in_step[8], in_step[8], 3, here);
-        krhpr_lanes theta_ddot[9];
+        krhpr_lanes p_lanes[3];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes Q_lanes[9];
+        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes twist_lanes[6];
+        krhpr_poses_load(twist_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
+        krhpr_lanes redundant_rates_lanes[3];
+        krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
+        krhpr_lanes theta_dot_lanes[9];
+        krhpr_poses_load(theta_dot_lanes, in[6] + k * in_step[6], in_step[6], 9, here);
+        krhpr_lanes twist_rate_lanes[6];
+        krhpr_poses_load(twist_rate_lanes, in[7] + k * in_step[7], in_step[7], 6, here);
+        krhpr_lanes redundant_accelerations_lanes[3];
+        krhpr_poses_load(redundant_accelerations_lanes, in[8] + k * in_step[8], in_step[8], 3, here);
+        krhpr_lanes theta_ddot_lanes[9];
         krhpr_spatial_rrr_a_joint_accelerations_lanes(
-            g, p, Q, s, theta, twist, redundant_rates, theta_dot, twist_rate, redundant_accelerations,
-            theta_ddot, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_ddot, 9, here);
+            g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes, theta_dot_lanes,
+            twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 9, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -1829,29 +1846,29 @@ KRHPR_API int krhpr_spatial_rrr_a_joint_accelerations_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[3];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
             krhpr_lanes Q_room[9];
-            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes s_room[9];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
             krhpr_lanes theta_room[9];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
             krhpr_lanes twist_room[6];
-            const krhpr_lanes_at *const twist = krhpr_poses_in(twist_room, in[4] + b * in_step[4] + k, row, 6, here);
+            const krhpr_lanes_at *const twist_lanes = krhpr_poses_in(twist_room, in[4] + b * in_step[4] + k, row, 6, here);
             krhpr_lanes redundant_rates_room[3];
-            const krhpr_lanes_at *const redundant_rates = krhpr_poses_in(redundant_rates_room, in[5] + b * in_step[5] + k, row, 3, here);
+            const krhpr_lanes_at *const redundant_rates_lanes = krhpr_poses_in(redundant_rates_room, in[5] + b * in_step[5] + k, row, 3, here);
             krhpr_lanes theta_dot_room[9];
-            const krhpr_lanes_at *const theta_dot = krhpr_poses_in(theta_dot_room, in[6] + b * in_step[6] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_dot_lanes = krhpr_poses_in(theta_dot_room, in[6] + b * in_step[6] + k, row, 9, here);
             krhpr_lanes twist_rate_room[6];
-            const krhpr_lanes_at *const twist_rate = krhpr_poses_in(twist_rate_room, in[7] + b * in_step[7] + k, row, 6, here);
+            const krhpr_lanes_at *const twist_rate_lanes = krhpr_poses_in(twist_rate_room, in[7] + b * in_step[7] + k, row, 6, here);
             krhpr_lanes redundant_accelerations_room[3];
-            const krhpr_lanes_at *const redundant_accelerations = krhpr_poses_in(redundant_accelerations_room, in[8] + b * in_step[8] + k, row, 3, here);
+            const krhpr_lanes_at *const redundant_accelerations_lanes = krhpr_poses_in(redundant_accelerations_room, in[8] + b * in_step[8] + k, row, 3, here);
             krhpr_lanes theta_ddot_room[9];
             double *const theta_ddot_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const theta_ddot = krhpr_poses_out(theta_ddot_room, theta_ddot_at, row, here);
+            krhpr_lanes_at *const theta_ddot_lanes = krhpr_poses_out(theta_ddot_room, theta_ddot_at, row, here);
             krhpr_spatial_rrr_a_joint_accelerations_lanes(
-                g, p, Q, s, theta, twist, redundant_rates, theta_dot, twist_rate, redundant_accelerations,
-                theta_ddot, &answer);
+                g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
+                theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
             krhpr_poses_done(theta_ddot_room, theta_ddot_at, row, 9, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
         }
@@ -1918,19 +1935,20 @@ KRHPR_API int krhpr_spatial_rrr_a_passive_joints_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[3];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 3, here);
-        krhpr_lanes Q[9];
-        krhpr_poses_load(Q, in[1] + k * in_step[1], in_step[1], 9, here);
-        krhpr_lanes s[9];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 9, here);
-        krhpr_lanes theta[9];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 9, here);
-        krhpr_lanes spherical[27];
-        krhpr_lanes platform_joint[3];
-        krhpr_spatial_rrr_a_passive_joints_lanes(g, p, Q, s, theta, spherical, platform_joint, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], spherical, 27, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], platform_joint, 3, here);
+        krhpr_lanes p_lanes[3];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes Q_lanes[9];
+        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes spherical_lanes[27];
+        krhpr_lanes platform_joint_lanes[3];
+        krhpr_spatial_rrr_a_passive_joints_lanes(
+            g, p_lanes, Q_lanes, s_lanes, theta_lanes, spherical_lanes, platform_joint_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], spherical_lanes, 27, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], platform_joint_lanes, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -1962,20 +1980,21 @@ KRHPR_API int krhpr_spatial_rrr_a_passive_joints_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[3];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
             krhpr_lanes Q_room[9];
-            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes s_room[9];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
             krhpr_lanes theta_room[9];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
             krhpr_lanes spherical_room[27];
             double *const spherical_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const spherical = krhpr_poses_out(spherical_room, spherical_at, row, here);
+            krhpr_lanes_at *const spherical_lanes = krhpr_poses_out(spherical_room, spherical_at, row, here);
             krhpr_lanes platform_joint_room[3];
             double *const platform_joint_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const platform_joint = krhpr_poses_out(platform_joint_room, platform_joint_at, row, here);
-            krhpr_spatial_rrr_a_passive_joints_lanes(g, p, Q, s, theta, spherical, platform_joint, &answer);
+            krhpr_lanes_at *const platform_joint_lanes = krhpr_poses_out(platform_joint_room, platform_joint_at, row, here);
+            krhpr_spatial_rrr_a_passive_joints_lanes(
+                g, p_lanes, Q_lanes, s_lanes, theta_lanes, spherical_lanes, platform_joint_lanes, &answer);
             krhpr_poses_done(spherical_room, spherical_at, row, 27, here);
             krhpr_poses_done(platform_joint_room, platform_joint_at, row, 3, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
@@ -2032,19 +2051,20 @@ KRHPR_API int krhpr_spatial_rrr_a_link_points_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[3];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 3, here);
-        krhpr_lanes Q[9];
-        krhpr_poses_load(Q, in[1] + k * in_step[1], in_step[1], 9, here);
-        krhpr_lanes s[9];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 9, here);
-        krhpr_lanes theta[9];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 9, here);
-        krhpr_lanes points[36];
-        krhpr_lanes attachment[9];
-        krhpr_spatial_rrr_a_link_points_lanes(g, p, Q, s, theta, points, attachment, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], points, 36, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], attachment, 9, here);
+        krhpr_lanes p_lanes[3];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes Q_lanes[9];
+        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes points_lanes[36];
+        krhpr_lanes attachment_lanes[9];
+        krhpr_spatial_rrr_a_link_points_lanes(
+            g, p_lanes, Q_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], points_lanes, 36, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], attachment_lanes, 9, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -2076,20 +2096,21 @@ KRHPR_API int krhpr_spatial_rrr_a_link_points_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[3];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
             krhpr_lanes Q_room[9];
-            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes s_room[9];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
             krhpr_lanes theta_room[9];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
             krhpr_lanes points_room[36];
             double *const points_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const points = krhpr_poses_out(points_room, points_at, row, here);
+            krhpr_lanes_at *const points_lanes = krhpr_poses_out(points_room, points_at, row, here);
             krhpr_lanes attachment_room[9];
             double *const attachment_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const attachment = krhpr_poses_out(attachment_room, attachment_at, row, here);
-            krhpr_spatial_rrr_a_link_points_lanes(g, p, Q, s, theta, points, attachment, &answer);
+            krhpr_lanes_at *const attachment_lanes = krhpr_poses_out(attachment_room, attachment_at, row, here);
+            krhpr_spatial_rrr_a_link_points_lanes(
+                g, p_lanes, Q_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
             krhpr_poses_done(points_room, points_at, row, 36, here);
             krhpr_poses_done(attachment_room, attachment_at, row, 9, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
@@ -2155,23 +2176,25 @@ KRHPR_API int krhpr_spatial_rrr_a_singularity_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes p[3];
-        krhpr_poses_load(p, in[0] + k * in_step[0], in_step[0], 3, here);
-        krhpr_lanes Q[9];
-        krhpr_poses_load(Q, in[1] + k * in_step[1], in_step[1], 9, here);
-        krhpr_lanes s[9];
-        krhpr_poses_load(s, in[2] + k * in_step[2], in_step[2], 9, here);
-        krhpr_lanes theta[9];
-        krhpr_poses_load(theta, in[3] + k * in_step[3], in_step[3], 9, here);
-        krhpr_lanes type_1[3];
-        krhpr_lanes factors[6];
-        krhpr_lanes type_2[2];
-        krhpr_lanes margins[2];
-        krhpr_spatial_rrr_a_singularity_lanes(g, p, Q, s, theta, type_1, factors, type_2, margins, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_1, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], factors, 6, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], type_2, 2, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], margins, 2, here);
+        krhpr_lanes p_lanes[3];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes Q_lanes[9];
+        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes type_1_lanes[3];
+        krhpr_lanes factors_lanes[6];
+        krhpr_lanes type_2_lanes[2];
+        krhpr_lanes margins_lanes[2];
+        krhpr_spatial_rrr_a_singularity_lanes(
+            g, p_lanes, Q_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
+            margins_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_1_lanes, 3, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], factors_lanes, 6, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], type_2_lanes, 2, here);
+        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], margins_lanes, 2, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -2204,27 +2227,28 @@ KRHPR_API int krhpr_spatial_rrr_a_singularity_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes p_room[3];
-            const krhpr_lanes_at *const p = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
             krhpr_lanes Q_room[9];
-            const krhpr_lanes_at *const Q = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes s_room[9];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
             krhpr_lanes theta_room[9];
-            const krhpr_lanes_at *const theta = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
             krhpr_lanes type_1_room[3];
             double *const type_1_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const type_1 = krhpr_poses_out(type_1_room, type_1_at, row, here);
+            krhpr_lanes_at *const type_1_lanes = krhpr_poses_out(type_1_room, type_1_at, row, here);
             krhpr_lanes factors_room[6];
             double *const factors_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const factors = krhpr_poses_out(factors_room, factors_at, row, here);
+            krhpr_lanes_at *const factors_lanes = krhpr_poses_out(factors_room, factors_at, row, here);
             krhpr_lanes type_2_room[2];
             double *const type_2_at = out[2] + b * out_step[2] + k;
-            krhpr_lanes_at *const type_2 = krhpr_poses_out(type_2_room, type_2_at, row, here);
+            krhpr_lanes_at *const type_2_lanes = krhpr_poses_out(type_2_room, type_2_at, row, here);
             krhpr_lanes margins_room[2];
             double *const margins_at = out[3] + b * out_step[3] + k;
-            krhpr_lanes_at *const margins = krhpr_poses_out(margins_room, margins_at, row, here);
+            krhpr_lanes_at *const margins_lanes = krhpr_poses_out(margins_room, margins_at, row, here);
             krhpr_spatial_rrr_a_singularity_lanes(
-                g, p, Q, s, theta, type_1, factors, type_2, margins, &answer);
+                g, p_lanes, Q_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
+                margins_lanes, &answer);
             krhpr_poses_done(type_1_room, type_1_at, row, 3, here);
             krhpr_poses_done(factors_room, factors_at, row, 6, here);
             krhpr_poses_done(type_2_room, type_2_at, row, 2, here);
@@ -2279,13 +2303,14 @@ KRHPR_API int krhpr_spatial_rrr_a_type_2_of_redundant_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes redundant[3];
-        krhpr_poses_load(redundant, in[0] + k * in_step[0], in_step[0], 3, here);
-        krhpr_lanes type_2[2];
-        krhpr_lanes margins[2];
-        krhpr_spatial_rrr_a_type_2_of_redundant_lanes(g, redundant, type_2, margins, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_2, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], margins, 2, here);
+        krhpr_lanes redundant_lanes[3];
+        krhpr_poses_load(redundant_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes type_2_lanes[2];
+        krhpr_lanes margins_lanes[2];
+        krhpr_spatial_rrr_a_type_2_of_redundant_lanes(
+            g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_2_lanes, 2, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], margins_lanes, 2, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -2316,14 +2341,15 @@ KRHPR_API int krhpr_spatial_rrr_a_type_2_of_redundant_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes redundant_room[3];
-            const krhpr_lanes_at *const redundant = krhpr_poses_in(redundant_room, in[0] + b * in_step[0] + k, row, 3, here);
+            const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[0] + b * in_step[0] + k, row, 3, here);
             krhpr_lanes type_2_room[2];
             double *const type_2_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const type_2 = krhpr_poses_out(type_2_room, type_2_at, row, here);
+            krhpr_lanes_at *const type_2_lanes = krhpr_poses_out(type_2_room, type_2_at, row, here);
             krhpr_lanes margins_room[2];
             double *const margins_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const margins = krhpr_poses_out(margins_room, margins_at, row, here);
-            krhpr_spatial_rrr_a_type_2_of_redundant_lanes(g, redundant, type_2, margins, &answer);
+            krhpr_lanes_at *const margins_lanes = krhpr_poses_out(margins_room, margins_at, row, here);
+            krhpr_spatial_rrr_a_type_2_of_redundant_lanes(
+                g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
             krhpr_poses_done(type_2_room, type_2_at, row, 2, here);
             krhpr_poses_done(margins_room, margins_at, row, 2, here);
             first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
@@ -2365,23 +2391,25 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_all_soa(
         int *const answers = status == NULL ? NULL : status + b * row;
 
         for (ptrdiff_t k = 0; k < size; ++k) {
-            double s[9];
-            double turned[1];
-            double p[18];
-            double Q[54];
-            double redundant[18];
-            double det_J[6];
-            double count[1];
-            double doubtful[1];
-            krhpr_pose_load(s, in[0] + b * in_step[0] + k, row, 9);
-            krhpr_pose_load(turned, in[1] + b * in_step[1] + k, row, 1);
-            const int here = krhpr_spatial_rrr_a_forward_all(g, s, turned[0], p, Q, redundant, det_J, count, doubtful);
-            krhpr_pose_store(out[0] + b * out_step[0] + k, row, p, 18);
-            krhpr_pose_store(out[1] + b * out_step[1] + k, row, Q, 54);
-            krhpr_pose_store(out[2] + b * out_step[2] + k, row, redundant, 18);
-            krhpr_pose_store(out[3] + b * out_step[3] + k, row, det_J, 6);
-            krhpr_pose_store(out[4] + b * out_step[4] + k, row, count, 1);
-            krhpr_pose_store(out[5] + b * out_step[5] + k, row, doubtful, 1);
+            double s_pose[9];
+            double turned_pose[1];
+            double p_pose[18];
+            double Q_pose[54];
+            double redundant_pose[18];
+            double det_J_pose[6];
+            double count_pose[1];
+            double doubtful_pose[1];
+            krhpr_pose_load(s_pose, in[0] + b * in_step[0] + k, row, 9);
+            krhpr_pose_load(turned_pose, in[1] + b * in_step[1] + k, row, 1);
+            const int here = krhpr_spatial_rrr_a_forward_all(
+                g, s_pose, turned_pose[0], p_pose, Q_pose, redundant_pose, det_J_pose, count_pose,
+                doubtful_pose);
+            krhpr_pose_store(out[0] + b * out_step[0] + k, row, p_pose, 18);
+            krhpr_pose_store(out[1] + b * out_step[1] + k, row, Q_pose, 54);
+            krhpr_pose_store(out[2] + b * out_step[2] + k, row, redundant_pose, 18);
+            krhpr_pose_store(out[3] + b * out_step[3] + k, row, det_J_pose, 6);
+            krhpr_pose_store(out[4] + b * out_step[4] + k, row, count_pose, 1);
+            krhpr_pose_store(out[5] + b * out_step[5] + k, row, doubtful_pose, 1);
             first = first == KRHPR_OK ? here : first;
             if (answers != NULL) {
                 answers[k] = here;
@@ -2424,26 +2452,27 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_soa(
         int *const answers = status == NULL ? NULL : status + b * row;
 
         for (ptrdiff_t k = 0; k < size; ++k) {
-            double theta[9];
-            double box[6];
-            double turned[1];
-            double p[3];
-            double Q[9];
-            double redundant[3];
-            double count[1];
-            double certified[1];
-            krhpr_pose_load(theta, in[0] + b * in_step[0] + k, row, 9);
+            double theta_pose[9];
+            double box_pose[6];
+            double turned_pose[1];
+            double p_pose[3];
+            double Q_pose[9];
+            double redundant_pose[3];
+            double count_pose[1];
+            double certified_pose[1];
+            krhpr_pose_load(theta_pose, in[0] + b * in_step[0] + k, row, 9);
             if (in[1] != NULL) {
-                krhpr_pose_load(box, in[1] + b * in_step[1] + k, row, 6);
+                krhpr_pose_load(box_pose, in[1] + b * in_step[1] + k, row, 6);
             }
-            krhpr_pose_load(turned, in[2] + b * in_step[2] + k, row, 1);
+            krhpr_pose_load(turned_pose, in[2] + b * in_step[2] + k, row, 1);
             const int here = krhpr_spatial_rrr_a_forward(
-                g, theta, in[1] ? box : NULL, turned[0], p, Q, redundant, count, certified);
-            krhpr_pose_store(out[0] + b * out_step[0] + k, row, p, 3);
-            krhpr_pose_store(out[1] + b * out_step[1] + k, row, Q, 9);
-            krhpr_pose_store(out[2] + b * out_step[2] + k, row, redundant, 3);
-            krhpr_pose_store(out[3] + b * out_step[3] + k, row, count, 1);
-            krhpr_pose_store(out[4] + b * out_step[4] + k, row, certified, 1);
+                g, theta_pose, in[1] ? box_pose : NULL, turned_pose[0], p_pose, Q_pose, redundant_pose,
+                count_pose, certified_pose);
+            krhpr_pose_store(out[0] + b * out_step[0] + k, row, p_pose, 3);
+            krhpr_pose_store(out[1] + b * out_step[1] + k, row, Q_pose, 9);
+            krhpr_pose_store(out[2] + b * out_step[2] + k, row, redundant_pose, 3);
+            krhpr_pose_store(out[3] + b * out_step[3] + k, row, count_pose, 1);
+            krhpr_pose_store(out[4] + b * out_step[4] + k, row, certified_pose, 1);
             first = first == KRHPR_OK ? here : first;
             if (answers != NULL) {
                 answers[k] = here;
@@ -2541,21 +2570,23 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_newton_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes s[9];
-        krhpr_poses_load(s, in[0] + k * in_step[0], in_step[0], 9, here);
-        krhpr_lanes p_near[3];
-        krhpr_poses_load(p_near, in[1] + k * in_step[1], in_step[1], 3, here);
-        krhpr_lanes Q_near[9];
-        krhpr_poses_load(Q_near, in[2] + k * in_step[2], in_step[2], 9, here);
-        krhpr_lanes p[3];
-        krhpr_lanes Q[9];
-        krhpr_lanes redundant[3];
-        krhpr_lanes kantorovich[1];
-        krhpr_spatial_rrr_a_forward_newton_lanes(g, s, p_near, Q_near, p, Q, redundant, kantorovich, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q, 9, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant, 3, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], kantorovich, 1, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_lanes p_near_lanes[3];
+        krhpr_poses_load(p_near_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_lanes Q_near_lanes[9];
+        krhpr_poses_load(Q_near_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_lanes p_lanes[3];
+        krhpr_lanes Q_lanes[9];
+        krhpr_lanes redundant_lanes[3];
+        krhpr_lanes kantorovich_lanes[1];
+        krhpr_spatial_rrr_a_forward_newton_lanes(
+            g, s_lanes, p_near_lanes, Q_near_lanes, p_lanes, Q_lanes, redundant_lanes, kantorovich_lanes,
+            &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
+        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], kantorovich_lanes, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -2588,25 +2619,26 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_newton_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes s_room[9];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 9, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 9, here);
             krhpr_lanes p_near_room[3];
-            const krhpr_lanes_at *const p_near = krhpr_poses_in(p_near_room, in[1] + b * in_step[1] + k, row, 3, here);
+            const krhpr_lanes_at *const p_near_lanes = krhpr_poses_in(p_near_room, in[1] + b * in_step[1] + k, row, 3, here);
             krhpr_lanes Q_near_room[9];
-            const krhpr_lanes_at *const Q_near = krhpr_poses_in(Q_near_room, in[2] + b * in_step[2] + k, row, 9, here);
+            const krhpr_lanes_at *const Q_near_lanes = krhpr_poses_in(Q_near_room, in[2] + b * in_step[2] + k, row, 9, here);
             krhpr_lanes p_room[3];
             double *const p_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes_at *const p_lanes = krhpr_poses_out(p_room, p_at, row, here);
             krhpr_lanes Q_room[9];
             double *const Q_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const Q = krhpr_poses_out(Q_room, Q_at, row, here);
+            krhpr_lanes_at *const Q_lanes = krhpr_poses_out(Q_room, Q_at, row, here);
             krhpr_lanes redundant_room[3];
             double *const redundant_at = out[2] + b * out_step[2] + k;
-            krhpr_lanes_at *const redundant = krhpr_poses_out(redundant_room, redundant_at, row, here);
+            krhpr_lanes_at *const redundant_lanes = krhpr_poses_out(redundant_room, redundant_at, row, here);
             krhpr_lanes kantorovich_room[1];
             double *const kantorovich_at = out[3] + b * out_step[3] + k;
-            krhpr_lanes_at *const kantorovich = krhpr_poses_out(kantorovich_room, kantorovich_at, row, here);
+            krhpr_lanes_at *const kantorovich_lanes = krhpr_poses_out(kantorovich_room, kantorovich_at, row, here);
             krhpr_spatial_rrr_a_forward_newton_lanes(
-                g, s, p_near, Q_near, p, Q, redundant, kantorovich, &answer);
+                g, s_lanes, p_near_lanes, Q_near_lanes, p_lanes, Q_lanes, redundant_lanes,
+                kantorovich_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
@@ -2677,19 +2709,20 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_encoders_1_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes s[9];
-        krhpr_poses_load(s, in[0] + k * in_step[0], in_step[0], 9, here);
-        krhpr_lanes measured[1];
-        krhpr_poses_load(measured, in[1] + k * in_step[1], in_step[1], 1, here);
-        krhpr_lanes tolerance[1];
-        krhpr_poses_load(tolerance, in[2] + k * in_step[2], in_step[2], 1, here);
-        krhpr_lanes p[6];
-        krhpr_lanes Q[18];
-        krhpr_lanes mismatch[2];
-        krhpr_spatial_rrr_a_forward_encoders_1_lanes(g, s, measured, tolerance, p, Q, mismatch, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p, 6, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q, 18, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], mismatch, 2, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_lanes measured_lanes[1];
+        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes tolerance_lanes[1];
+        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_lanes p_lanes[6];
+        krhpr_lanes Q_lanes[18];
+        krhpr_lanes mismatch_lanes[2];
+        krhpr_spatial_rrr_a_forward_encoders_1_lanes(
+            g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, mismatch_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 6, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 18, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], mismatch_lanes, 2, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -2721,21 +2754,22 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_encoders_1_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes s_room[9];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 9, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 9, here);
             krhpr_lanes measured_room[1];
-            const krhpr_lanes_at *const measured = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 1, here);
+            const krhpr_lanes_at *const measured_lanes = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes tolerance_room[1];
-            const krhpr_lanes_at *const tolerance = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
+            const krhpr_lanes_at *const tolerance_lanes = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
             krhpr_lanes p_room[6];
             double *const p_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes_at *const p_lanes = krhpr_poses_out(p_room, p_at, row, here);
             krhpr_lanes Q_room[18];
             double *const Q_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const Q = krhpr_poses_out(Q_room, Q_at, row, here);
+            krhpr_lanes_at *const Q_lanes = krhpr_poses_out(Q_room, Q_at, row, here);
             krhpr_lanes mismatch_room[2];
             double *const mismatch_at = out[2] + b * out_step[2] + k;
-            krhpr_lanes_at *const mismatch = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_spatial_rrr_a_forward_encoders_1_lanes(g, s, measured, tolerance, p, Q, mismatch, &answer);
+            krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
+            krhpr_spatial_rrr_a_forward_encoders_1_lanes(
+                g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 6, here);
             krhpr_poses_done(Q_room, Q_at, row, 18, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 2, here);
@@ -2778,26 +2812,27 @@ KRHPR_API int krhpr_spatial_rrr_a_passive_joints_of_theta_soa(
         int *const answers = status == NULL ? NULL : status + b * row;
 
         for (ptrdiff_t k = 0; k < size; ++k) {
-            double theta[9];
-            double box[6];
-            double turned[1];
-            double spherical[27];
-            double platform_joint[3];
-            double p[3];
-            double Q[9];
-            double redundant[3];
-            krhpr_pose_load(theta, in[0] + b * in_step[0] + k, row, 9);
+            double theta_pose[9];
+            double box_pose[6];
+            double turned_pose[1];
+            double spherical_pose[27];
+            double platform_joint_pose[3];
+            double p_pose[3];
+            double Q_pose[9];
+            double redundant_pose[3];
+            krhpr_pose_load(theta_pose, in[0] + b * in_step[0] + k, row, 9);
             if (in[1] != NULL) {
-                krhpr_pose_load(box, in[1] + b * in_step[1] + k, row, 6);
+                krhpr_pose_load(box_pose, in[1] + b * in_step[1] + k, row, 6);
             }
-            krhpr_pose_load(turned, in[2] + b * in_step[2] + k, row, 1);
+            krhpr_pose_load(turned_pose, in[2] + b * in_step[2] + k, row, 1);
             const int here = krhpr_spatial_rrr_a_passive_joints_of_theta(
-                g, theta, in[1] ? box : NULL, turned[0], spherical, platform_joint, p, Q, redundant);
-            krhpr_pose_store(out[0] + b * out_step[0] + k, row, spherical, 27);
-            krhpr_pose_store(out[1] + b * out_step[1] + k, row, platform_joint, 3);
-            krhpr_pose_store(out[2] + b * out_step[2] + k, row, p, 3);
-            krhpr_pose_store(out[3] + b * out_step[3] + k, row, Q, 9);
-            krhpr_pose_store(out[4] + b * out_step[4] + k, row, redundant, 3);
+                g, theta_pose, in[1] ? box_pose : NULL, turned_pose[0], spherical_pose, platform_joint_pose,
+                p_pose, Q_pose, redundant_pose);
+            krhpr_pose_store(out[0] + b * out_step[0] + k, row, spherical_pose, 27);
+            krhpr_pose_store(out[1] + b * out_step[1] + k, row, platform_joint_pose, 3);
+            krhpr_pose_store(out[2] + b * out_step[2] + k, row, p_pose, 3);
+            krhpr_pose_store(out[3] + b * out_step[3] + k, row, Q_pose, 9);
+            krhpr_pose_store(out[4] + b * out_step[4] + k, row, redundant_pose, 3);
             first = first == KRHPR_OK ? here : first;
             if (answers != NULL) {
                 answers[k] = here;
@@ -2878,21 +2913,23 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_encoders_2_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes s[9];
-        krhpr_poses_load(s, in[0] + k * in_step[0], in_step[0], 9, here);
-        krhpr_lanes measured[2];
-        krhpr_poses_load(measured, in[1] + k * in_step[1], in_step[1], 2, here);
-        krhpr_lanes tolerance[1];
-        krhpr_poses_load(tolerance, in[2] + k * in_step[2], in_step[2], 1, here);
-        krhpr_lanes p[3];
-        krhpr_lanes Q[9];
-        krhpr_lanes raw[9];
-        krhpr_lanes mismatch[1];
-        krhpr_spatial_rrr_a_forward_encoders_2_lanes(g, s, measured, tolerance, p, Q, raw, mismatch, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q, 9, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw, 9, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch, 1, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_lanes measured_lanes[2];
+        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_lanes tolerance_lanes[1];
+        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_lanes p_lanes[3];
+        krhpr_lanes Q_lanes[9];
+        krhpr_lanes raw_lanes[9];
+        krhpr_lanes mismatch_lanes[1];
+        krhpr_spatial_rrr_a_forward_encoders_2_lanes(
+            g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
+            &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
+        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -2925,25 +2962,26 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_encoders_2_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes s_room[9];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 9, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 9, here);
             krhpr_lanes measured_room[2];
-            const krhpr_lanes_at *const measured = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 2, here);
+            const krhpr_lanes_at *const measured_lanes = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 2, here);
             krhpr_lanes tolerance_room[1];
-            const krhpr_lanes_at *const tolerance = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
+            const krhpr_lanes_at *const tolerance_lanes = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
             krhpr_lanes p_room[3];
             double *const p_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes_at *const p_lanes = krhpr_poses_out(p_room, p_at, row, here);
             krhpr_lanes Q_room[9];
             double *const Q_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const Q = krhpr_poses_out(Q_room, Q_at, row, here);
+            krhpr_lanes_at *const Q_lanes = krhpr_poses_out(Q_room, Q_at, row, here);
             krhpr_lanes raw_room[9];
             double *const raw_at = out[2] + b * out_step[2] + k;
-            krhpr_lanes_at *const raw = krhpr_poses_out(raw_room, raw_at, row, here);
+            krhpr_lanes_at *const raw_lanes = krhpr_poses_out(raw_room, raw_at, row, here);
             krhpr_lanes mismatch_room[1];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
-            krhpr_lanes_at *const mismatch = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
+            krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
             krhpr_spatial_rrr_a_forward_encoders_2_lanes(
-                g, s, measured, tolerance, p, Q, raw, mismatch, &answer);
+                g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
+                &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
@@ -3025,21 +3063,23 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_encoders_3_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes s[9];
-        krhpr_poses_load(s, in[0] + k * in_step[0], in_step[0], 9, here);
-        krhpr_lanes measured[3];
-        krhpr_poses_load(measured, in[1] + k * in_step[1], in_step[1], 3, here);
-        krhpr_lanes tolerance[1];
-        krhpr_poses_load(tolerance, in[2] + k * in_step[2], in_step[2], 1, here);
-        krhpr_lanes p[3];
-        krhpr_lanes Q[9];
-        krhpr_lanes raw[9];
-        krhpr_lanes mismatch[3];
-        krhpr_spatial_rrr_a_forward_encoders_3_lanes(g, s, measured, tolerance, p, Q, raw, mismatch, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q, 9, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw, 9, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch, 3, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_lanes measured_lanes[3];
+        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_lanes tolerance_lanes[1];
+        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_lanes p_lanes[3];
+        krhpr_lanes Q_lanes[9];
+        krhpr_lanes raw_lanes[9];
+        krhpr_lanes mismatch_lanes[3];
+        krhpr_spatial_rrr_a_forward_encoders_3_lanes(
+            g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
+            &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
+        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -3072,25 +3112,26 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_encoders_3_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes s_room[9];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 9, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 9, here);
             krhpr_lanes measured_room[3];
-            const krhpr_lanes_at *const measured = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 3, here);
+            const krhpr_lanes_at *const measured_lanes = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 3, here);
             krhpr_lanes tolerance_room[1];
-            const krhpr_lanes_at *const tolerance = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
+            const krhpr_lanes_at *const tolerance_lanes = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
             krhpr_lanes p_room[3];
             double *const p_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes_at *const p_lanes = krhpr_poses_out(p_room, p_at, row, here);
             krhpr_lanes Q_room[9];
             double *const Q_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const Q = krhpr_poses_out(Q_room, Q_at, row, here);
+            krhpr_lanes_at *const Q_lanes = krhpr_poses_out(Q_room, Q_at, row, here);
             krhpr_lanes raw_room[9];
             double *const raw_at = out[2] + b * out_step[2] + k;
-            krhpr_lanes_at *const raw = krhpr_poses_out(raw_room, raw_at, row, here);
+            krhpr_lanes_at *const raw_lanes = krhpr_poses_out(raw_room, raw_at, row, here);
             krhpr_lanes mismatch_room[3];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
-            krhpr_lanes_at *const mismatch = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
+            krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
             krhpr_spatial_rrr_a_forward_encoders_3_lanes(
-                g, s, measured, tolerance, p, Q, raw, mismatch, &answer);
+                g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
+                &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
@@ -3198,24 +3239,25 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_gauss_newton_2_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes s[9];
-        krhpr_poses_load(s, in[0] + k * in_step[0], in_step[0], 9, here);
-        krhpr_lanes measured[2];
-        krhpr_poses_load(measured, in[1] + k * in_step[1], in_step[1], 2, here);
-        krhpr_lanes tolerance[1];
-        krhpr_poses_load(tolerance, in[2] + k * in_step[2], in_step[2], 1, here);
-        krhpr_lanes weights[3];
-        krhpr_poses_load(weights, in[3] + k * in_step[3], in_step[3], 3, here);
-        krhpr_lanes p[3];
-        krhpr_lanes Q[9];
-        krhpr_lanes raw[9];
-        krhpr_lanes mismatch[1];
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_lanes measured_lanes[2];
+        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_lanes tolerance_lanes[1];
+        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_lanes weights_lanes[3];
+        krhpr_poses_load(weights_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        krhpr_lanes p_lanes[3];
+        krhpr_lanes Q_lanes[9];
+        krhpr_lanes raw_lanes[9];
+        krhpr_lanes mismatch_lanes[1];
         krhpr_spatial_rrr_a_forward_gauss_newton_2_lanes(
-            g, s, measured, tolerance, weights, p, Q, raw, mismatch, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q, 9, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw, 9, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch, 1, here);
+            g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
+            mismatch_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
+        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -3248,27 +3290,28 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_gauss_newton_2_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes s_room[9];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 9, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 9, here);
             krhpr_lanes measured_room[2];
-            const krhpr_lanes_at *const measured = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 2, here);
+            const krhpr_lanes_at *const measured_lanes = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 2, here);
             krhpr_lanes tolerance_room[1];
-            const krhpr_lanes_at *const tolerance = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
+            const krhpr_lanes_at *const tolerance_lanes = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
             krhpr_lanes weights_room[3];
-            const krhpr_lanes_at *const weights = krhpr_poses_in(weights_room, in[3] + b * in_step[3] + k, row, 3, here);
+            const krhpr_lanes_at *const weights_lanes = krhpr_poses_in(weights_room, in[3] + b * in_step[3] + k, row, 3, here);
             krhpr_lanes p_room[3];
             double *const p_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes_at *const p_lanes = krhpr_poses_out(p_room, p_at, row, here);
             krhpr_lanes Q_room[9];
             double *const Q_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const Q = krhpr_poses_out(Q_room, Q_at, row, here);
+            krhpr_lanes_at *const Q_lanes = krhpr_poses_out(Q_room, Q_at, row, here);
             krhpr_lanes raw_room[9];
             double *const raw_at = out[2] + b * out_step[2] + k;
-            krhpr_lanes_at *const raw = krhpr_poses_out(raw_room, raw_at, row, here);
+            krhpr_lanes_at *const raw_lanes = krhpr_poses_out(raw_room, raw_at, row, here);
             krhpr_lanes mismatch_room[1];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
-            krhpr_lanes_at *const mismatch = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
+            krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
             krhpr_spatial_rrr_a_forward_gauss_newton_2_lanes(
-                g, s, measured, tolerance, weights, p, Q, raw, mismatch, &answer);
+                g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
+                mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
@@ -3375,24 +3418,25 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_gauss_newton_3_batch(
     for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
-        krhpr_lanes s[9];
-        krhpr_poses_load(s, in[0] + k * in_step[0], in_step[0], 9, here);
-        krhpr_lanes measured[3];
-        krhpr_poses_load(measured, in[1] + k * in_step[1], in_step[1], 3, here);
-        krhpr_lanes tolerance[1];
-        krhpr_poses_load(tolerance, in[2] + k * in_step[2], in_step[2], 1, here);
-        krhpr_lanes weights[3];
-        krhpr_poses_load(weights, in[3] + k * in_step[3], in_step[3], 3, here);
-        krhpr_lanes p[3];
-        krhpr_lanes Q[9];
-        krhpr_lanes raw[9];
-        krhpr_lanes mismatch[3];
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_lanes measured_lanes[3];
+        krhpr_poses_load(measured_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_lanes tolerance_lanes[1];
+        krhpr_poses_load(tolerance_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
+        krhpr_lanes weights_lanes[3];
+        krhpr_poses_load(weights_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        krhpr_lanes p_lanes[3];
+        krhpr_lanes Q_lanes[9];
+        krhpr_lanes raw_lanes[9];
+        krhpr_lanes mismatch_lanes[3];
         krhpr_spatial_rrr_a_forward_gauss_newton_3_lanes(
-            g, s, measured, tolerance, weights, p, Q, raw, mismatch, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q, 9, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw, 9, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch, 3, here);
+            g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
+            mismatch_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
+        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
         first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
@@ -3425,27 +3469,28 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_gauss_newton_3_soa(
             const int here = krhpr_poses_here((size_t)(size - k));
             krhpr_ints answer;
             krhpr_lanes s_room[9];
-            const krhpr_lanes_at *const s = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 9, here);
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 9, here);
             krhpr_lanes measured_room[3];
-            const krhpr_lanes_at *const measured = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 3, here);
+            const krhpr_lanes_at *const measured_lanes = krhpr_poses_in(measured_room, in[1] + b * in_step[1] + k, row, 3, here);
             krhpr_lanes tolerance_room[1];
-            const krhpr_lanes_at *const tolerance = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
+            const krhpr_lanes_at *const tolerance_lanes = krhpr_poses_in(tolerance_room, in[2] + b * in_step[2] + k, row, 1, here);
             krhpr_lanes weights_room[3];
-            const krhpr_lanes_at *const weights = krhpr_poses_in(weights_room, in[3] + b * in_step[3] + k, row, 3, here);
+            const krhpr_lanes_at *const weights_lanes = krhpr_poses_in(weights_room, in[3] + b * in_step[3] + k, row, 3, here);
             krhpr_lanes p_room[3];
             double *const p_at = out[0] + b * out_step[0] + k;
-            krhpr_lanes_at *const p = krhpr_poses_out(p_room, p_at, row, here);
+            krhpr_lanes_at *const p_lanes = krhpr_poses_out(p_room, p_at, row, here);
             krhpr_lanes Q_room[9];
             double *const Q_at = out[1] + b * out_step[1] + k;
-            krhpr_lanes_at *const Q = krhpr_poses_out(Q_room, Q_at, row, here);
+            krhpr_lanes_at *const Q_lanes = krhpr_poses_out(Q_room, Q_at, row, here);
             krhpr_lanes raw_room[9];
             double *const raw_at = out[2] + b * out_step[2] + k;
-            krhpr_lanes_at *const raw = krhpr_poses_out(raw_room, raw_at, row, here);
+            krhpr_lanes_at *const raw_lanes = krhpr_poses_out(raw_room, raw_at, row, here);
             krhpr_lanes mismatch_room[3];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
-            krhpr_lanes_at *const mismatch = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
+            krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
             krhpr_spatial_rrr_a_forward_gauss_newton_3_lanes(
-                g, s, measured, tolerance, weights, p, Q, raw, mismatch, &answer);
+                g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
+                mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);

@@ -45,7 +45,7 @@ typedef struct {
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (124 add, 196 multiply, 2 divide, 8 sine
  * cosine) */
-static inline void krhpr_subleg_cpr3_prepare(krhpr_subleg_cpr3_geometry *g, int i)
+KRHPR_STATIC void krhpr_subleg_cpr3_prepare(krhpr_subleg_cpr3_geometry *g, int i)
 {
     double e_r_1, e_t_1; krhpr_sincos(g->azimuth[i], &e_r_1, &e_t_1);
     double e_1_2, t1; krhpr_sincos(g->alpha[i], &e_1_2, &t1);
@@ -222,7 +222,7 @@ static inline void krhpr_subleg_cpr3_prepare(krhpr_subleg_cpr3_geometry *g, int 
 
 /* One Newton step of the forward kinematics of the (3-CPR) sub-leg, from its loop closure.  (102 add, 96
  * multiply, 2 divide, 1 select) */
-static inline void krhpr_subleg_cpr3_forward_step(
+KRHPR_STATIC void krhpr_subleg_cpr3_forward_step(
     const krhpr_subleg_cpr3_geometry *g, int i, const double theta[3], const double s[3],
     double *KRHPR_RESTRICT s_next, double *KRHPR_RESTRICT change)
 {
@@ -304,7 +304,7 @@ static inline void krhpr_subleg_cpr3_forward_step(
 }
 
 /* The octic of the (3-CPR) sub-leg's assembly modes.  Thesis: 2.4.3.  (114 add, 174 multiply) */
-static inline void krhpr_subleg_cpr3_octic(
+KRHPR_STATIC void krhpr_subleg_cpr3_octic(
     const krhpr_subleg_cpr3_geometry *g, int i, const double theta[3], double *KRHPR_RESTRICT octic)
 {
     const double a_2_0 = theta[0] * g->k[21][i];
@@ -394,7 +394,7 @@ static inline void krhpr_subleg_cpr3_octic(
 
 /* End point of the (3-CPR) sub-leg at a root of its octic.  Thesis: 2.4.3.  (277 add, 266 multiply, 5
  * divide) */
-static inline void krhpr_subleg_cpr3_at_root(
+KRHPR_STATIC void krhpr_subleg_cpr3_at_root(
     const krhpr_subleg_cpr3_geometry *g, int i, const double root[2], const double theta[3],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT volume, double *KRHPR_RESTRICT miss)
 {
@@ -605,7 +605,7 @@ static inline void krhpr_subleg_cpr3_at_root(
 
 /* Actuated joints of the (3-CPR) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.4.3.  (30 add, 27 multiply, 3 square root) */
-static inline void krhpr_subleg_cpr3_inverse(
+KRHPR_STATIC void krhpr_subleg_cpr3_inverse(
     const krhpr_subleg_cpr3_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
@@ -638,7 +638,7 @@ static inline void krhpr_subleg_cpr3_inverse(
 
 /* Every working mode of the (3-CPR) sub-leg, in the order only; NaN where a mode does not exist.  Thesis:
  * 2.4.3.  (30 add, 27 multiply, 3 square root) */
-static inline void krhpr_subleg_cpr3_inverse_all(
+KRHPR_STATIC void krhpr_subleg_cpr3_inverse_all(
     const krhpr_subleg_cpr3_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
@@ -670,7 +670,7 @@ static inline void krhpr_subleg_cpr3_inverse_all(
 }
 
 /* Distance by which the end point lies outside the reach of the (3-CPR) sub-leg.  (no operations) */
-static inline void krhpr_subleg_cpr3_reach(
+KRHPR_STATIC void krhpr_subleg_cpr3_reach(
     const krhpr_subleg_cpr3_geometry *g, int i, double *KRHPR_RESTRICT excess)
 {
     (void)(g);
@@ -680,7 +680,7 @@ static inline void krhpr_subleg_cpr3_reach(
 
 /* Posture of the (3-CPR) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (24
  * add, 18 multiply) */
-static inline void krhpr_subleg_cpr3_posture(
+KRHPR_STATIC void krhpr_subleg_cpr3_posture(
     const krhpr_subleg_cpr3_geometry *g, int i, const double s[3], const double theta[3],
     double *KRHPR_RESTRICT w, double *KRHPR_RESTRICT b, double *KRHPR_RESTRICT travel)
 {
@@ -724,7 +724,7 @@ static inline void krhpr_subleg_cpr3_posture(
 
 /* Jacobian M_i of the (3-CPR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 40 multiply,
  * 1 divide, 1 select) */
-static inline void krhpr_subleg_cpr3_jacobian(
+KRHPR_STATIC void krhpr_subleg_cpr3_jacobian(
     const krhpr_subleg_cpr3_geometry *g, int i, const double w[9], const double b[3],
     double *KRHPR_RESTRICT M, double *KRHPR_RESTRICT regularity)
 {
@@ -756,7 +756,7 @@ static inline void krhpr_subleg_cpr3_jacobian(
 
 /* Rows of K: N M_i for the (3-CPR) sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (23 add, 58 multiply, 1 divide, 1 select) */
-static inline void krhpr_subleg_cpr3_project(
+KRHPR_STATIC void krhpr_subleg_cpr3_project(
     const krhpr_subleg_cpr3_geometry *g, int i, const double w[9], const double b[3], const double N[6],
     double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
 {
@@ -785,7 +785,7 @@ static inline void krhpr_subleg_cpr3_project(
 
 /* Velocity of the end point of the (3-CPR) sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 37 multiply, 1
  * divide, 1 select) */
-static inline void krhpr_subleg_cpr3_velocity(
+KRHPR_STATIC void krhpr_subleg_cpr3_velocity(
     const krhpr_subleg_cpr3_geometry *g, int i, const double w[9], const double b[3],
     const double theta_dot[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT regularity)
 {
@@ -812,7 +812,7 @@ static inline void krhpr_subleg_cpr3_velocity(
 /* Velocity of the end point of the (3-CPR) sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (106 add, 142 multiply, 1 divide, 1
  * select) */
-static inline void krhpr_subleg_cpr3_bias(
+KRHPR_STATIC void krhpr_subleg_cpr3_bias(
     const krhpr_subleg_cpr3_geometry *g, int i, const double s[3], const double theta[3],
     const double theta_dot[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias,
     double *KRHPR_RESTRICT regularity)
@@ -891,7 +891,7 @@ static inline void krhpr_subleg_cpr3_bias(
 
 /* Actuated joint rates of the (3-CPR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so
  * it serves accelerations too.  Thesis: (1.9).  (6 add, 12 multiply, 3 divide, 5 select) */
-static inline void krhpr_subleg_cpr3_rates(
+KRHPR_STATIC void krhpr_subleg_cpr3_rates(
     const krhpr_subleg_cpr3_geometry *g, int i, const double w[9], const double b[3], const double s_dot[3],
     double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
@@ -907,7 +907,7 @@ static inline void krhpr_subleg_cpr3_rates(
 
 /* det M_i of the (3-CPR) sub-leg and its dimensionless factors: chain_1, chain_2, chain_3, volume.  Thesis:
  * 1.4.  (5 add, 15 multiply, 1 divide) */
-static inline void krhpr_subleg_cpr3_determinant(
+KRHPR_STATIC void krhpr_subleg_cpr3_determinant(
     const krhpr_subleg_cpr3_geometry *g, int i, const double w[9], const double b[3],
     double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
@@ -921,7 +921,7 @@ static inline void krhpr_subleg_cpr3_determinant(
 
 /* Passive joints of the (3-CPR) sub-leg and the orientation of its last link.  (12 add, 18 multiply, 3
  * arctangent) */
-static inline void krhpr_subleg_cpr3_passive(
+KRHPR_STATIC void krhpr_subleg_cpr3_passive(
     const krhpr_subleg_cpr3_geometry *g, int i, const double w[9], const double travel[3],
     double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT link)
 {
@@ -946,7 +946,7 @@ static inline void krhpr_subleg_cpr3_passive(
 }
 
 /* Joints of the (3-CPR) sub-leg, from the base to S_i.  (9 add) */
-static inline void krhpr_subleg_cpr3_points(
+KRHPR_STATIC void krhpr_subleg_cpr3_points(
     const krhpr_subleg_cpr3_geometry *g, int i, const double w[9], const double s[3],
     double *KRHPR_RESTRICT points)
 {

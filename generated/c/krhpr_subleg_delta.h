@@ -36,7 +36,7 @@ typedef struct {
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (17 add, 37 multiply, 3 divide, 5 sine
  * cosine) */
-static inline void krhpr_subleg_delta_prepare(krhpr_subleg_delta_geometry *g, int i)
+KRHPR_STATIC void krhpr_subleg_delta_prepare(krhpr_subleg_delta_geometry *g, int i)
 {
     double e_r_1, e_t_1; krhpr_sincos(g->azimuth[i], &e_r_1, &e_t_1);
     double e_1_2, t1; krhpr_sincos(g->alpha[i], &e_1_2, &t1);
@@ -95,7 +95,7 @@ static inline void krhpr_subleg_delta_prepare(krhpr_subleg_delta_geometry *g, in
 }
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
-static inline void krhpr_subleg_delta_forward_angles(const double theta[3], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_delta_forward_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -104,7 +104,7 @@ static inline void krhpr_subleg_delta_forward_angles(const double theta[3], doub
 
 /* End point of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (48 add, 65 multiply, 2 divide,
  * 1 square root, 1 select) */
-static inline void krhpr_subleg_delta_forward(
+KRHPR_STATIC void krhpr_subleg_delta_forward(
     const krhpr_subleg_delta_geometry *g, int i, const double s_near[3], const double sine[3],
     const double cosine[3], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
@@ -147,7 +147,7 @@ static inline void krhpr_subleg_delta_forward(
 }
 
 /* Angles whose sines and cosines `forward_posture` reads.  (no operations) */
-static inline void krhpr_subleg_delta_forward_posture_angles(
+KRHPR_STATIC void krhpr_subleg_delta_forward_posture_angles(
     const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
@@ -157,7 +157,7 @@ static inline void krhpr_subleg_delta_forward_posture_angles(
 
 /* End point and posture of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (72 add, 83
  * multiply, 2 divide, 1 square root, 1 select) */
-static inline void krhpr_subleg_delta_forward_posture(
+KRHPR_STATIC void krhpr_subleg_delta_forward_posture(
     const krhpr_subleg_delta_geometry *g, int i, const double s_near[3], const double sine[3],
     const double cosine[3], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT w, double *KRHPR_RESTRICT b,
     double *KRHPR_RESTRICT u, double *KRHPR_RESTRICT radicand)
@@ -243,7 +243,7 @@ static inline void krhpr_subleg_delta_forward_posture(
 }
 
 /* Angles whose sines and cosines `forward_all` reads.  (no operations) */
-static inline void krhpr_subleg_delta_forward_all_angles(const double theta[3], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_delta_forward_all_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -252,7 +252,7 @@ static inline void krhpr_subleg_delta_forward_all_angles(const double theta[3], 
 
 /* End points of the (Delta) sub-leg in every assembly mode: first the one on the side of the normal; NaN
  * where the loop cannot close.  Thesis: 3.5.  (45 add, 61 multiply, 1 divide, 1 square root) */
-static inline void krhpr_subleg_delta_forward_all(
+KRHPR_STATIC void krhpr_subleg_delta_forward_all(
     const krhpr_subleg_delta_geometry *g, int i, const double sine[3], const double cosine[3],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
@@ -303,7 +303,7 @@ static inline void krhpr_subleg_delta_forward_all(
 
 /* Actuated joints of the (Delta) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.4.4.  (36 add, 45 multiply, 3 square root, 2 select) */
-static inline void krhpr_subleg_delta_inverse(
+KRHPR_STATIC void krhpr_subleg_delta_inverse(
     const krhpr_subleg_delta_geometry *g, int i, const double s[3], const double mode[3],
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
@@ -346,7 +346,7 @@ static inline void krhpr_subleg_delta_inverse(
 /* Every working mode of the (Delta) sub-leg, in the order 1+/2+/3+, 1+/2+/3-, 1+/2-/3+, 1+/2-/3-, 1-/2+/3+,
  * 1-/2+/3-, 1-/2-/3+, 1-/2-/3-; NaN where a mode does not exist.  Thesis: 2.4.4.  (45 add, 42 multiply, 3
  * square root, 2 select) */
-static inline void krhpr_subleg_delta_inverse_all(
+KRHPR_STATIC void krhpr_subleg_delta_inverse_all(
     const krhpr_subleg_delta_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT radicand,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
@@ -403,7 +403,7 @@ static inline void krhpr_subleg_delta_inverse_all(
 
 /* Distance by which the end point lies outside the reach of the (Delta) sub-leg.  (30 add, 24 multiply, 3
  * square root, 5 select) */
-static inline void krhpr_subleg_delta_reach(
+KRHPR_STATIC void krhpr_subleg_delta_reach(
     const krhpr_subleg_delta_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT excess)
 {
     const double a_1_0 = s[0] - g->g[0][i]; /* s - g_k */
@@ -432,7 +432,7 @@ static inline void krhpr_subleg_delta_reach(
 }
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
-static inline void krhpr_subleg_delta_posture_angles(const double theta[3], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_delta_posture_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -441,7 +441,7 @@ static inline void krhpr_subleg_delta_posture_angles(const double theta[3], doub
 
 /* Posture of the (Delta) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (24
  * add, 30 multiply) */
-static inline void krhpr_subleg_delta_posture(
+KRHPR_STATIC void krhpr_subleg_delta_posture(
     const krhpr_subleg_delta_geometry *g, int i, const double s[3], const double sine[3],
     const double cosine[3], double *KRHPR_RESTRICT w, double *KRHPR_RESTRICT b, double *KRHPR_RESTRICT u)
 {
@@ -482,7 +482,7 @@ static inline void krhpr_subleg_delta_posture(
 
 /* Jacobian M_i of the (Delta) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 40 multiply,
  * 1 divide, 1 select) */
-static inline void krhpr_subleg_delta_jacobian(
+KRHPR_STATIC void krhpr_subleg_delta_jacobian(
     const krhpr_subleg_delta_geometry *g, int i, const double w[9], const double b[3],
     double *KRHPR_RESTRICT M, double *KRHPR_RESTRICT regularity)
 {
@@ -514,7 +514,7 @@ static inline void krhpr_subleg_delta_jacobian(
 
 /* Rows of K: N M_i for the (Delta) sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (23 add, 58 multiply, 1 divide, 1 select) */
-static inline void krhpr_subleg_delta_project(
+KRHPR_STATIC void krhpr_subleg_delta_project(
     const krhpr_subleg_delta_geometry *g, int i, const double w[9], const double b[3], const double N[6],
     double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
 {
@@ -543,7 +543,7 @@ static inline void krhpr_subleg_delta_project(
 
 /* Velocity of the end point of the (Delta) sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 37 multiply, 1
  * divide, 1 select) */
-static inline void krhpr_subleg_delta_velocity(
+KRHPR_STATIC void krhpr_subleg_delta_velocity(
     const krhpr_subleg_delta_geometry *g, int i, const double w[9], const double b[3],
     const double theta_dot[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT regularity)
 {
@@ -568,7 +568,7 @@ static inline void krhpr_subleg_delta_velocity(
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
-static inline void krhpr_subleg_delta_bias_angles(const double theta[3], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_delta_bias_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -578,7 +578,7 @@ static inline void krhpr_subleg_delta_bias_angles(const double theta[3], double 
 /* Velocity of the end point of the (Delta) sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (115 add, 181 multiply, 1 divide, 1
  * select) */
-static inline void krhpr_subleg_delta_bias(
+KRHPR_STATIC void krhpr_subleg_delta_bias(
     const krhpr_subleg_delta_geometry *g, int i, const double s[3], const double theta_dot[3],
     const double sine[3], const double cosine[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias,
     double *KRHPR_RESTRICT regularity)
@@ -666,7 +666,7 @@ static inline void krhpr_subleg_delta_bias(
 
 /* Actuated joint rates of the (Delta) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so
  * it serves accelerations too.  Thesis: (1.9).  (6 add, 12 multiply, 3 divide, 5 select) */
-static inline void krhpr_subleg_delta_rates(
+KRHPR_STATIC void krhpr_subleg_delta_rates(
     const krhpr_subleg_delta_geometry *g, int i, const double w[9], const double b[3], const double s_dot[3],
     double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
@@ -682,7 +682,7 @@ static inline void krhpr_subleg_delta_rates(
 
 /* det M_i of the (Delta) sub-leg and its dimensionless factors: chain_1, chain_2, chain_3, volume.  Thesis:
  * 1.4.  (5 add, 15 multiply, 1 divide) */
-static inline void krhpr_subleg_delta_determinant(
+KRHPR_STATIC void krhpr_subleg_delta_determinant(
     const krhpr_subleg_delta_geometry *g, int i, const double w[9], const double b[3],
     double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
@@ -696,7 +696,7 @@ static inline void krhpr_subleg_delta_determinant(
 
 /* Passive joints of the (Delta) sub-leg and the orientation of its last link.  (15 add, 30 multiply, 3
  * square root) */
-static inline void krhpr_subleg_delta_passive(
+KRHPR_STATIC void krhpr_subleg_delta_passive(
     const krhpr_subleg_delta_geometry *g, int i, const double w[9], const double u[6],
     double *KRHPR_RESTRICT link, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
@@ -730,7 +730,7 @@ static inline void krhpr_subleg_delta_passive(
 }
 
 /* Joints of the (Delta) sub-leg, from the base to S_i.  (9 add) */
-static inline void krhpr_subleg_delta_points(
+KRHPR_STATIC void krhpr_subleg_delta_points(
     const krhpr_subleg_delta_geometry *g, int i, const double w[9], const double s[3],
     double *KRHPR_RESTRICT points)
 {

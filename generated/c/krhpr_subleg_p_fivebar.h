@@ -32,7 +32,7 @@ typedef struct {
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (13 add, 24 multiply, 6 divide, 2 sine
  * cosine, 2 select) */
-static inline void krhpr_subleg_p_fivebar_prepare(krhpr_subleg_p_fivebar_geometry *g, int i)
+KRHPR_STATIC void krhpr_subleg_p_fivebar_prepare(krhpr_subleg_p_fivebar_geometry *g, int i)
 {
     double e_r_1, e_t_1; krhpr_sincos(g->azimuth[i], &e_r_1, &e_t_1);
     double e_1_2, t1; krhpr_sincos(g->alpha[i], &e_1_2, &t1);
@@ -86,7 +86,7 @@ static inline void krhpr_subleg_p_fivebar_prepare(krhpr_subleg_p_fivebar_geometr
 }
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
-static inline void krhpr_subleg_p_fivebar_forward_angles(const double theta[3], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_p_fivebar_forward_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
     angle[1] = theta[2];
@@ -94,7 +94,7 @@ static inline void krhpr_subleg_p_fivebar_forward_angles(const double theta[3], 
 
 /* End point of the P(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (20 add, 25 multiply, 1
  * divide, 1 square root) */
-static inline void krhpr_subleg_p_fivebar_forward(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_forward(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double theta[3], const double assembly[1],
     const double sine[2], const double cosine[2], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
@@ -122,7 +122,7 @@ static inline void krhpr_subleg_p_fivebar_forward(
 }
 
 /* Angles whose sines and cosines `forward_posture` reads.  (no operations) */
-static inline void krhpr_subleg_p_fivebar_forward_posture_angles(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_forward_posture_angles(
     const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
@@ -131,7 +131,7 @@ static inline void krhpr_subleg_p_fivebar_forward_posture_angles(
 
 /* End point and posture of the P(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (20 add, 25
  * multiply, 1 divide, 1 square root) */
-static inline void krhpr_subleg_p_fivebar_forward_posture(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_forward_posture(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double theta[3], const double assembly[1],
     const double sine[2], const double cosine[2], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT d,
     double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2, double *KRHPR_RESTRICT radicand)
@@ -166,7 +166,7 @@ static inline void krhpr_subleg_p_fivebar_forward_posture(
 }
 
 /* Angles whose sines and cosines `forward_all` reads.  (no operations) */
-static inline void krhpr_subleg_p_fivebar_forward_all_angles(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_forward_all_angles(
     const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
@@ -175,7 +175,7 @@ static inline void krhpr_subleg_p_fivebar_forward_all_angles(
 
 /* End points of the P(RR-RRR) sub-leg in every assembly mode: left, right; NaN where the loop cannot close.
  * Thesis: 3.5.  (34 add, 32 multiply, 1 divide, 1 square root) */
-static inline void krhpr_subleg_p_fivebar_forward_all(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_forward_all(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double theta[3], const double sine[2],
     const double cosine[2], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
@@ -220,7 +220,7 @@ static inline void krhpr_subleg_p_fivebar_forward_all(
 /* Actuated joints of the P(RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.4.2, App. B.  (26 add, 30 multiply, 1 divide, 2 square root, 2
  * arctangent, 1 select) */
-static inline void krhpr_subleg_p_fivebar_inverse(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_inverse(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double s[3], const double mode[2],
     double *KRHPR_RESTRICT theta, double *KRHPR_RESTRICT radicand)
 {
@@ -255,7 +255,7 @@ static inline void krhpr_subleg_p_fivebar_inverse(
 /* Every working mode of the P(RR-RRR) sub-leg, in the order elbow+/rod+, elbow+/rod-, elbow-/rod+,
  * elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.4.2, App. B.  (43 add, 41 multiply, 1 divide, 3
  * square root, 6 arctangent, 3 select) */
-static inline void krhpr_subleg_p_fivebar_inverse_all(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_inverse_all(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
@@ -329,7 +329,7 @@ static inline void krhpr_subleg_p_fivebar_inverse_all(
 
 /* Distance by which the end point lies outside the reach of the P(RR-RRR) sub-leg.  (25 add, 22 multiply, 1
  * divide, 3 square root, 3 select) */
-static inline void krhpr_subleg_p_fivebar_reach(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_reach(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double s[3], const double mode[2],
     double *KRHPR_RESTRICT excess)
 {
@@ -356,7 +356,7 @@ static inline void krhpr_subleg_p_fivebar_reach(
 }
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
-static inline void krhpr_subleg_p_fivebar_posture_angles(const double theta[3], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_p_fivebar_posture_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
     angle[1] = theta[2];
@@ -364,7 +364,7 @@ static inline void krhpr_subleg_p_fivebar_posture_angles(const double theta[3], 
 
 /* Posture of the P(RR-RRR) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (7
  * add, 10 multiply) */
-static inline void krhpr_subleg_p_fivebar_posture(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_posture(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double s[3], const double sine[2],
     const double cosine[2], double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2)
 {
@@ -381,7 +381,7 @@ static inline void krhpr_subleg_p_fivebar_posture(
 
 /* Jacobian M_i of the P(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (20 add, 37
  * multiply, 1 divide, 1 select) */
-static inline void krhpr_subleg_p_fivebar_jacobian(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_jacobian(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], double *KRHPR_RESTRICT M, double *KRHPR_RESTRICT regularity)
 {
@@ -417,7 +417,7 @@ static inline void krhpr_subleg_p_fivebar_jacobian(
 
 /* Rows of K: N M_i for the P(RR-RRR) sub-leg, where the rows of N are the directions of the platform's
  * lines.  Thesis: (1.8), (1.28).  (28 add, 49 multiply, 1 divide, 1 select) */
-static inline void krhpr_subleg_p_fivebar_project(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_project(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double N[6], double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
 {
@@ -456,7 +456,7 @@ static inline void krhpr_subleg_p_fivebar_project(
 
 /* Velocity of the end point of the P(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (19 add, 33 multiply, 1
  * divide, 1 select) */
-static inline void krhpr_subleg_p_fivebar_velocity(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_velocity(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double theta_dot[3], double *KRHPR_RESTRICT s_dot,
     double *KRHPR_RESTRICT regularity)
@@ -483,7 +483,7 @@ static inline void krhpr_subleg_p_fivebar_velocity(
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
-static inline void krhpr_subleg_p_fivebar_bias_angles(const double theta[3], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_p_fivebar_bias_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
     angle[1] = theta[2];
@@ -492,7 +492,7 @@ static inline void krhpr_subleg_p_fivebar_bias_angles(const double theta[3], dou
 /* Velocity of the end point of the P(RR-RRR) sub-leg and the part of its acceleration that does not depend
  * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (64 add, 109 multiply, 1 divide, 1
  * select) */
-static inline void krhpr_subleg_p_fivebar_bias(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_bias(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double s[3], const double theta_dot[3],
     const double sine[2], const double cosine[2], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias,
     double *KRHPR_RESTRICT regularity)
@@ -557,7 +557,7 @@ static inline void krhpr_subleg_p_fivebar_bias(
 
 /* Actuated joint rates of the P(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
  * so it serves accelerations too.  Thesis: (1.9).  (17 add, 28 multiply, 2 divide, 3 select) */
-static inline void krhpr_subleg_p_fivebar_rates(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_rates(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double s_dot[3], double *KRHPR_RESTRICT theta_dot,
     double *KRHPR_RESTRICT regularity)
@@ -583,7 +583,7 @@ static inline void krhpr_subleg_p_fivebar_rates(
 
 /* det M_i of the P(RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.  (9 add,
  * 13 multiply, 1 divide) */
-static inline void krhpr_subleg_p_fivebar_determinant(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_determinant(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
@@ -601,7 +601,7 @@ static inline void krhpr_subleg_p_fivebar_determinant(
 }
 
 /* Passive joints of the P(RR-RRR) sub-leg and the orientation of its last link.  (18 add, 28 multiply) */
-static inline void krhpr_subleg_p_fivebar_passive(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_passive(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], double *KRHPR_RESTRICT link, double *KRHPR_RESTRICT tail_y,
     double *KRHPR_RESTRICT tail_x)
@@ -636,7 +636,7 @@ static inline void krhpr_subleg_p_fivebar_passive(
 }
 
 /* Joints of the P(RR-RRR) sub-leg, from the base to S_i.  (28 add, 26 multiply) */
-static inline void krhpr_subleg_p_fivebar_points(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_points(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double s[3], double *KRHPR_RESTRICT points)
 {

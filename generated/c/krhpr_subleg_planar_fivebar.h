@@ -28,7 +28,7 @@ typedef struct {
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (8 add, 17 multiply, 4 divide, 1 sine
  * cosine, 2 select) */
-static inline void krhpr_subleg_planar_fivebar_prepare(krhpr_subleg_planar_fivebar_geometry *g, int i)
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_prepare(krhpr_subleg_planar_fivebar_geometry *g, int i)
 {
     double e_r_1, e_r_0; krhpr_sincos(g->azimuth[i], &e_r_1, &e_r_0);
     const double t1 = g->l_0[i] * e_r_1;
@@ -63,7 +63,7 @@ static inline void krhpr_subleg_planar_fivebar_prepare(krhpr_subleg_planar_fiveb
 }
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
-static inline void krhpr_subleg_planar_fivebar_forward_angles(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_forward_angles(
     const double theta[2], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
@@ -72,7 +72,7 @@ static inline void krhpr_subleg_planar_fivebar_forward_angles(
 
 /* End point of the (RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (16 add, 15 multiply, 1
  * divide, 1 square root) */
-static inline void krhpr_subleg_planar_fivebar_forward(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_forward(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const double assembly[1], const double sine[2],
     const double cosine[2], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
@@ -99,7 +99,7 @@ static inline void krhpr_subleg_planar_fivebar_forward(
 }
 
 /* Angles whose sines and cosines `forward_posture` reads.  (no operations) */
-static inline void krhpr_subleg_planar_fivebar_forward_posture_angles(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_forward_posture_angles(
     const double theta[2], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
@@ -108,7 +108,7 @@ static inline void krhpr_subleg_planar_fivebar_forward_posture_angles(
 
 /* End point and posture of the (RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (16 add, 15
  * multiply, 1 divide, 1 square root) */
-static inline void krhpr_subleg_planar_fivebar_forward_posture(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_forward_posture(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const double assembly[1], const double sine[2],
     const double cosine[2], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_1,
     double *KRHPR_RESTRICT u_2, double *KRHPR_RESTRICT radicand)
@@ -142,7 +142,7 @@ static inline void krhpr_subleg_planar_fivebar_forward_posture(
 }
 
 /* Angles whose sines and cosines `forward_all` reads.  (no operations) */
-static inline void krhpr_subleg_planar_fivebar_forward_all_angles(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_forward_all_angles(
     const double theta[2], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
@@ -151,7 +151,7 @@ static inline void krhpr_subleg_planar_fivebar_forward_all_angles(
 
 /* End points of the (RR-RRR) sub-leg in every assembly mode: left, right; NaN where the loop cannot close.
  * Thesis: 3.5.  (24 add, 14 multiply, 1 divide, 1 square root) */
-static inline void krhpr_subleg_planar_fivebar_forward_all(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_forward_all(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const double sine[2], const double cosine[2],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
@@ -191,7 +191,7 @@ static inline void krhpr_subleg_planar_fivebar_forward_all(
 
 /* Actuated joints of the (RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.2.3, 2.5.  (18 add, 16 multiply, 2 square root, 1 select) */
-static inline void krhpr_subleg_planar_fivebar_inverse(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_inverse(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const double s[2], const double mode[2],
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
@@ -221,7 +221,7 @@ static inline void krhpr_subleg_planar_fivebar_inverse(
 /* Every working mode of the (RR-RRR) sub-leg, in the order elbow+/rod+, elbow+/rod-, elbow-/rod+,
  * elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.2.3, 2.5.  (22 add, 14 multiply, 2 square root,
  * 1 select) */
-static inline void krhpr_subleg_planar_fivebar_inverse_all(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_inverse_all(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT radicand,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
@@ -266,7 +266,7 @@ static inline void krhpr_subleg_planar_fivebar_inverse_all(
 
 /* Distance by which the end point lies outside the reach of the (RR-RRR) sub-leg.  (12 add, 4 multiply, 2
  * square root, 3 select) */
-static inline void krhpr_subleg_planar_fivebar_reach(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_reach(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT excess)
 {
     const double d_0 = s[0] - g->o[0][i]; /* r - o */
@@ -281,7 +281,7 @@ static inline void krhpr_subleg_planar_fivebar_reach(
 }
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
-static inline void krhpr_subleg_planar_fivebar_posture_angles(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_posture_angles(
     const double theta[2], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
@@ -290,7 +290,7 @@ static inline void krhpr_subleg_planar_fivebar_posture_angles(
 
 /* Posture of the (RR-RRR) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (2
  * add, 4 multiply) */
-static inline void krhpr_subleg_planar_fivebar_posture(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_posture(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const double s[2], const double sine[2],
     const double cosine[2], double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2)
 {
@@ -304,7 +304,7 @@ static inline void krhpr_subleg_planar_fivebar_posture(
 
 /* Jacobian M_i of the (RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (13 add, 15
  * multiply, 1 divide, 1 select) */
-static inline void krhpr_subleg_planar_fivebar_jacobian(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_jacobian(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], double *KRHPR_RESTRICT M, double *KRHPR_RESTRICT regularity)
 {
@@ -333,7 +333,7 @@ static inline void krhpr_subleg_planar_fivebar_jacobian(
 
 /* Rows of K: N M_i for the (RR-RRR) sub-leg, where the rows of N are the directions of the platform's
  * lines.  Thesis: (1.8), (1.28).  (15 add, 19 multiply, 1 divide, 1 select) */
-static inline void krhpr_subleg_planar_fivebar_project(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_project(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double N[2], double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
 {
@@ -360,7 +360,7 @@ static inline void krhpr_subleg_planar_fivebar_project(
 
 /* Velocity of the end point of the (RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (13 add, 15 multiply, 1
  * divide, 1 select) */
-static inline void krhpr_subleg_planar_fivebar_velocity(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_velocity(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double theta_dot[2], double *KRHPR_RESTRICT s_dot,
     double *KRHPR_RESTRICT regularity)
@@ -383,8 +383,7 @@ static inline void krhpr_subleg_planar_fivebar_velocity(
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
-static inline void krhpr_subleg_planar_fivebar_bias_angles(
-    const double theta[2], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_bias_angles(const double theta[2], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -393,7 +392,7 @@ static inline void krhpr_subleg_planar_fivebar_bias_angles(
 /* Velocity of the end point of the (RR-RRR) sub-leg and the part of its acceleration that does not depend
  * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (38 add, 53 multiply, 1 divide, 1
  * select) */
-static inline void krhpr_subleg_planar_fivebar_bias(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_bias(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const double s[2], const double theta_dot[2],
     const double sine[2], const double cosine[2], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias,
     double *KRHPR_RESTRICT regularity)
@@ -436,7 +435,7 @@ static inline void krhpr_subleg_planar_fivebar_bias(
 
 /* Actuated joint rates of the (RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
  * so it serves accelerations too.  Thesis: (1.9).  (12 add, 10 multiply, 2 divide, 3 select) */
-static inline void krhpr_subleg_planar_fivebar_rates(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_rates(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double s_dot[2], double *KRHPR_RESTRICT theta_dot,
     double *KRHPR_RESTRICT regularity)
@@ -456,7 +455,7 @@ static inline void krhpr_subleg_planar_fivebar_rates(
 
 /* det M_i of the (RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.  (11 add,
  * 10 multiply, 1 divide) */
-static inline void krhpr_subleg_planar_fivebar_determinant(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_determinant(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
@@ -474,7 +473,7 @@ static inline void krhpr_subleg_planar_fivebar_determinant(
 }
 
 /* Passive joints of the (RR-RRR) sub-leg and the orientation of its last link.  (14 add, 14 multiply) */
-static inline void krhpr_subleg_planar_fivebar_passive(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_passive(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], double *KRHPR_RESTRICT link, double *KRHPR_RESTRICT tail_y,
     double *KRHPR_RESTRICT tail_x)
@@ -494,7 +493,7 @@ static inline void krhpr_subleg_planar_fivebar_passive(
 }
 
 /* Joints of the (RR-RRR) sub-leg, from the base to S_i.  (4 add) */
-static inline void krhpr_subleg_planar_fivebar_points(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_points(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const double u_1[2], const double u_2[2],
     const double s[2], double *KRHPR_RESTRICT points)
 {

@@ -30,7 +30,7 @@ typedef struct {
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (12 add, 19 multiply, 6 divide, 1 sine
  * cosine, 2 select) */
-static inline void krhpr_subleg_planar_fivebar_coupler_prepare(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_prepare(
     krhpr_subleg_planar_fivebar_coupler_geometry *g, int i)
 {
     double e_r_1, e_r_0; krhpr_sincos(g->azimuth[i], &e_r_1, &e_r_0);
@@ -74,7 +74,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_prepare(
 }
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
-static inline void krhpr_subleg_planar_fivebar_coupler_forward_angles(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_forward_angles(
     const double theta[2], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
@@ -83,7 +83,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_forward_angles(
 
 /* End point of the (RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (16 add, 17 multiply, 1
  * divide, 1 square root) */
-static inline void krhpr_subleg_planar_fivebar_coupler_forward(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_forward(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double assembly[1],
     const double sine[2], const double cosine[2], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
@@ -110,7 +110,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_forward(
 }
 
 /* Angles whose sines and cosines `forward_posture` reads.  (no operations) */
-static inline void krhpr_subleg_planar_fivebar_coupler_forward_posture_angles(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_forward_posture_angles(
     const double theta[2], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
@@ -119,7 +119,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_forward_posture_angles(
 
 /* End point and posture of the (RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (16 add, 17
  * multiply, 1 divide, 1 square root) */
-static inline void krhpr_subleg_planar_fivebar_coupler_forward_posture(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_forward_posture(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double assembly[1],
     const double sine[2], const double cosine[2], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT d,
     double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2, double *KRHPR_RESTRICT radicand)
@@ -153,7 +153,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_forward_posture(
 }
 
 /* Angles whose sines and cosines `forward_all` reads.  (no operations) */
-static inline void krhpr_subleg_planar_fivebar_coupler_forward_all_angles(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_forward_all_angles(
     const double theta[2], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
@@ -162,7 +162,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_forward_all_angles(
 
 /* End points of the (RR-RRR) sub-leg in every assembly mode: left, right; NaN where the loop cannot close.
  * Thesis: 3.5.  (24 add, 18 multiply, 1 divide, 1 square root) */
-static inline void krhpr_subleg_planar_fivebar_coupler_forward_all(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_forward_all(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double sine[2],
     const double cosine[2], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
@@ -202,7 +202,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_forward_all(
 
 /* Actuated joints of the (RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.2.3, 2.5.  (22 add, 22 multiply, 1 divide, 2 square root, 1 select) */
-static inline void krhpr_subleg_planar_fivebar_coupler_inverse(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_inverse(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double s[2], const double mode[2],
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
@@ -235,7 +235,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_inverse(
 /* Every working mode of the (RR-RRR) sub-leg, in the order elbow+/rod+, elbow+/rod-, elbow-/rod+,
  * elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.2.3, 2.5.  (41 add, 33 multiply, 1 divide, 3
  * square root, 3 select) */
-static inline void krhpr_subleg_planar_fivebar_coupler_inverse_all(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_inverse_all(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double s[2],
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
@@ -303,7 +303,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_inverse_all(
 
 /* Distance by which the end point lies outside the reach of the (RR-RRR) sub-leg.  (22 add, 16 multiply, 1
  * divide, 3 square root, 3 select) */
-static inline void krhpr_subleg_planar_fivebar_coupler_reach(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_reach(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double s[2], const double mode[2],
     double *KRHPR_RESTRICT excess)
 {
@@ -327,7 +327,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_reach(
 }
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
-static inline void krhpr_subleg_planar_fivebar_coupler_posture_angles(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_posture_angles(
     const double theta[2], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
@@ -336,7 +336,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_posture_angles(
 
 /* Posture of the (RR-RRR) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (2
  * add, 4 multiply) */
-static inline void krhpr_subleg_planar_fivebar_coupler_posture(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_posture(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double s[2], const double sine[2],
     const double cosine[2], double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2)
 {
@@ -350,7 +350,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_posture(
 
 /* Jacobian M_i of the (RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (16 add, 25
  * multiply, 1 divide, 1 select) */
-static inline void krhpr_subleg_planar_fivebar_coupler_jacobian(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_jacobian(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], double *KRHPR_RESTRICT M, double *KRHPR_RESTRICT regularity)
 {
@@ -381,7 +381,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_jacobian(
 
 /* Rows of K: N M_i for the (RR-RRR) sub-leg, where the rows of N are the directions of the platform's
  * lines.  Thesis: (1.8), (1.28).  (18 add, 29 multiply, 1 divide, 1 select) */
-static inline void krhpr_subleg_planar_fivebar_coupler_project(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_project(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double N[2], double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
 {
@@ -410,7 +410,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_project(
 
 /* Velocity of the end point of the (RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (16 add, 25 multiply, 1
  * divide, 1 select) */
-static inline void krhpr_subleg_planar_fivebar_coupler_velocity(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_velocity(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double theta_dot[2], double *KRHPR_RESTRICT s_dot,
     double *KRHPR_RESTRICT regularity)
@@ -436,7 +436,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_velocity(
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
-static inline void krhpr_subleg_planar_fivebar_coupler_bias_angles(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_bias_angles(
     const double theta[2], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
@@ -446,7 +446,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_bias_angles(
 /* Velocity of the end point of the (RR-RRR) sub-leg and the part of its acceleration that does not depend
  * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (45 add, 71 multiply, 1 divide, 1
  * select) */
-static inline void krhpr_subleg_planar_fivebar_coupler_bias(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_bias(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double s[2],
     const double theta_dot[2], const double sine[2], const double cosine[2], double *KRHPR_RESTRICT s_dot,
     double *KRHPR_RESTRICT bias, double *KRHPR_RESTRICT regularity)
@@ -495,7 +495,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_bias(
 
 /* Actuated joint rates of the (RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
  * so it serves accelerations too.  Thesis: (1.9).  (14 add, 20 multiply, 2 divide, 3 select) */
-static inline void krhpr_subleg_planar_fivebar_coupler_rates(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_rates(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double s_dot[2], double *KRHPR_RESTRICT theta_dot,
     double *KRHPR_RESTRICT regularity)
@@ -517,7 +517,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_rates(
 
 /* det M_i of the (RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.  (11 add,
  * 13 multiply, 1 divide) */
-static inline void krhpr_subleg_planar_fivebar_coupler_determinant(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_determinant(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
@@ -535,7 +535,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_determinant(
 }
 
 /* Passive joints of the (RR-RRR) sub-leg and the orientation of its last link.  (14 add, 16 multiply) */
-static inline void krhpr_subleg_planar_fivebar_coupler_passive(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_passive(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], double *KRHPR_RESTRICT link, double *KRHPR_RESTRICT tail_y,
     double *KRHPR_RESTRICT tail_x)
@@ -555,7 +555,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_passive(
 }
 
 /* Joints of the (RR-RRR) sub-leg, from the base to S_i.  (10 add, 2 multiply) */
-static inline void krhpr_subleg_planar_fivebar_coupler_points(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_points(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double s[2], double *KRHPR_RESTRICT points)
 {

@@ -26,7 +26,7 @@ typedef struct {
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (3 add, 4 multiply, 1 divide, 3 sine
  * cosine, 1 select) */
-static inline void krhpr_subleg_planar_pp_prepare(krhpr_subleg_planar_pp_geometry *g, int i)
+KRHPR_STATIC void krhpr_subleg_planar_pp_prepare(krhpr_subleg_planar_pp_geometry *g, int i)
 {
     double e_r_1, e_r_0; krhpr_sincos(g->azimuth[i], &e_r_1, &e_r_0);
     const double t1 = g->azimuth[i] + g->slide_1[i];
@@ -46,7 +46,7 @@ static inline void krhpr_subleg_planar_pp_prepare(krhpr_subleg_planar_pp_geometr
 }
 
 /* End point of the PP sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
-static inline void krhpr_subleg_planar_pp_forward(
+KRHPR_STATIC void krhpr_subleg_planar_pp_forward(
     const krhpr_subleg_planar_pp_geometry *g, int i, const double theta[2], double *KRHPR_RESTRICT s)
 {
     const double v_0 = g->e_2[0][i] * theta[1];
@@ -56,7 +56,7 @@ static inline void krhpr_subleg_planar_pp_forward(
 }
 
 /* End point and posture of the PP sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
-static inline void krhpr_subleg_planar_pp_forward_posture(
+KRHPR_STATIC void krhpr_subleg_planar_pp_forward_posture(
     const krhpr_subleg_planar_pp_geometry *g, int i, const double theta[2], double *KRHPR_RESTRICT s,
     double *KRHPR_RESTRICT v)
 {
@@ -70,7 +70,7 @@ static inline void krhpr_subleg_planar_pp_forward_posture(
 
 /* Actuated joints of the PP sub-leg in one working mode.  The mode is given by signs; NaN where the end
  * point is out of reach.  Thesis: 2.2.3, 2.5.  (4 add, 6 multiply) */
-static inline void krhpr_subleg_planar_pp_inverse(
+KRHPR_STATIC void krhpr_subleg_planar_pp_inverse(
     const krhpr_subleg_planar_pp_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
@@ -83,7 +83,7 @@ static inline void krhpr_subleg_planar_pp_inverse(
 
 /* Every working mode of the PP sub-leg, in the order only; NaN where a mode does not exist.  Thesis: 2.2.3,
  * 2.5.  (4 add, 6 multiply) */
-static inline void krhpr_subleg_planar_pp_inverse_all(
+KRHPR_STATIC void krhpr_subleg_planar_pp_inverse_all(
     const krhpr_subleg_planar_pp_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
@@ -95,7 +95,7 @@ static inline void krhpr_subleg_planar_pp_inverse_all(
 }
 
 /* Distance by which the end point lies outside the reach of the PP sub-leg.  (no operations) */
-static inline void krhpr_subleg_planar_pp_reach(
+KRHPR_STATIC void krhpr_subleg_planar_pp_reach(
     const krhpr_subleg_planar_pp_geometry *g, int i, double *KRHPR_RESTRICT excess)
 {
     (void)(g);
@@ -104,7 +104,7 @@ static inline void krhpr_subleg_planar_pp_reach(
 }
 
 /* Posture of the PP sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (2 multiply) */
-static inline void krhpr_subleg_planar_pp_posture(
+KRHPR_STATIC void krhpr_subleg_planar_pp_posture(
     const krhpr_subleg_planar_pp_geometry *g, int i, const double s[2], const double theta[2],
     double *KRHPR_RESTRICT v)
 {
@@ -114,7 +114,7 @@ static inline void krhpr_subleg_planar_pp_posture(
 }
 
 /* Jacobian M_i of the PP sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (no operations) */
-static inline void krhpr_subleg_planar_pp_jacobian(
+KRHPR_STATIC void krhpr_subleg_planar_pp_jacobian(
     const krhpr_subleg_planar_pp_geometry *g, int i, double *KRHPR_RESTRICT M)
 {
     M[0] = g->e_1[0][i];
@@ -125,7 +125,7 @@ static inline void krhpr_subleg_planar_pp_jacobian(
 
 /* Rows of K: N M_i for the PP sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (2 add, 4 multiply) */
-static inline void krhpr_subleg_planar_pp_project(
+KRHPR_STATIC void krhpr_subleg_planar_pp_project(
     const krhpr_subleg_planar_pp_geometry *g, int i, const double N[2], double *KRHPR_RESTRICT K)
 {
     K[0] = g->e_1[0][i] * N[0] + g->e_1[1][i] * N[1];
@@ -133,7 +133,7 @@ static inline void krhpr_subleg_planar_pp_project(
 }
 
 /* Velocity of the end point of the PP sub-leg, M theta_dot.  Thesis: (1.9).  (2 add, 4 multiply) */
-static inline void krhpr_subleg_planar_pp_velocity(
+KRHPR_STATIC void krhpr_subleg_planar_pp_velocity(
     const krhpr_subleg_planar_pp_geometry *g, int i, const double theta_dot[2], double *KRHPR_RESTRICT s_dot)
 {
     const double w_0 = g->e_1[0][i] * theta_dot[0] + g->e_2[0][i] * theta_dot[1];
@@ -144,7 +144,7 @@ static inline void krhpr_subleg_planar_pp_velocity(
 
 /* Velocity of the end point of the PP sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (2 add, 4 multiply) */
-static inline void krhpr_subleg_planar_pp_bias(
+KRHPR_STATIC void krhpr_subleg_planar_pp_bias(
     const krhpr_subleg_planar_pp_geometry *g, int i, const double s[2], const double theta[2],
     const double theta_dot[2], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
 {
@@ -158,7 +158,7 @@ static inline void krhpr_subleg_planar_pp_bias(
 
 /* Actuated joint rates of the PP sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (2 add, 6 multiply) */
-static inline void krhpr_subleg_planar_pp_rates(
+KRHPR_STATIC void krhpr_subleg_planar_pp_rates(
     const krhpr_subleg_planar_pp_geometry *g, int i, const double s_dot[2], double *KRHPR_RESTRICT theta_dot,
     double *KRHPR_RESTRICT regularity)
 {
@@ -168,7 +168,7 @@ static inline void krhpr_subleg_planar_pp_rates(
 }
 
 /* det M_i of the PP sub-leg and its dimensionless factors: slides.  Thesis: 1.4.  (no operations) */
-static inline void krhpr_subleg_planar_pp_determinant(
+KRHPR_STATIC void krhpr_subleg_planar_pp_determinant(
     const krhpr_subleg_planar_pp_geometry *g, int i, double *KRHPR_RESTRICT det_M,
     double *KRHPR_RESTRICT factors)
 {
@@ -177,7 +177,7 @@ static inline void krhpr_subleg_planar_pp_determinant(
 }
 
 /* Passive joints of the PP sub-leg and the orientation of its last link.  (no operations) */
-static inline void krhpr_subleg_planar_pp_passive(
+KRHPR_STATIC void krhpr_subleg_planar_pp_passive(
     const krhpr_subleg_planar_pp_geometry *g, int i, double *KRHPR_RESTRICT link)
 {
     link[0] = g->e_2[0][i];
@@ -185,7 +185,7 @@ static inline void krhpr_subleg_planar_pp_passive(
 }
 
 /* Joints of the PP sub-leg, from the base to S_i.  (2 add) */
-static inline void krhpr_subleg_planar_pp_points(
+KRHPR_STATIC void krhpr_subleg_planar_pp_points(
     const krhpr_subleg_planar_pp_geometry *g, int i, const double v[2], const double s[2],
     double *KRHPR_RESTRICT points)
 {

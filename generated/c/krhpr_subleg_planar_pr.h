@@ -25,7 +25,7 @@ typedef struct {
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (1 add, 3 multiply, 1 divide, 2 sine
  * cosine) */
-static inline void krhpr_subleg_planar_pr_prepare(krhpr_subleg_planar_pr_geometry *g, int i)
+KRHPR_STATIC void krhpr_subleg_planar_pr_prepare(krhpr_subleg_planar_pr_geometry *g, int i)
 {
     double e_r_1, e_r_0; krhpr_sincos(g->azimuth[i], &e_r_1, &e_r_0);
     const double t1 = g->azimuth[i] + g->slide[i];
@@ -39,13 +39,13 @@ static inline void krhpr_subleg_planar_pr_prepare(krhpr_subleg_planar_pr_geometr
 }
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
-static inline void krhpr_subleg_planar_pr_forward_angles(const double theta[2], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_planar_pr_forward_angles(const double theta[2], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
 }
 
 /* End point of the PR sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
-static inline void krhpr_subleg_planar_pr_forward(
+KRHPR_STATIC void krhpr_subleg_planar_pr_forward(
     const krhpr_subleg_planar_pr_geometry *g, int i, const double theta[2], const double sine[1],
     const double cosine[1], double *KRHPR_RESTRICT s)
 {
@@ -56,14 +56,14 @@ static inline void krhpr_subleg_planar_pr_forward(
 }
 
 /* Angles whose sines and cosines `forward_posture` reads.  (no operations) */
-static inline void krhpr_subleg_planar_pr_forward_posture_angles(
+KRHPR_STATIC void krhpr_subleg_planar_pr_forward_posture_angles(
     const double theta[2], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
 }
 
 /* End point and posture of the PR sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
-static inline void krhpr_subleg_planar_pr_forward_posture(
+KRHPR_STATIC void krhpr_subleg_planar_pr_forward_posture(
     const krhpr_subleg_planar_pr_geometry *g, int i, const double theta[2], const double sine[1],
     const double cosine[1], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT u)
 {
@@ -77,7 +77,7 @@ static inline void krhpr_subleg_planar_pr_forward_posture(
 
 /* Actuated joints of the PR sub-leg in one working mode.  The mode is given by signs; NaN where the end
  * point is out of reach.  Thesis: 2.2.3, 2.5.  (8 add, 10 multiply, 1 square root, 1 arctangent) */
-static inline void krhpr_subleg_planar_pr_inverse(
+KRHPR_STATIC void krhpr_subleg_planar_pr_inverse(
     const krhpr_subleg_planar_pr_geometry *g, int i, const double s[2], const double mode[1],
     double *KRHPR_RESTRICT theta, double *KRHPR_RESTRICT radicand)
 {
@@ -94,7 +94,7 @@ static inline void krhpr_subleg_planar_pr_inverse(
 
 /* Every working mode of the PR sub-leg, in the order ahead, behind; NaN where a mode does not exist.
  * Thesis: 2.2.3, 2.5.  (11 add, 9 multiply, 1 square root, 2 arctangent) */
-static inline void krhpr_subleg_planar_pr_inverse_all(
+KRHPR_STATIC void krhpr_subleg_planar_pr_inverse_all(
     const krhpr_subleg_planar_pr_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
@@ -116,7 +116,7 @@ static inline void krhpr_subleg_planar_pr_inverse_all(
 }
 
 /* Distance by which the end point lies outside the reach of the PR sub-leg.  (4 add, 2 multiply, 1 select) */
-static inline void krhpr_subleg_planar_pr_reach(
+KRHPR_STATIC void krhpr_subleg_planar_pr_reach(
     const krhpr_subleg_planar_pr_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT excess)
 {
     const double excess_a = fabs(g->e_1[0][i] * (s[1] - g->o[1][i]) - g->e_1[1][i] * (s[0] - g->o[0][i])) - g->l_1[i];
@@ -124,13 +124,13 @@ static inline void krhpr_subleg_planar_pr_reach(
 }
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
-static inline void krhpr_subleg_planar_pr_posture_angles(const double theta[2], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_planar_pr_posture_angles(const double theta[2], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
 }
 
 /* Posture of the PR sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (2 multiply) */
-static inline void krhpr_subleg_planar_pr_posture(
+KRHPR_STATIC void krhpr_subleg_planar_pr_posture(
     const krhpr_subleg_planar_pr_geometry *g, int i, const double sine[1], const double cosine[1],
     double *KRHPR_RESTRICT u)
 {
@@ -139,7 +139,7 @@ static inline void krhpr_subleg_planar_pr_posture(
 }
 
 /* Jacobian M_i of the PR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (no operations) */
-static inline void krhpr_subleg_planar_pr_jacobian(
+KRHPR_STATIC void krhpr_subleg_planar_pr_jacobian(
     const krhpr_subleg_planar_pr_geometry *g, int i, const double u[2], double *KRHPR_RESTRICT M)
 {
     const double m_01 = -u[1];
@@ -151,7 +151,7 @@ static inline void krhpr_subleg_planar_pr_jacobian(
 
 /* Rows of K: N M_i for the PR sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (2 add, 4 multiply) */
-static inline void krhpr_subleg_planar_pr_project(
+KRHPR_STATIC void krhpr_subleg_planar_pr_project(
     const krhpr_subleg_planar_pr_geometry *g, int i, const double u[2], const double N[2],
     double *KRHPR_RESTRICT K)
 {
@@ -160,7 +160,7 @@ static inline void krhpr_subleg_planar_pr_project(
 }
 
 /* Velocity of the end point of the PR sub-leg, M theta_dot.  Thesis: (1.9).  (2 add, 4 multiply) */
-static inline void krhpr_subleg_planar_pr_velocity(
+KRHPR_STATIC void krhpr_subleg_planar_pr_velocity(
     const krhpr_subleg_planar_pr_geometry *g, int i, const double u[2], const double theta_dot[2],
     double *KRHPR_RESTRICT s_dot)
 {
@@ -171,14 +171,14 @@ static inline void krhpr_subleg_planar_pr_velocity(
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
-static inline void krhpr_subleg_planar_pr_bias_angles(const double theta[2], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_planar_pr_bias_angles(const double theta[2], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
 }
 
 /* Velocity of the end point of the PR sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (2 add, 12 multiply) */
-static inline void krhpr_subleg_planar_pr_bias(
+KRHPR_STATIC void krhpr_subleg_planar_pr_bias(
     const krhpr_subleg_planar_pr_geometry *g, int i, const double theta_dot[2], const double sine[1],
     const double cosine[1], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
 {
@@ -192,7 +192,7 @@ static inline void krhpr_subleg_planar_pr_bias(
 
 /* Actuated joint rates of the PR sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (3 add, 9 multiply, 1 divide, 1 select) */
-static inline void krhpr_subleg_planar_pr_rates(
+KRHPR_STATIC void krhpr_subleg_planar_pr_rates(
     const krhpr_subleg_planar_pr_geometry *g, int i, const double u[2], const double s_dot[2],
     double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
@@ -204,7 +204,7 @@ static inline void krhpr_subleg_planar_pr_rates(
 }
 
 /* det M_i of the PR sub-leg and its dimensionless factors: link.  Thesis: 1.4.  (1 add, 3 multiply) */
-static inline void krhpr_subleg_planar_pr_determinant(
+KRHPR_STATIC void krhpr_subleg_planar_pr_determinant(
     const krhpr_subleg_planar_pr_geometry *g, int i, const double u[2], double *KRHPR_RESTRICT det_M,
     double *KRHPR_RESTRICT factors)
 {
@@ -214,7 +214,7 @@ static inline void krhpr_subleg_planar_pr_determinant(
 }
 
 /* Passive joints of the PR sub-leg and the orientation of its last link.  (2 multiply) */
-static inline void krhpr_subleg_planar_pr_passive(
+KRHPR_STATIC void krhpr_subleg_planar_pr_passive(
     const krhpr_subleg_planar_pr_geometry *g, int i, const double u[2], double *KRHPR_RESTRICT link)
 {
     link[0] = u[0] * g->k[1][i];
@@ -222,7 +222,7 @@ static inline void krhpr_subleg_planar_pr_passive(
 }
 
 /* Joints of the PR sub-leg, from the base to S_i.  (2 add) */
-static inline void krhpr_subleg_planar_pr_points(
+KRHPR_STATIC void krhpr_subleg_planar_pr_points(
     const krhpr_subleg_planar_pr_geometry *g, int i, const double u[2], const double s[2],
     double *KRHPR_RESTRICT points)
 {

@@ -30,7 +30,7 @@ typedef struct {
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (6 add, 8 multiply, 2 divide, 3 sine
  * cosine) */
-static inline void krhpr_subleg_planar_prr2_prepare(krhpr_subleg_planar_prr2_geometry *g, int i)
+KRHPR_STATIC void krhpr_subleg_planar_prr2_prepare(krhpr_subleg_planar_prr2_geometry *g, int i)
 {
     double e_r_1, e_r_0; krhpr_sincos(g->azimuth[i], &e_r_1, &e_r_0);
     const double t1 = g->l_0[i] * e_r_1;
@@ -61,7 +61,7 @@ static inline void krhpr_subleg_planar_prr2_prepare(krhpr_subleg_planar_prr2_geo
 
 /* End point of the (2-PRR) sub-leg from its actuated joints.  Thesis: 3.5.  (14 add, 15 multiply, 1 divide,
  * 1 square root) */
-static inline void krhpr_subleg_planar_prr2_forward(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_forward(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const double theta[2], const double assembly[1],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
@@ -85,7 +85,7 @@ static inline void krhpr_subleg_planar_prr2_forward(
 
 /* End point and posture of the (2-PRR) sub-leg from its actuated joints.  Thesis: 3.5.  (24 add, 19
  * multiply, 1 divide, 1 square root) */
-static inline void krhpr_subleg_planar_prr2_forward_posture(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_forward_posture(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const double theta[2], const double assembly[1],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT w, double *KRHPR_RESTRICT b,
     double *KRHPR_RESTRICT radicand)
@@ -126,7 +126,7 @@ static inline void krhpr_subleg_planar_prr2_forward_posture(
 
 /* End points of the (2-PRR) sub-leg in every assembly mode: left, right; NaN where the loop cannot close.
  * Thesis: 3.5.  (18 add, 14 multiply, 1 divide, 1 square root) */
-static inline void krhpr_subleg_planar_prr2_forward_all(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_forward_all(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const double theta[2], double *KRHPR_RESTRICT s,
     double *KRHPR_RESTRICT radicand)
 {
@@ -160,7 +160,7 @@ static inline void krhpr_subleg_planar_prr2_forward_all(
 
 /* Actuated joints of the (2-PRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.2.3, 2.5.  (12 add, 12 multiply, 2 square root, 1 select) */
-static inline void krhpr_subleg_planar_prr2_inverse(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_inverse(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const double s[2], const double mode[2],
     double *KRHPR_RESTRICT theta, double *KRHPR_RESTRICT radicand)
 {
@@ -180,7 +180,7 @@ static inline void krhpr_subleg_planar_prr2_inverse(
 /* Every working mode of the (2-PRR) sub-leg, in the order 1-ahead/2-ahead, 1-ahead/2-behind,
  * 1-behind/2-ahead, 1-behind/2-behind; NaN where a mode does not exist.  Thesis: 2.2.3, 2.5.  (14 add, 10
  * multiply, 2 square root, 1 select) */
-static inline void krhpr_subleg_planar_prr2_inverse_all(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_inverse_all(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
@@ -213,7 +213,7 @@ static inline void krhpr_subleg_planar_prr2_inverse_all(
 
 /* Distance by which the end point lies outside the reach of the (2-PRR) sub-leg.  (8 add, 4 multiply, 3
  * select) */
-static inline void krhpr_subleg_planar_prr2_reach(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_reach(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT excess)
 {
     const double t1 = s[1] - g->o[1][i];
@@ -225,7 +225,7 @@ static inline void krhpr_subleg_planar_prr2_reach(
 
 /* Posture of the (2-PRR) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (10
  * add, 8 multiply) */
-static inline void krhpr_subleg_planar_prr2_posture(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_posture(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const double s[2], const double theta[2],
     double *KRHPR_RESTRICT w, double *KRHPR_RESTRICT b)
 {
@@ -245,7 +245,7 @@ static inline void krhpr_subleg_planar_prr2_posture(
 
 /* Jacobian M_i of the (2-PRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (1 add, 11 multiply,
  * 1 divide, 1 select) */
-static inline void krhpr_subleg_planar_prr2_jacobian(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_jacobian(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const double w[4], const double b[2],
     double *KRHPR_RESTRICT M, double *KRHPR_RESTRICT regularity)
 {
@@ -264,7 +264,7 @@ static inline void krhpr_subleg_planar_prr2_jacobian(
 
 /* Rows of K: N M_i for the (2-PRR) sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (3 add, 15 multiply, 1 divide, 1 select) */
-static inline void krhpr_subleg_planar_prr2_project(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_project(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const double w[4], const double b[2],
     const double N[2], double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
 {
@@ -279,7 +279,7 @@ static inline void krhpr_subleg_planar_prr2_project(
 
 /* Velocity of the end point of the (2-PRR) sub-leg, M theta_dot.  Thesis: (1.9).  (3 add, 11 multiply, 1
  * divide, 1 select) */
-static inline void krhpr_subleg_planar_prr2_velocity(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_velocity(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const double w[4], const double b[2],
     const double theta_dot[2], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT regularity)
 {
@@ -297,7 +297,7 @@ static inline void krhpr_subleg_planar_prr2_velocity(
 /* Velocity of the end point of the (2-PRR) sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (30 add, 45 multiply, 1 divide, 1
  * select) */
-static inline void krhpr_subleg_planar_prr2_bias(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_bias(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const double s[2], const double theta[2],
     const double theta_dot[2], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias,
     double *KRHPR_RESTRICT regularity)
@@ -332,7 +332,7 @@ static inline void krhpr_subleg_planar_prr2_bias(
 
 /* Actuated joint rates of the (2-PRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so
  * it serves accelerations too.  Thesis: (1.9).  (2 add, 6 multiply, 2 divide, 3 select) */
-static inline void krhpr_subleg_planar_prr2_rates(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_rates(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const double w[4], const double b[2],
     const double s_dot[2], double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
@@ -345,7 +345,7 @@ static inline void krhpr_subleg_planar_prr2_rates(
 
 /* det M_i of the (2-PRR) sub-leg and its dimensionless factors: chain_1, chain_2, volume.  Thesis: 1.4.  (1
  * add, 6 multiply, 1 divide) */
-static inline void krhpr_subleg_planar_prr2_determinant(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_determinant(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const double w[4], const double b[2],
     double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
@@ -358,7 +358,7 @@ static inline void krhpr_subleg_planar_prr2_determinant(
 
 /* Passive joints of the (2-PRR) sub-leg and the orientation of its last link.  (7 add, 16 multiply, 1
  * divide, 1 square root) */
-static inline void krhpr_subleg_planar_prr2_passive(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_passive(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const double w[4], double *KRHPR_RESTRICT link,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
@@ -375,7 +375,7 @@ static inline void krhpr_subleg_planar_prr2_passive(
 }
 
 /* Joints of the (2-PRR) sub-leg, from the base to S_i.  (4 add) */
-static inline void krhpr_subleg_planar_prr2_points(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_points(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const double w[4], const double s[2],
     double *KRHPR_RESTRICT points)
 {

@@ -23,7 +23,7 @@ typedef struct {
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (3 multiply, 1 divide, 1 sine cosine, 1
  * select) */
-static inline void krhpr_subleg_planar_rp_prepare(krhpr_subleg_planar_rp_geometry *g, int i)
+KRHPR_STATIC void krhpr_subleg_planar_rp_prepare(krhpr_subleg_planar_rp_geometry *g, int i)
 {
     double e_r_1, e_r_0; krhpr_sincos(g->azimuth[i], &e_r_1, &e_r_0);
     g->o[0][i] = g->R_b[i] * e_r_0;
@@ -34,13 +34,13 @@ static inline void krhpr_subleg_planar_rp_prepare(krhpr_subleg_planar_rp_geometr
 }
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
-static inline void krhpr_subleg_planar_rp_forward_angles(const double theta[2], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_planar_rp_forward_angles(const double theta[2], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
 }
 
 /* End point of the RP sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
-static inline void krhpr_subleg_planar_rp_forward(
+KRHPR_STATIC void krhpr_subleg_planar_rp_forward(
     const krhpr_subleg_planar_rp_geometry *g, int i, const double theta[2], const double sine[1],
     const double cosine[1], double *KRHPR_RESTRICT s)
 {
@@ -51,14 +51,14 @@ static inline void krhpr_subleg_planar_rp_forward(
 }
 
 /* Angles whose sines and cosines `forward_posture` reads.  (no operations) */
-static inline void krhpr_subleg_planar_rp_forward_posture_angles(
+KRHPR_STATIC void krhpr_subleg_planar_rp_forward_posture_angles(
     const double theta[2], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
 }
 
 /* End point and posture of the RP sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
-static inline void krhpr_subleg_planar_rp_forward_posture(
+KRHPR_STATIC void krhpr_subleg_planar_rp_forward_posture(
     const krhpr_subleg_planar_rp_geometry *g, int i, const double theta[2], const double sine[1],
     const double cosine[1], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u)
 {
@@ -74,7 +74,7 @@ static inline void krhpr_subleg_planar_rp_forward_posture(
 
 /* Actuated joints of the RP sub-leg in one working mode.  The mode is given by signs; NaN where the end
  * point is out of reach.  Thesis: 2.2.3, 2.5.  (6 add, 7 multiply, 1 square root, 1 arctangent) */
-static inline void krhpr_subleg_planar_rp_inverse(
+KRHPR_STATIC void krhpr_subleg_planar_rp_inverse(
     const krhpr_subleg_planar_rp_geometry *g, int i, const double s[2], const double mode[1],
     double *KRHPR_RESTRICT theta, double *KRHPR_RESTRICT radicand)
 {
@@ -89,7 +89,7 @@ static inline void krhpr_subleg_planar_rp_inverse(
 
 /* Every working mode of the RP sub-leg, in the order rho+, rho-; NaN where a mode does not exist.  Thesis:
  * 2.2.3, 2.5.  (8 add, 6 multiply, 1 square root, 2 arctangent) */
-static inline void krhpr_subleg_planar_rp_inverse_all(
+KRHPR_STATIC void krhpr_subleg_planar_rp_inverse_all(
     const krhpr_subleg_planar_rp_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
@@ -111,7 +111,7 @@ static inline void krhpr_subleg_planar_rp_inverse_all(
 
 /* Distance by which the end point lies outside the reach of the RP sub-leg.  (4 add, 2 multiply, 1 square
  * root) */
-static inline void krhpr_subleg_planar_rp_reach(
+KRHPR_STATIC void krhpr_subleg_planar_rp_reach(
     const krhpr_subleg_planar_rp_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT excess)
 {
     const double d_0 = s[0] - g->o[0][i];
@@ -120,13 +120,13 @@ static inline void krhpr_subleg_planar_rp_reach(
 }
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
-static inline void krhpr_subleg_planar_rp_posture_angles(const double theta[2], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_planar_rp_posture_angles(const double theta[2], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
 }
 
 /* Posture of the RP sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (2 add) */
-static inline void krhpr_subleg_planar_rp_posture(
+KRHPR_STATIC void krhpr_subleg_planar_rp_posture(
     const krhpr_subleg_planar_rp_geometry *g, int i, const double s[2], const double sine[1],
     const double cosine[1], double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u)
 {
@@ -137,7 +137,7 @@ static inline void krhpr_subleg_planar_rp_posture(
 }
 
 /* Jacobian M_i of the RP sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (no operations) */
-static inline void krhpr_subleg_planar_rp_jacobian(
+KRHPR_STATIC void krhpr_subleg_planar_rp_jacobian(
     const krhpr_subleg_planar_rp_geometry *g, int i, const double d[2], const double u[2],
     double *KRHPR_RESTRICT M)
 {
@@ -152,7 +152,7 @@ static inline void krhpr_subleg_planar_rp_jacobian(
 
 /* Rows of K: N M_i for the RP sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (2 add, 4 multiply) */
-static inline void krhpr_subleg_planar_rp_project(
+KRHPR_STATIC void krhpr_subleg_planar_rp_project(
     const krhpr_subleg_planar_rp_geometry *g, int i, const double d[2], const double u[2], const double N[2],
     double *KRHPR_RESTRICT K)
 {
@@ -163,7 +163,7 @@ static inline void krhpr_subleg_planar_rp_project(
 }
 
 /* Velocity of the end point of the RP sub-leg, M theta_dot.  Thesis: (1.9).  (2 add, 4 multiply) */
-static inline void krhpr_subleg_planar_rp_velocity(
+KRHPR_STATIC void krhpr_subleg_planar_rp_velocity(
     const krhpr_subleg_planar_rp_geometry *g, int i, const double d[2], const double u[2],
     const double theta_dot[2], double *KRHPR_RESTRICT s_dot)
 {
@@ -176,14 +176,14 @@ static inline void krhpr_subleg_planar_rp_velocity(
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
-static inline void krhpr_subleg_planar_rp_bias_angles(const double theta[2], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_planar_rp_bias_angles(const double theta[2], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
 }
 
 /* Velocity of the end point of the RP sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (6 add, 10 multiply) */
-static inline void krhpr_subleg_planar_rp_bias(
+KRHPR_STATIC void krhpr_subleg_planar_rp_bias(
     const krhpr_subleg_planar_rp_geometry *g, int i, const double s[2], const double theta_dot[2],
     const double sine[1], const double cosine[1], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
 {
@@ -199,7 +199,7 @@ static inline void krhpr_subleg_planar_rp_bias(
 
 /* Actuated joint rates of the RP sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (3 add, 9 multiply, 1 divide, 1 select) */
-static inline void krhpr_subleg_planar_rp_rates(
+KRHPR_STATIC void krhpr_subleg_planar_rp_rates(
     const krhpr_subleg_planar_rp_geometry *g, int i, const double d[2], const double u[2],
     const double s_dot[2], double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
@@ -211,7 +211,7 @@ static inline void krhpr_subleg_planar_rp_rates(
 }
 
 /* det M_i of the RP sub-leg and its dimensionless factors: slide.  Thesis: 1.4.  (1 add, 3 multiply) */
-static inline void krhpr_subleg_planar_rp_determinant(
+KRHPR_STATIC void krhpr_subleg_planar_rp_determinant(
     const krhpr_subleg_planar_rp_geometry *g, int i, const double d[2], const double u[2],
     double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
@@ -221,7 +221,7 @@ static inline void krhpr_subleg_planar_rp_determinant(
 }
 
 /* Passive joints of the RP sub-leg and the orientation of its last link.  (no operations) */
-static inline void krhpr_subleg_planar_rp_passive(
+KRHPR_STATIC void krhpr_subleg_planar_rp_passive(
     const krhpr_subleg_planar_rp_geometry *g, int i, const double u[2], double *KRHPR_RESTRICT link)
 {
     (void)(g);
@@ -231,7 +231,7 @@ static inline void krhpr_subleg_planar_rp_passive(
 }
 
 /* Joints of the RP sub-leg, from the base to S_i.  (2 add, 2 multiply) */
-static inline void krhpr_subleg_planar_rp_points(
+KRHPR_STATIC void krhpr_subleg_planar_rp_points(
     const krhpr_subleg_planar_rp_geometry *g, int i, const double u[2], const double s[2],
     double *KRHPR_RESTRICT points)
 {

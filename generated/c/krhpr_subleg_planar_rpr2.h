@@ -25,7 +25,7 @@ typedef struct {
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (5 add, 9 multiply, 3 divide, 1 sine
  * cosine) */
-static inline void krhpr_subleg_planar_rpr2_prepare(krhpr_subleg_planar_rpr2_geometry *g, int i)
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_prepare(krhpr_subleg_planar_rpr2_geometry *g, int i)
 {
     double e_r_1, e_r_0; krhpr_sincos(g->azimuth[i], &e_r_1, &e_r_0);
     const double t1 = g->l_0[i] * e_r_1;
@@ -50,7 +50,7 @@ static inline void krhpr_subleg_planar_rpr2_prepare(krhpr_subleg_planar_rpr2_geo
 
 /* End point of the (2-RPR) sub-leg from its actuated joints.  Thesis: 3.5.  (7 add, 11 multiply, 1 square
  * root) */
-static inline void krhpr_subleg_planar_rpr2_forward(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_forward(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const double theta[2], const double assembly[1],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
@@ -69,7 +69,7 @@ static inline void krhpr_subleg_planar_rpr2_forward(
 
 /* End point and posture of the (2-RPR) sub-leg from its actuated joints.  Thesis: 3.5.  (11 add, 11
  * multiply, 1 square root) */
-static inline void krhpr_subleg_planar_rpr2_forward_posture(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_forward_posture(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const double theta[2], const double assembly[1],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT w, double *KRHPR_RESTRICT b,
     double *KRHPR_RESTRICT radicand)
@@ -99,7 +99,7 @@ static inline void krhpr_subleg_planar_rpr2_forward_posture(
 
 /* End points of the (2-RPR) sub-leg in every assembly mode: left, right; NaN where the loop cannot close.
  * Thesis: 3.5.  (11 add, 10 multiply, 1 square root) */
-static inline void krhpr_subleg_planar_rpr2_forward_all(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_forward_all(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const double theta[2], double *KRHPR_RESTRICT s,
     double *KRHPR_RESTRICT radicand)
 {
@@ -128,7 +128,7 @@ static inline void krhpr_subleg_planar_rpr2_forward_all(
 
 /* Actuated joints of the (2-RPR) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.2.3, 2.5.  (6 add, 4 multiply, 2 square root) */
-static inline void krhpr_subleg_planar_rpr2_inverse(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_inverse(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
@@ -143,7 +143,7 @@ static inline void krhpr_subleg_planar_rpr2_inverse(
 
 /* Every working mode of the (2-RPR) sub-leg, in the order only; NaN where a mode does not exist.  Thesis:
  * 2.2.3, 2.5.  (6 add, 4 multiply, 2 square root) */
-static inline void krhpr_subleg_planar_rpr2_inverse_all(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_inverse_all(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
@@ -157,7 +157,7 @@ static inline void krhpr_subleg_planar_rpr2_inverse_all(
 }
 
 /* Distance by which the end point lies outside the reach of the (2-RPR) sub-leg.  (no operations) */
-static inline void krhpr_subleg_planar_rpr2_reach(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_reach(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, double *KRHPR_RESTRICT excess)
 {
     (void)(g);
@@ -166,7 +166,7 @@ static inline void krhpr_subleg_planar_rpr2_reach(
 }
 
 /* Posture of the (2-RPR) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (4 add) */
-static inline void krhpr_subleg_planar_rpr2_posture(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_posture(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const double s[2], const double theta[2],
     double *KRHPR_RESTRICT w, double *KRHPR_RESTRICT b)
 {
@@ -184,7 +184,7 @@ static inline void krhpr_subleg_planar_rpr2_posture(
 
 /* Jacobian M_i of the (2-RPR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (1 add, 11 multiply,
  * 1 divide, 1 select) */
-static inline void krhpr_subleg_planar_rpr2_jacobian(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_jacobian(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const double w[4], const double b[2],
     double *KRHPR_RESTRICT M, double *KRHPR_RESTRICT regularity)
 {
@@ -203,7 +203,7 @@ static inline void krhpr_subleg_planar_rpr2_jacobian(
 
 /* Rows of K: N M_i for the (2-RPR) sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (3 add, 15 multiply, 1 divide, 1 select) */
-static inline void krhpr_subleg_planar_rpr2_project(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_project(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const double w[4], const double b[2],
     const double N[2], double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
 {
@@ -218,7 +218,7 @@ static inline void krhpr_subleg_planar_rpr2_project(
 
 /* Velocity of the end point of the (2-RPR) sub-leg, M theta_dot.  Thesis: (1.9).  (3 add, 11 multiply, 1
  * divide, 1 select) */
-static inline void krhpr_subleg_planar_rpr2_velocity(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_velocity(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const double w[4], const double b[2],
     const double theta_dot[2], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT regularity)
 {
@@ -236,7 +236,7 @@ static inline void krhpr_subleg_planar_rpr2_velocity(
 /* Velocity of the end point of the (2-RPR) sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (18 add, 29 multiply, 1 divide, 1
  * select) */
-static inline void krhpr_subleg_planar_rpr2_bias(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_bias(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const double s[2], const double theta[2],
     const double theta_dot[2], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias,
     double *KRHPR_RESTRICT regularity)
@@ -263,7 +263,7 @@ static inline void krhpr_subleg_planar_rpr2_bias(
 
 /* Actuated joint rates of the (2-RPR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so
  * it serves accelerations too.  Thesis: (1.9).  (2 add, 6 multiply, 2 divide, 3 select) */
-static inline void krhpr_subleg_planar_rpr2_rates(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_rates(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const double w[4], const double b[2],
     const double s_dot[2], double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
@@ -276,7 +276,7 @@ static inline void krhpr_subleg_planar_rpr2_rates(
 
 /* det M_i of the (2-RPR) sub-leg and its dimensionless factors: chain_1, chain_2, volume.  Thesis: 1.4.  (1
  * add, 6 multiply, 1 divide) */
-static inline void krhpr_subleg_planar_rpr2_determinant(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_determinant(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const double w[4], const double b[2],
     double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
@@ -289,7 +289,7 @@ static inline void krhpr_subleg_planar_rpr2_determinant(
 
 /* Passive joints of the (2-RPR) sub-leg and the orientation of its last link.  (7 add, 16 multiply, 1
  * divide, 1 square root) */
-static inline void krhpr_subleg_planar_rpr2_passive(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_passive(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const double w[4], double *KRHPR_RESTRICT link,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
@@ -306,7 +306,7 @@ static inline void krhpr_subleg_planar_rpr2_passive(
 }
 
 /* Joints of the (2-RPR) sub-leg, from the base to S_i.  (no operations) */
-static inline void krhpr_subleg_planar_rpr2_points(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_points(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT points)
 {
     points[0] = g->o[0][i];

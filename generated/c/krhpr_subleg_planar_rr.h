@@ -24,7 +24,7 @@ typedef struct {
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (2 add, 7 multiply, 2 divide, 1 sine
  * cosine, 1 select) */
-static inline void krhpr_subleg_planar_rr_prepare(krhpr_subleg_planar_rr_geometry *g, int i)
+KRHPR_STATIC void krhpr_subleg_planar_rr_prepare(krhpr_subleg_planar_rr_geometry *g, int i)
 {
     double e_r_1, e_r_0; krhpr_sincos(g->azimuth[i], &e_r_1, &e_r_0);
     const double t1 = g->l_1[i] - g->l_2[i];
@@ -41,14 +41,14 @@ static inline void krhpr_subleg_planar_rr_prepare(krhpr_subleg_planar_rr_geometr
 }
 
 /* Angles whose sines and cosines `forward` reads.  (1 add) */
-static inline void krhpr_subleg_planar_rr_forward_angles(const double theta[2], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_planar_rr_forward_angles(const double theta[2], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0] + theta[1];
     angle[1] = theta[0];
 }
 
 /* End point of the RR sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
-static inline void krhpr_subleg_planar_rr_forward(
+KRHPR_STATIC void krhpr_subleg_planar_rr_forward(
     const krhpr_subleg_planar_rr_geometry *g, int i, const double sine[2], const double cosine[2],
     double *KRHPR_RESTRICT s)
 {
@@ -61,7 +61,7 @@ static inline void krhpr_subleg_planar_rr_forward(
 }
 
 /* Angles whose sines and cosines `forward_posture` reads.  (1 add) */
-static inline void krhpr_subleg_planar_rr_forward_posture_angles(
+KRHPR_STATIC void krhpr_subleg_planar_rr_forward_posture_angles(
     const double theta[2], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0] + theta[1];
@@ -69,7 +69,7 @@ static inline void krhpr_subleg_planar_rr_forward_posture_angles(
 }
 
 /* End point and posture of the RR sub-leg from its actuated joints.  Thesis: 3.5.  (4 add, 4 multiply) */
-static inline void krhpr_subleg_planar_rr_forward_posture(
+KRHPR_STATIC void krhpr_subleg_planar_rr_forward_posture(
     const krhpr_subleg_planar_rr_geometry *g, int i, const double sine[2], const double cosine[2],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT v_1)
 {
@@ -87,7 +87,7 @@ static inline void krhpr_subleg_planar_rr_forward_posture(
 
 /* Actuated joints of the RR sub-leg in one working mode.  The mode is given by signs; NaN where the end
  * point is out of reach.  Thesis: 2.2.1, 2.5.  (11 add, 8 multiply, 1 square root) */
-static inline void krhpr_subleg_planar_rr_inverse(
+KRHPR_STATIC void krhpr_subleg_planar_rr_inverse(
     const krhpr_subleg_planar_rr_geometry *g, int i, const double s[2], const double mode[1],
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
@@ -109,7 +109,7 @@ static inline void krhpr_subleg_planar_rr_inverse(
 
 /* Every working mode of the RR sub-leg, in the order elbow+, elbow-; NaN where a mode does not exist.
  * Thesis: 2.2.1, 2.5.  (13 add, 7 multiply, 1 square root) */
-static inline void krhpr_subleg_planar_rr_inverse_all(
+KRHPR_STATIC void krhpr_subleg_planar_rr_inverse_all(
     const krhpr_subleg_planar_rr_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT radicand,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
@@ -142,7 +142,7 @@ static inline void krhpr_subleg_planar_rr_inverse_all(
 
 /* Distance by which the end point lies outside the reach of the RR sub-leg.  (6 add, 2 multiply, 1 square
  * root, 1 select) */
-static inline void krhpr_subleg_planar_rr_reach(
+KRHPR_STATIC void krhpr_subleg_planar_rr_reach(
     const krhpr_subleg_planar_rr_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT excess)
 {
     const double d_0 = s[0] - g->o[0][i]; /* r - o */
@@ -152,14 +152,14 @@ static inline void krhpr_subleg_planar_rr_reach(
 }
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
-static inline void krhpr_subleg_planar_rr_posture_angles(const double theta[2], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_planar_rr_posture_angles(const double theta[2], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
 }
 
 /* Posture of the RR sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (4 add, 2
  * multiply) */
-static inline void krhpr_subleg_planar_rr_posture(
+KRHPR_STATIC void krhpr_subleg_planar_rr_posture(
     const krhpr_subleg_planar_rr_geometry *g, int i, const double s[2], const double sine[1],
     const double cosine[1], double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT v_1)
 {
@@ -172,7 +172,7 @@ static inline void krhpr_subleg_planar_rr_posture(
 }
 
 /* Jacobian M_i of the RR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (no operations) */
-static inline void krhpr_subleg_planar_rr_jacobian(
+KRHPR_STATIC void krhpr_subleg_planar_rr_jacobian(
     const krhpr_subleg_planar_rr_geometry *g, int i, const double d[2], const double v_1[2],
     double *KRHPR_RESTRICT M)
 {
@@ -188,7 +188,7 @@ static inline void krhpr_subleg_planar_rr_jacobian(
 
 /* Rows of K: N M_i for the RR sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (2 add, 4 multiply) */
-static inline void krhpr_subleg_planar_rr_project(
+KRHPR_STATIC void krhpr_subleg_planar_rr_project(
     const krhpr_subleg_planar_rr_geometry *g, int i, const double d[2], const double v_1[2],
     const double N[2], double *KRHPR_RESTRICT K)
 {
@@ -199,7 +199,7 @@ static inline void krhpr_subleg_planar_rr_project(
 }
 
 /* Velocity of the end point of the RR sub-leg, M theta_dot.  Thesis: (1.9).  (2 add, 4 multiply) */
-static inline void krhpr_subleg_planar_rr_velocity(
+KRHPR_STATIC void krhpr_subleg_planar_rr_velocity(
     const krhpr_subleg_planar_rr_geometry *g, int i, const double d[2], const double v_1[2],
     const double theta_dot[2], double *KRHPR_RESTRICT s_dot)
 {
@@ -212,14 +212,14 @@ static inline void krhpr_subleg_planar_rr_velocity(
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
-static inline void krhpr_subleg_planar_rr_bias_angles(const double theta[2], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_planar_rr_bias_angles(const double theta[2], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
 }
 
 /* Velocity of the end point of the RR sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (10 add, 14 multiply) */
-static inline void krhpr_subleg_planar_rr_bias(
+KRHPR_STATIC void krhpr_subleg_planar_rr_bias(
     const krhpr_subleg_planar_rr_geometry *g, int i, const double s[2], const double theta_dot[2],
     const double sine[1], const double cosine[1], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
 {
@@ -238,7 +238,7 @@ static inline void krhpr_subleg_planar_rr_bias(
 
 /* Actuated joint rates of the RR sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (3 add, 9 multiply, 1 divide, 1 select) */
-static inline void krhpr_subleg_planar_rr_rates(
+KRHPR_STATIC void krhpr_subleg_planar_rr_rates(
     const krhpr_subleg_planar_rr_geometry *g, int i, const double d[2], const double v_1[2],
     const double s_dot[2], double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
@@ -250,7 +250,7 @@ static inline void krhpr_subleg_planar_rr_rates(
 }
 
 /* det M_i of the RR sub-leg and its dimensionless factors: elbow.  Thesis: 1.4.  (1 add, 3 multiply) */
-static inline void krhpr_subleg_planar_rr_determinant(
+KRHPR_STATIC void krhpr_subleg_planar_rr_determinant(
     const krhpr_subleg_planar_rr_geometry *g, int i, const double d[2], const double v_1[2],
     double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
@@ -260,7 +260,7 @@ static inline void krhpr_subleg_planar_rr_determinant(
 }
 
 /* Passive joints of the RR sub-leg and the orientation of its last link.  (2 multiply) */
-static inline void krhpr_subleg_planar_rr_passive(
+KRHPR_STATIC void krhpr_subleg_planar_rr_passive(
     const krhpr_subleg_planar_rr_geometry *g, int i, const double v_1[2], double *KRHPR_RESTRICT link)
 {
     link[0] = v_1[0] * g->k[6][i];
@@ -268,7 +268,7 @@ static inline void krhpr_subleg_planar_rr_passive(
 }
 
 /* Joints of the RR sub-leg, from the base to S_i.  (4 add) */
-static inline void krhpr_subleg_planar_rr_points(
+KRHPR_STATIC void krhpr_subleg_planar_rr_points(
     const krhpr_subleg_planar_rr_geometry *g, int i, const double d[2], const double v_1[2],
     const double s[2], double *KRHPR_RESTRICT points)
 {

@@ -25,7 +25,7 @@ typedef struct {
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (2 add, 7 multiply, 2 divide, 1 sine
  * cosine, 1 select) */
-static inline void krhpr_subleg_planar_rrr_prepare(krhpr_subleg_planar_rrr_geometry *g, int i)
+KRHPR_STATIC void krhpr_subleg_planar_rrr_prepare(krhpr_subleg_planar_rrr_geometry *g, int i)
 {
     double e_r_1, e_r_0; krhpr_sincos(g->azimuth[i], &e_r_1, &e_r_0);
     const double t1 = g->l_1[i] - g->l_2[i];
@@ -42,7 +42,7 @@ static inline void krhpr_subleg_planar_rrr_prepare(krhpr_subleg_planar_rrr_geome
 }
 
 /* Angles whose sines and cosines `forward` reads.  (2 add) */
-static inline void krhpr_subleg_planar_rrr_forward_angles(const double theta[3], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_planar_rrr_forward_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
     const double t1 = theta[0] + theta[1];
     angle[0] = t1;
@@ -51,7 +51,7 @@ static inline void krhpr_subleg_planar_rrr_forward_angles(const double theta[3],
 }
 
 /* End point of the RRR sub-leg from its actuated joints.  Thesis: 3.5.  (6 add, 6 multiply) */
-static inline void krhpr_subleg_planar_rrr_forward(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_forward(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const double sine[3], const double cosine[3],
     double *KRHPR_RESTRICT s)
 {
@@ -66,7 +66,7 @@ static inline void krhpr_subleg_planar_rrr_forward(
 }
 
 /* Angles whose sines and cosines `forward_posture` reads.  (2 add) */
-static inline void krhpr_subleg_planar_rrr_forward_posture_angles(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_forward_posture_angles(
     const double theta[3], double *KRHPR_RESTRICT angle)
 {
     const double t1 = theta[0] + theta[1];
@@ -76,7 +76,7 @@ static inline void krhpr_subleg_planar_rrr_forward_posture_angles(
 }
 
 /* End point and posture of the RRR sub-leg from its actuated joints.  Thesis: 3.5.  (6 add, 6 multiply) */
-static inline void krhpr_subleg_planar_rrr_forward_posture(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_forward_posture(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const double sine[3], const double cosine[3],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_2,
     double *KRHPR_RESTRICT u_3)
@@ -98,14 +98,14 @@ static inline void krhpr_subleg_planar_rrr_forward_posture(
 }
 
 /* Angles whose sines and cosines `inverse` reads.  (no operations) */
-static inline void krhpr_subleg_planar_rrr_inverse_angles(double swivel, double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_planar_rrr_inverse_angles(double swivel, double *KRHPR_RESTRICT angle)
 {
     angle[0] = swivel;
 }
 
 /* Actuated joints of the RRR sub-leg in one working mode.  The mode is given by signs; NaN where the end
  * point is out of reach.  Thesis: 2.2.3, 2.5.  (17 add, 18 multiply, 1 divide, 1 square root) */
-static inline void krhpr_subleg_planar_rrr_inverse(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_inverse(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const double s[2], const double mode[1],
     const double sine[1], const double cosine[1], double *KRHPR_RESTRICT radicand,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
@@ -132,14 +132,14 @@ static inline void krhpr_subleg_planar_rrr_inverse(
 }
 
 /* Angles whose sines and cosines `inverse_all` reads.  (no operations) */
-static inline void krhpr_subleg_planar_rrr_inverse_all_angles(double swivel, double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_planar_rrr_inverse_all_angles(double swivel, double *KRHPR_RESTRICT angle)
 {
     angle[0] = swivel;
 }
 
 /* Every working mode of the RRR sub-leg, in the order elbow+, elbow-; NaN where a mode does not exist.
  * Thesis: 2.2.3, 2.5.  (23 add, 25 multiply, 1 divide, 1 square root) */
-static inline void krhpr_subleg_planar_rrr_inverse_all(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_inverse_all(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const double s[2], const double sine[1],
     const double cosine[1], double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y,
     double *KRHPR_RESTRICT tail_x)
@@ -181,14 +181,14 @@ static inline void krhpr_subleg_planar_rrr_inverse_all(
 }
 
 /* Angles whose sines and cosines `reach` reads.  (no operations) */
-static inline void krhpr_subleg_planar_rrr_reach_angles(double swivel, double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_planar_rrr_reach_angles(double swivel, double *KRHPR_RESTRICT angle)
 {
     angle[0] = swivel;
 }
 
 /* Distance by which the end point lies outside the reach of the RRR sub-leg.  (8 add, 4 multiply, 1 square
  * root, 1 select) */
-static inline void krhpr_subleg_planar_rrr_reach(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_reach(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const double s[2], const double sine[1],
     const double cosine[1], double *KRHPR_RESTRICT excess)
 {
@@ -199,7 +199,7 @@ static inline void krhpr_subleg_planar_rrr_reach(
 }
 
 /* Angles whose sines and cosines `posture` reads.  (1 add) */
-static inline void krhpr_subleg_planar_rrr_posture_angles(const double theta[3], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_planar_rrr_posture_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0] + theta[1];
     angle[1] = theta[0];
@@ -207,7 +207,7 @@ static inline void krhpr_subleg_planar_rrr_posture_angles(const double theta[3],
 
 /* Posture of the RRR sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (6 add, 4
  * multiply) */
-static inline void krhpr_subleg_planar_rrr_posture(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_posture(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const double s[2], const double sine[2],
     const double cosine[2], double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_2, double *KRHPR_RESTRICT u_3)
 {
@@ -224,7 +224,7 @@ static inline void krhpr_subleg_planar_rrr_posture(
 }
 
 /* Jacobian M_i of the RRR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (2 add) */
-static inline void krhpr_subleg_planar_rrr_jacobian(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_jacobian(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const double d[2], const double u_2[2],
     const double u_3[2], double *KRHPR_RESTRICT M)
 {
@@ -244,7 +244,7 @@ static inline void krhpr_subleg_planar_rrr_jacobian(
 
 /* Rows of K: N M_i for the RRR sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (5 add, 6 multiply) */
-static inline void krhpr_subleg_planar_rrr_project(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_project(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const double d[2], const double u_2[2],
     const double u_3[2], const double N[2], double *KRHPR_RESTRICT K)
 {
@@ -257,7 +257,7 @@ static inline void krhpr_subleg_planar_rrr_project(
 }
 
 /* Velocity of the end point of the RRR sub-leg, M theta_dot.  Thesis: (1.9).  (6 add, 6 multiply) */
-static inline void krhpr_subleg_planar_rrr_velocity(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_velocity(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const double d[2], const double u_2[2],
     const double u_3[2], const double theta_dot[3], double *KRHPR_RESTRICT s_dot)
 {
@@ -270,7 +270,7 @@ static inline void krhpr_subleg_planar_rrr_velocity(
 }
 
 /* Angles whose sines and cosines `bias` reads.  (1 add) */
-static inline void krhpr_subleg_planar_rrr_bias_angles(const double theta[3], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_planar_rrr_bias_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0] + theta[1];
     angle[1] = theta[0];
@@ -278,7 +278,7 @@ static inline void krhpr_subleg_planar_rrr_bias_angles(const double theta[3], do
 
 /* Velocity of the end point of the RRR sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (23 add, 24 multiply) */
-static inline void krhpr_subleg_planar_rrr_bias(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_bias(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const double s[2], const double theta_dot[3],
     const double sine[2], const double cosine[2], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias,
     double *KRHPR_RESTRICT swivel_bias)
@@ -305,7 +305,7 @@ static inline void krhpr_subleg_planar_rrr_bias(
 
 /* Actuated joint rates of the RRR sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (11 add, 13 multiply, 1 divide, 1 select) */
-static inline void krhpr_subleg_planar_rrr_rates(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_rates(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const double d[2], const double u_2[2],
     const double u_3[2], const double s_dot[2], double swivel_rates, double *KRHPR_RESTRICT theta_dot,
     double *KRHPR_RESTRICT regularity)
@@ -327,7 +327,7 @@ static inline void krhpr_subleg_planar_rrr_rates(
 
 /* det M_i of the RRR sub-leg and its dimensionless factors: elbow.  Thesis: 1.4.  (12 add, 12 multiply, 1
  * square root) */
-static inline void krhpr_subleg_planar_rrr_determinant(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_determinant(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const double d[2], const double u_2[2],
     const double u_3[2], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
@@ -342,7 +342,7 @@ static inline void krhpr_subleg_planar_rrr_determinant(
 }
 
 /* Passive joints of the RRR sub-leg and the orientation of its last link.  (2 multiply) */
-static inline void krhpr_subleg_planar_rrr_passive(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_passive(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const double u_3[2], double *KRHPR_RESTRICT link)
 {
     link[0] = u_3[0] * g->k[6][i];
@@ -350,7 +350,7 @@ static inline void krhpr_subleg_planar_rrr_passive(
 }
 
 /* Joints of the RRR sub-leg, from the base to S_i.  (4 add) */
-static inline void krhpr_subleg_planar_rrr_points(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_points(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const double u_2[2], const double u_3[2],
     const double s[2], double *KRHPR_RESTRICT points)
 {
@@ -367,7 +367,7 @@ static inline void krhpr_subleg_planar_rrr_points(
 }
 
 /* Swivel of the RRR sub-leg.  (no operations) */
-static inline void krhpr_subleg_planar_rrr_swivel(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_swivel(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const double u_3[2], double *KRHPR_RESTRICT tail_y,
     double *KRHPR_RESTRICT tail_x)
 {
@@ -378,7 +378,7 @@ static inline void krhpr_subleg_planar_rrr_swivel(
 }
 
 /* What the joints' accelerations have to give of the swivel's second rate.  (1 add) */
-static inline void krhpr_subleg_planar_rrr_swivel_difference(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_swivel_difference(
     double swivel_accelerations, double swivel_bias, double *KRHPR_RESTRICT swivel_along)
 {
     *swivel_along = swivel_accelerations - swivel_bias;

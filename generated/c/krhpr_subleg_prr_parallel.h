@@ -31,7 +31,7 @@ typedef struct {
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (7 add, 16 multiply, 2 divide, 3 sine
  * cosine, 1 select) */
-static inline void krhpr_subleg_prr_parallel_prepare(krhpr_subleg_prr_parallel_geometry *g, int i)
+KRHPR_STATIC void krhpr_subleg_prr_parallel_prepare(krhpr_subleg_prr_parallel_geometry *g, int i)
 {
     double e_t_1, e_t_0; krhpr_sincos(g->slide_azimuth[i], &e_t_1, &e_t_0);
     double e_1_2, t1; krhpr_sincos(g->alpha[i], &e_1_2, &t1);
@@ -69,7 +69,7 @@ static inline void krhpr_subleg_prr_parallel_prepare(krhpr_subleg_prr_parallel_g
 }
 
 /* Angles whose sines and cosines `forward` reads.  (1 add) */
-static inline void krhpr_subleg_prr_parallel_forward_angles(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_forward_angles(
     const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1] + theta[2];
@@ -77,7 +77,7 @@ static inline void krhpr_subleg_prr_parallel_forward_angles(
 }
 
 /* End point of the PRR sub-leg from its actuated joints.  Thesis: 3.5.  (10 add, 12 multiply) */
-static inline void krhpr_subleg_prr_parallel_forward(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_forward(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const double theta[3], const double sine[2],
     const double cosine[2], double *KRHPR_RESTRICT s)
 {
@@ -91,7 +91,7 @@ static inline void krhpr_subleg_prr_parallel_forward(
 }
 
 /* Angles whose sines and cosines `forward_posture` reads.  (1 add) */
-static inline void krhpr_subleg_prr_parallel_forward_posture_angles(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_forward_posture_angles(
     const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1] + theta[2];
@@ -99,7 +99,7 @@ static inline void krhpr_subleg_prr_parallel_forward_posture_angles(
 }
 
 /* End point and posture of the PRR sub-leg from its actuated joints.  Thesis: 3.5.  (10 add, 12 multiply) */
-static inline void krhpr_subleg_prr_parallel_forward_posture(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_forward_posture(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const double theta[3], const double sine[2],
     const double cosine[2], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT v_1)
 {
@@ -118,7 +118,7 @@ static inline void krhpr_subleg_prr_parallel_forward_posture(
 
 /* Actuated joints of the PRR sub-leg in one working mode.  The mode is given by signs; NaN where the end
  * point is out of reach.  Thesis: 2.4.1, 2.5.  (17 add, 16 multiply, 1 square root, 2 arctangent) */
-static inline void krhpr_subleg_prr_parallel_inverse(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_inverse(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const double s[3], const double mode[1],
     double *KRHPR_RESTRICT theta, double *KRHPR_RESTRICT radicand)
 {
@@ -142,7 +142,7 @@ static inline void krhpr_subleg_prr_parallel_inverse(
 
 /* Every working mode of the PRR sub-leg, in the order elbow+, elbow-; NaN where a mode does not exist.
  * Thesis: 2.4.1, 2.5.  (19 add, 15 multiply, 1 square root, 4 arctangent) */
-static inline void krhpr_subleg_prr_parallel_inverse_all(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_inverse_all(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
@@ -177,7 +177,7 @@ static inline void krhpr_subleg_prr_parallel_inverse_all(
 
 /* Distance by which the end point lies outside the reach of the PRR sub-leg.  (11 add, 8 multiply, 1 square
  * root, 1 select) */
-static inline void krhpr_subleg_prr_parallel_reach(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_reach(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT excess)
 {
     const double arm_0 = s[0] - g->c[0][i]; /* s - c */
@@ -190,7 +190,7 @@ static inline void krhpr_subleg_prr_parallel_reach(
 }
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
-static inline void krhpr_subleg_prr_parallel_posture_angles(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_posture_angles(
     const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
@@ -198,7 +198,7 @@ static inline void krhpr_subleg_prr_parallel_posture_angles(
 
 /* Posture of the PRR sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (9 add, 8
  * multiply) */
-static inline void krhpr_subleg_prr_parallel_posture(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_posture(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const double s[3], const double sine[1],
     const double cosine[1], double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT v_1)
 {
@@ -214,7 +214,7 @@ static inline void krhpr_subleg_prr_parallel_posture(
 }
 
 /* Jacobian M_i of the PRR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (6 add, 12 multiply) */
-static inline void krhpr_subleg_prr_parallel_jacobian(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_jacobian(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const double d[2], const double v_1[2],
     double *KRHPR_RESTRICT M)
 {
@@ -231,7 +231,7 @@ static inline void krhpr_subleg_prr_parallel_jacobian(
 
 /* Rows of K: N M_i for the PRR sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (14 add, 24 multiply) */
-static inline void krhpr_subleg_prr_parallel_project(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_project(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const double d[2], const double v_1[2],
     const double N[6], double *KRHPR_RESTRICT K)
 {
@@ -250,7 +250,7 @@ static inline void krhpr_subleg_prr_parallel_project(
 }
 
 /* Velocity of the end point of the PRR sub-leg, M theta_dot.  Thesis: (1.9).  (7 add, 12 multiply) */
-static inline void krhpr_subleg_prr_parallel_velocity(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_velocity(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const double d[2], const double v_1[2],
     const double theta_dot[3], double *KRHPR_RESTRICT s_dot)
 {
@@ -262,14 +262,14 @@ static inline void krhpr_subleg_prr_parallel_velocity(
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
-static inline void krhpr_subleg_prr_parallel_bias_angles(const double theta[3], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_prr_parallel_bias_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
 }
 
 /* Velocity of the end point of the PRR sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (27 add, 40 multiply) */
-static inline void krhpr_subleg_prr_parallel_bias(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_bias(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const double s[3], const double theta_dot[3],
     const double sine[1], const double cosine[1], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
 {
@@ -299,7 +299,7 @@ static inline void krhpr_subleg_prr_parallel_bias(
 
 /* Actuated joint rates of the PRR sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (8 add, 17 multiply, 1 divide, 1 select) */
-static inline void krhpr_subleg_prr_parallel_rates(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_rates(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const double d[2], const double v_1[2],
     const double s_dot[3], double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
@@ -315,7 +315,7 @@ static inline void krhpr_subleg_prr_parallel_rates(
 }
 
 /* det M_i of the PRR sub-leg and its dimensionless factors: elbow.  Thesis: 1.4.  (1 add, 3 multiply) */
-static inline void krhpr_subleg_prr_parallel_determinant(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_determinant(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const double d[2], const double v_1[2],
     double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
@@ -325,7 +325,7 @@ static inline void krhpr_subleg_prr_parallel_determinant(
 }
 
 /* Passive joints of the PRR sub-leg and the orientation of its last link.  (6 add, 14 multiply) */
-static inline void krhpr_subleg_prr_parallel_passive(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_passive(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const double v_1[2], double *KRHPR_RESTRICT link)
 {
     const double dir_0 = v_1[0] * g->k[6][i]; /* direction of the last link in (x, e_1) */
@@ -348,7 +348,7 @@ static inline void krhpr_subleg_prr_parallel_passive(
 }
 
 /* Joints of the PRR sub-leg, from the base to S_i.  (14 add, 12 multiply) */
-static inline void krhpr_subleg_prr_parallel_points(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_points(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const double d[2], const double v_1[2],
     const double s[3], double *KRHPR_RESTRICT points)
 {

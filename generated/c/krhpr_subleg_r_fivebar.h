@@ -33,7 +33,7 @@ typedef struct {
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (13 add, 24 multiply, 7 divide, 2 sine
  * cosine, 2 select) */
-static inline void krhpr_subleg_r_fivebar_prepare(krhpr_subleg_r_fivebar_geometry *g, int i)
+KRHPR_STATIC void krhpr_subleg_r_fivebar_prepare(krhpr_subleg_r_fivebar_geometry *g, int i)
 {
     double e_r_1, e_t_1; krhpr_sincos(g->azimuth[i], &e_r_1, &e_t_1);
     double e_1_2, t1; krhpr_sincos(g->alpha[i], &e_1_2, &t1);
@@ -88,7 +88,7 @@ static inline void krhpr_subleg_r_fivebar_prepare(krhpr_subleg_r_fivebar_geometr
 }
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
-static inline void krhpr_subleg_r_fivebar_forward_angles(const double theta[3], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_r_fivebar_forward_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
     angle[1] = theta[2];
@@ -97,7 +97,7 @@ static inline void krhpr_subleg_r_fivebar_forward_angles(const double theta[3], 
 
 /* End point of the R(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (20 add, 28 multiply, 1
  * divide, 1 square root) */
-static inline void krhpr_subleg_r_fivebar_forward(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_forward(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double assembly[1], const double sine[3],
     const double cosine[3], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
@@ -128,7 +128,7 @@ static inline void krhpr_subleg_r_fivebar_forward(
 }
 
 /* Angles whose sines and cosines `forward_posture` reads.  (no operations) */
-static inline void krhpr_subleg_r_fivebar_forward_posture_angles(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_forward_posture_angles(
     const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
@@ -138,7 +138,7 @@ static inline void krhpr_subleg_r_fivebar_forward_posture_angles(
 
 /* End point and posture of the R(RR-RRR) sub-leg from its actuated joints.  Thesis: 3.5.  (22 add, 33
  * multiply, 1 divide, 1 square root) */
-static inline void krhpr_subleg_r_fivebar_forward_posture(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_forward_posture(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double assembly[1], const double sine[3],
     const double cosine[3], double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2,
     double *KRHPR_RESTRICT d, double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2,
@@ -183,7 +183,7 @@ static inline void krhpr_subleg_r_fivebar_forward_posture(
 }
 
 /* Angles whose sines and cosines `forward_all` reads.  (no operations) */
-static inline void krhpr_subleg_r_fivebar_forward_all_angles(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_forward_all_angles(
     const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
@@ -193,7 +193,7 @@ static inline void krhpr_subleg_r_fivebar_forward_all_angles(
 
 /* End points of the R(RR-RRR) sub-leg in every assembly mode: left, right; NaN where the loop cannot close.
  * Thesis: 3.5.  (32 add, 35 multiply, 1 divide, 1 square root) */
-static inline void krhpr_subleg_r_fivebar_forward_all(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_forward_all(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double sine[3], const double cosine[3],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
@@ -238,7 +238,7 @@ static inline void krhpr_subleg_r_fivebar_forward_all(
 
 /* Actuated joints of the R(RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: App. B.  (27 add, 35 multiply, 1 divide, 3 square root, 1 select) */
-static inline void krhpr_subleg_r_fivebar_inverse(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double s[3], const double mode[3],
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
@@ -279,7 +279,7 @@ static inline void krhpr_subleg_r_fivebar_inverse(
  * front/elbow-/rod+, front/elbow-/rod-, back/elbow+/rod+, back/elbow+/rod-, back/elbow-/rod+,
  * back/elbow-/rod-; NaN where a mode does not exist.  Thesis: App. B.  (67 add, 59 multiply, 1 divide, 6
  * square root, 7 select) */
-static inline void krhpr_subleg_r_fivebar_inverse_all(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_all(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT radicand,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
@@ -400,7 +400,7 @@ static inline void krhpr_subleg_r_fivebar_inverse_all(
 
 /* Distance by which the end point lies outside the reach of the R(RR-RRR) sub-leg.  (27 add, 27 multiply, 1
  * divide, 4 square root, 3 select) */
-static inline void krhpr_subleg_r_fivebar_reach(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_reach(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double s[3], const double mode[3],
     double *KRHPR_RESTRICT excess)
 {
@@ -429,7 +429,7 @@ static inline void krhpr_subleg_r_fivebar_reach(
 }
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
-static inline void krhpr_subleg_r_fivebar_posture_angles(const double theta[3], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_r_fivebar_posture_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -438,7 +438,7 @@ static inline void krhpr_subleg_r_fivebar_posture_angles(const double theta[3], 
 
 /* Posture of the R(RR-RRR) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (11
  * add, 20 multiply) */
-static inline void krhpr_subleg_r_fivebar_posture(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_posture(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double s[3], const double sine[3],
     const double cosine[3], double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d,
     double *KRHPR_RESTRICT u_1, double *KRHPR_RESTRICT u_2)
@@ -465,7 +465,7 @@ static inline void krhpr_subleg_r_fivebar_posture(
 
 /* Jacobian M_i of the R(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (20 add, 40
  * multiply, 1 divide, 1 select) */
-static inline void krhpr_subleg_r_fivebar_jacobian(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_jacobian(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double e_2[3],
     const double d[2], const double u_1[2], const double u_2[2], double *KRHPR_RESTRICT M,
     double *KRHPR_RESTRICT regularity)
@@ -502,7 +502,7 @@ static inline void krhpr_subleg_r_fivebar_jacobian(
 
 /* Rows of K: N M_i for the R(RR-RRR) sub-leg, where the rows of N are the directions of the platform's
  * lines.  Thesis: (1.8), (1.28).  (30 add, 53 multiply, 1 divide, 1 select) */
-static inline void krhpr_subleg_r_fivebar_project(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_project(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double e_2[3],
     const double d[2], const double u_1[2], const double u_2[2], const double N[6], double *KRHPR_RESTRICT K,
     double *KRHPR_RESTRICT regularity)
@@ -542,7 +542,7 @@ static inline void krhpr_subleg_r_fivebar_project(
 
 /* Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (20 add, 35 multiply, 1
  * divide, 1 select) */
-static inline void krhpr_subleg_r_fivebar_velocity(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_velocity(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double e_2[3],
     const double d[2], const double u_1[2], const double u_2[2], const double theta_dot[3],
     double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT regularity)
@@ -570,7 +570,7 @@ static inline void krhpr_subleg_r_fivebar_velocity(
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
-static inline void krhpr_subleg_r_fivebar_bias_angles(const double theta[3], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_r_fivebar_bias_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -580,7 +580,7 @@ static inline void krhpr_subleg_r_fivebar_bias_angles(const double theta[3], dou
 /* Velocity of the end point of the R(RR-RRR) sub-leg and the part of its acceleration that does not depend
  * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (85 add, 150 multiply, 1 divide, 1
  * select) */
-static inline void krhpr_subleg_r_fivebar_bias(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_bias(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double s[3], const double theta_dot[3],
     const double sine[3], const double cosine[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias,
     double *KRHPR_RESTRICT regularity)
@@ -661,7 +661,7 @@ static inline void krhpr_subleg_r_fivebar_bias(
 
 /* Actuated joint rates of the R(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
  * so it serves accelerations too.  Thesis: (1.9).  (18 add, 30 multiply, 3 divide, 5 select) */
-static inline void krhpr_subleg_r_fivebar_rates(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_rates(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double e_2[3],
     const double d[2], const double u_1[2], const double u_2[2], const double s_dot[3],
     double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
@@ -688,7 +688,7 @@ static inline void krhpr_subleg_r_fivebar_rates(
 
 /* det M_i of the R(RR-RRR) sub-leg and its dimensionless factors: shoulder, elbow, crank, rod.  Thesis:
  * 1.4.  (10 add, 15 multiply, 1 divide) */
-static inline void krhpr_subleg_r_fivebar_determinant(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_determinant(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
@@ -709,7 +709,7 @@ static inline void krhpr_subleg_r_fivebar_determinant(
 }
 
 /* Passive joints of the R(RR-RRR) sub-leg and the orientation of its last link.  (18 add, 28 multiply) */
-static inline void krhpr_subleg_r_fivebar_passive(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_passive(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double e_2[3],
     const double d[2], const double u_1[2], const double u_2[2], double *KRHPR_RESTRICT link,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
@@ -744,7 +744,7 @@ static inline void krhpr_subleg_r_fivebar_passive(
 }
 
 /* Joints of the R(RR-RRR) sub-leg, from the base to S_i.  (22 add, 20 multiply) */
-static inline void krhpr_subleg_r_fivebar_points(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_points(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double d[2],
     const double u_1[2], const double u_2[2], const double s[3], double *KRHPR_RESTRICT points)
 {

@@ -30,7 +30,7 @@ typedef struct {
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (7 add, 16 multiply, 3 divide, 2 sine
  * cosine, 1 select) */
-static inline void krhpr_subleg_rrr_prepare(krhpr_subleg_rrr_geometry *g, int i)
+KRHPR_STATIC void krhpr_subleg_rrr_prepare(krhpr_subleg_rrr_geometry *g, int i)
 {
     double e_r_1, e_t_1; krhpr_sincos(g->azimuth[i], &e_r_1, &e_t_1);
     double e_1_2, t1; krhpr_sincos(g->alpha[i], &e_1_2, &t1);
@@ -68,7 +68,7 @@ static inline void krhpr_subleg_rrr_prepare(krhpr_subleg_rrr_geometry *g, int i)
 }
 
 /* Angles whose sines and cosines `forward` reads.  (1 add) */
-static inline void krhpr_subleg_rrr_forward_angles(const double theta[3], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_rrr_forward_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1] + theta[2];
     angle[1] = theta[1];
@@ -76,7 +76,7 @@ static inline void krhpr_subleg_rrr_forward_angles(const double theta[3], double
 }
 
 /* End point of the RRR sub-leg from its actuated joints.  Thesis: 3.5.  (10 add, 15 multiply) */
-static inline void krhpr_subleg_rrr_forward(
+KRHPR_STATIC void krhpr_subleg_rrr_forward(
     const krhpr_subleg_rrr_geometry *g, int i, const double sine[3], const double cosine[3],
     double *KRHPR_RESTRICT s)
 {
@@ -93,8 +93,7 @@ static inline void krhpr_subleg_rrr_forward(
 }
 
 /* Angles whose sines and cosines `forward_posture` reads.  (1 add) */
-static inline void krhpr_subleg_rrr_forward_posture_angles(
-    const double theta[3], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_rrr_forward_posture_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1] + theta[2];
     angle[1] = theta[1];
@@ -102,7 +101,7 @@ static inline void krhpr_subleg_rrr_forward_posture_angles(
 }
 
 /* End point and posture of the RRR sub-leg from its actuated joints.  Thesis: 3.5.  (12 add, 20 multiply) */
-static inline void krhpr_subleg_rrr_forward_posture(
+KRHPR_STATIC void krhpr_subleg_rrr_forward_posture(
     const krhpr_subleg_rrr_geometry *g, int i, const double sine[3], const double cosine[3],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d,
     double *KRHPR_RESTRICT v_1)
@@ -131,7 +130,7 @@ static inline void krhpr_subleg_rrr_forward_posture(
 
 /* Actuated joints of the RRR sub-leg in one working mode.  The mode is given by signs; NaN where the end
  * point is out of reach.  Thesis: 1.5, 2.5.  (18 add, 21 multiply, 2 square root) */
-static inline void krhpr_subleg_rrr_inverse(
+KRHPR_STATIC void krhpr_subleg_rrr_inverse(
     const krhpr_subleg_rrr_geometry *g, int i, const double s[3], const double mode[2],
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
@@ -160,7 +159,7 @@ static inline void krhpr_subleg_rrr_inverse(
 
 /* Every working mode of the RRR sub-leg, in the order front/elbow+, front/elbow-, back/elbow+, back/elbow-;
  * NaN where a mode does not exist.  Thesis: 1.5, 2.5.  (21 add, 17 multiply, 2 square root) */
-static inline void krhpr_subleg_rrr_inverse_all(
+KRHPR_STATIC void krhpr_subleg_rrr_inverse_all(
     const krhpr_subleg_rrr_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT radicand,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
@@ -208,7 +207,7 @@ static inline void krhpr_subleg_rrr_inverse_all(
 
 /* Distance by which the end point lies outside the reach of the RRR sub-leg.  (13 add, 13 multiply, 2
  * square root, 1 select) */
-static inline void krhpr_subleg_rrr_reach(
+KRHPR_STATIC void krhpr_subleg_rrr_reach(
     const krhpr_subleg_rrr_geometry *g, int i, const double s[3], const double mode[2],
     double *KRHPR_RESTRICT excess)
 {
@@ -224,7 +223,7 @@ static inline void krhpr_subleg_rrr_reach(
 }
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
-static inline void krhpr_subleg_rrr_posture_angles(const double theta[3], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_rrr_posture_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -232,7 +231,7 @@ static inline void krhpr_subleg_rrr_posture_angles(const double theta[3], double
 
 /* Posture of the RRR sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (13 add, 18
  * multiply) */
-static inline void krhpr_subleg_rrr_posture(
+KRHPR_STATIC void krhpr_subleg_rrr_posture(
     const krhpr_subleg_rrr_geometry *g, int i, const double s[3], const double sine[2],
     const double cosine[2], double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d,
     double *KRHPR_RESTRICT v_1)
@@ -258,7 +257,7 @@ static inline void krhpr_subleg_rrr_posture(
 }
 
 /* Jacobian M_i of the RRR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (6 add, 15 multiply) */
-static inline void krhpr_subleg_rrr_jacobian(
+KRHPR_STATIC void krhpr_subleg_rrr_jacobian(
     const krhpr_subleg_rrr_geometry *g, int i, const double x[3], const double e_2[3], const double d[2],
     const double v_1[2], double *KRHPR_RESTRICT M)
 {
@@ -275,7 +274,7 @@ static inline void krhpr_subleg_rrr_jacobian(
 
 /* Rows of K: N M_i for the RRR sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (16 add, 28 multiply) */
-static inline void krhpr_subleg_rrr_project(
+KRHPR_STATIC void krhpr_subleg_rrr_project(
     const krhpr_subleg_rrr_geometry *g, int i, const double x[3], const double e_2[3], const double d[2],
     const double v_1[2], const double N[6], double *KRHPR_RESTRICT K)
 {
@@ -294,7 +293,7 @@ static inline void krhpr_subleg_rrr_project(
 }
 
 /* Velocity of the end point of the RRR sub-leg, M theta_dot.  Thesis: (1.9).  (8 add, 14 multiply) */
-static inline void krhpr_subleg_rrr_velocity(
+KRHPR_STATIC void krhpr_subleg_rrr_velocity(
     const krhpr_subleg_rrr_geometry *g, int i, const double x[3], const double e_2[3], const double d[2],
     const double v_1[2], const double theta_dot[3], double *KRHPR_RESTRICT s_dot)
 {
@@ -307,7 +306,7 @@ static inline void krhpr_subleg_rrr_velocity(
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
-static inline void krhpr_subleg_rrr_bias_angles(const double theta[3], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_rrr_bias_angles(const double theta[3], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -315,7 +314,7 @@ static inline void krhpr_subleg_rrr_bias_angles(const double theta[3], double *K
 
 /* Velocity of the end point of the RRR sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (48 add, 81 multiply) */
-static inline void krhpr_subleg_rrr_bias(
+KRHPR_STATIC void krhpr_subleg_rrr_bias(
     const krhpr_subleg_rrr_geometry *g, int i, const double s[3], const double theta_dot[3],
     const double sine[2], const double cosine[2], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
 {
@@ -359,7 +358,7 @@ static inline void krhpr_subleg_rrr_bias(
 
 /* Actuated joint rates of the RRR sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (9 add, 19 multiply, 2 divide, 3 select) */
-static inline void krhpr_subleg_rrr_rates(
+KRHPR_STATIC void krhpr_subleg_rrr_rates(
     const krhpr_subleg_rrr_geometry *g, int i, const double x[3], const double e_2[3], const double d[2],
     const double v_1[2], const double s_dot[3], double *KRHPR_RESTRICT theta_dot,
     double *KRHPR_RESTRICT regularity)
@@ -377,7 +376,7 @@ static inline void krhpr_subleg_rrr_rates(
 
 /* det M_i of the RRR sub-leg and its dimensionless factors: shoulder, elbow.  Thesis: 1.4.  (1 add, 5
  * multiply) */
-static inline void krhpr_subleg_rrr_determinant(
+KRHPR_STATIC void krhpr_subleg_rrr_determinant(
     const krhpr_subleg_rrr_geometry *g, int i, const double d[2], const double v_1[2],
     double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
@@ -388,7 +387,7 @@ static inline void krhpr_subleg_rrr_determinant(
 }
 
 /* Passive joints of the RRR sub-leg and the orientation of its last link.  (6 add, 14 multiply) */
-static inline void krhpr_subleg_rrr_passive(
+KRHPR_STATIC void krhpr_subleg_rrr_passive(
     const krhpr_subleg_rrr_geometry *g, int i, const double x[3], const double e_2[3], const double v_1[2],
     double *KRHPR_RESTRICT link)
 {
@@ -412,7 +411,7 @@ static inline void krhpr_subleg_rrr_passive(
 }
 
 /* Joints of the RRR sub-leg, from the base to S_i.  (8 add, 6 multiply) */
-static inline void krhpr_subleg_rrr_points(
+KRHPR_STATIC void krhpr_subleg_rrr_points(
     const krhpr_subleg_rrr_geometry *g, int i, const double x[3], const double d[2], const double v_1[2],
     const double s[3], double *KRHPR_RESTRICT points)
 {

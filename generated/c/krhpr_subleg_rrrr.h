@@ -29,7 +29,7 @@ typedef struct {
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (7 add, 16 multiply, 4 divide, 2 sine
  * cosine, 1 select) */
-static inline void krhpr_subleg_rrrr_prepare(krhpr_subleg_rrrr_geometry *g, int i)
+KRHPR_STATIC void krhpr_subleg_rrrr_prepare(krhpr_subleg_rrrr_geometry *g, int i)
 {
     double e_r_1, e_t_1; krhpr_sincos(g->azimuth[i], &e_r_1, &e_t_1);
     double e_1_2, t1; krhpr_sincos(g->alpha[i], &e_1_2, &t1);
@@ -70,7 +70,7 @@ static inline void krhpr_subleg_rrrr_prepare(krhpr_subleg_rrrr_geometry *g, int 
 }
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
-static inline void krhpr_subleg_rrrr_forward_angles(const double theta[4], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_rrrr_forward_angles(const double theta[4], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
     angle[1] = theta[2];
@@ -79,7 +79,7 @@ static inline void krhpr_subleg_rrrr_forward_angles(const double theta[4], doubl
 }
 
 /* End point of the 4R sub-leg from its actuated joints.  Thesis: 3.5.  (18 add, 40 multiply) */
-static inline void krhpr_subleg_rrrr_forward(
+KRHPR_STATIC void krhpr_subleg_rrrr_forward(
     const krhpr_subleg_rrrr_geometry *g, int i, const double sine[4], const double cosine[4],
     double *KRHPR_RESTRICT s)
 {
@@ -103,7 +103,7 @@ static inline void krhpr_subleg_rrrr_forward(
 }
 
 /* Angles whose sines and cosines `forward_posture` reads.  (no operations) */
-static inline void krhpr_subleg_rrrr_forward_posture_angles(
+KRHPR_STATIC void krhpr_subleg_rrrr_forward_posture_angles(
     const double theta[4], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[1];
@@ -113,7 +113,7 @@ static inline void krhpr_subleg_rrrr_forward_posture_angles(
 }
 
 /* End point and posture of the 4R sub-leg from its actuated joints.  Thesis: 3.5.  (18 add, 40 multiply) */
-static inline void krhpr_subleg_rrrr_forward_posture(
+KRHPR_STATIC void krhpr_subleg_rrrr_forward_posture(
     const krhpr_subleg_rrrr_geometry *g, int i, const double sine[4], const double cosine[4],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d,
     double *KRHPR_RESTRICT v, double *KRHPR_RESTRICT e_4)
@@ -154,14 +154,14 @@ static inline void krhpr_subleg_rrrr_forward_posture(
 }
 
 /* Angles whose sines and cosines `inverse` reads.  (no operations) */
-static inline void krhpr_subleg_rrrr_inverse_angles(double swivel, double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_rrrr_inverse_angles(double swivel, double *KRHPR_RESTRICT angle)
 {
     angle[0] = swivel;
 }
 
 /* Actuated joints of the 4R sub-leg in one working mode.  The mode is given by signs; NaN where the end
  * point is out of reach.  Thesis: 2.4.1, 2.5.  (31 add, 66 multiply, 3 divide, 4 square root) */
-static inline void krhpr_subleg_rrrr_inverse(
+KRHPR_STATIC void krhpr_subleg_rrrr_inverse(
     const krhpr_subleg_rrrr_geometry *g, int i, const double s[3], const double mode[2],
     const double sine[1], const double cosine[1], double *KRHPR_RESTRICT radicand,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
@@ -210,14 +210,14 @@ static inline void krhpr_subleg_rrrr_inverse(
 }
 
 /* Angles whose sines and cosines `inverse_all` reads.  (no operations) */
-static inline void krhpr_subleg_rrrr_inverse_all_angles(double swivel, double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_rrrr_inverse_all_angles(double swivel, double *KRHPR_RESTRICT angle)
 {
     angle[0] = swivel;
 }
 
 /* Every working mode of the 4R sub-leg, in the order front/elbow+, front/elbow-, back/elbow+, back/elbow-;
  * NaN where a mode does not exist.  Thesis: 2.4.1, 2.5.  (44 add, 76 multiply, 3 divide, 4 square root) */
-static inline void krhpr_subleg_rrrr_inverse_all(
+KRHPR_STATIC void krhpr_subleg_rrrr_inverse_all(
     const krhpr_subleg_rrrr_geometry *g, int i, const double s[3], const double sine[1],
     const double cosine[1], double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y,
     double *KRHPR_RESTRICT tail_x)
@@ -297,7 +297,7 @@ static inline void krhpr_subleg_rrrr_inverse_all(
 
 /* Distance by which the end point lies outside the reach of the 4R sub-leg.  (8 add, 3 multiply, 1 square
  * root, 1 select) */
-static inline void krhpr_subleg_rrrr_reach(
+KRHPR_STATIC void krhpr_subleg_rrrr_reach(
     const krhpr_subleg_rrrr_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT excess)
 {
     const double arm_0 = s[0] - g->c[0][i]; /* s - c */
@@ -308,7 +308,7 @@ static inline void krhpr_subleg_rrrr_reach(
 }
 
 /* Angles whose sines and cosines `posture` reads.  (no operations) */
-static inline void krhpr_subleg_rrrr_posture_angles(const double theta[4], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_rrrr_posture_angles(const double theta[4], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -317,7 +317,7 @@ static inline void krhpr_subleg_rrrr_posture_angles(const double theta[4], doubl
 
 /* Posture of the 4R sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (15 add, 23
  * multiply) */
-static inline void krhpr_subleg_rrrr_posture(
+KRHPR_STATIC void krhpr_subleg_rrrr_posture(
     const krhpr_subleg_rrrr_geometry *g, int i, const double s[3], const double sine[3],
     const double cosine[3], double *KRHPR_RESTRICT x, double *KRHPR_RESTRICT e_2, double *KRHPR_RESTRICT d,
     double *KRHPR_RESTRICT v, double *KRHPR_RESTRICT e_4)
@@ -354,7 +354,7 @@ static inline void krhpr_subleg_rrrr_posture(
 }
 
 /* Jacobian M_i of the 4R sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (27 add, 45 multiply) */
-static inline void krhpr_subleg_rrrr_jacobian(
+KRHPR_STATIC void krhpr_subleg_rrrr_jacobian(
     const krhpr_subleg_rrrr_geometry *g, int i, const double x[3], const double e_2[3], const double d[3],
     const double v[3], const double e_4[3], double *KRHPR_RESTRICT M)
 {
@@ -383,7 +383,7 @@ static inline void krhpr_subleg_rrrr_jacobian(
 
 /* Rows of K: N M_i for the 4R sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (33 add, 53 multiply) */
-static inline void krhpr_subleg_rrrr_project(
+KRHPR_STATIC void krhpr_subleg_rrrr_project(
     const krhpr_subleg_rrrr_geometry *g, int i, const double x[3], const double e_2[3], const double d[3],
     const double v[3], const double e_4[3], const double N[6], double *KRHPR_RESTRICT K)
 {
@@ -413,7 +413,7 @@ static inline void krhpr_subleg_rrrr_project(
 }
 
 /* Velocity of the end point of the 4R sub-leg, M theta_dot.  Thesis: (1.9).  (22 add, 34 multiply) */
-static inline void krhpr_subleg_rrrr_velocity(
+KRHPR_STATIC void krhpr_subleg_rrrr_velocity(
     const krhpr_subleg_rrrr_geometry *g, int i, const double x[3], const double e_2[3], const double d[3],
     const double v[3], const double e_4[3], const double theta_dot[4], double *KRHPR_RESTRICT s_dot)
 {
@@ -435,7 +435,7 @@ static inline void krhpr_subleg_rrrr_velocity(
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
-static inline void krhpr_subleg_rrrr_bias_angles(const double theta[4], double *KRHPR_RESTRICT angle)
+KRHPR_STATIC void krhpr_subleg_rrrr_bias_angles(const double theta[4], double *KRHPR_RESTRICT angle)
 {
     angle[0] = theta[0];
     angle[1] = theta[1];
@@ -445,7 +445,7 @@ static inline void krhpr_subleg_rrrr_bias_angles(const double theta[4], double *
 /* Velocity of the end point of the 4R sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (122 add, 194 multiply, 2 divide, 1
  * square root) */
-static inline void krhpr_subleg_rrrr_bias(
+KRHPR_STATIC void krhpr_subleg_rrrr_bias(
     const krhpr_subleg_rrrr_geometry *g, int i, const double s[3], const double theta_dot[4],
     const double sine[3], const double cosine[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias,
     double *KRHPR_RESTRICT swivel_bias)
@@ -540,7 +540,7 @@ static inline void krhpr_subleg_rrrr_bias(
 
 /* Actuated joint rates of the 4R sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so it
  * serves accelerations too.  Thesis: (1.9).  (33 add, 56 multiply, 4 divide, 2 square root, 7 select) */
-static inline void krhpr_subleg_rrrr_rates(
+KRHPR_STATIC void krhpr_subleg_rrrr_rates(
     const krhpr_subleg_rrrr_geometry *g, int i, const double x[3], const double e_2[3], const double d[3],
     const double v[3], const double e_4[3], const double s_dot[3], double swivel_rates,
     double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
@@ -583,7 +583,7 @@ static inline void krhpr_subleg_rrrr_rates(
 
 /* det M_i of the 4R sub-leg and its dimensionless factors: shoulder, elbow, distance, axis.  Thesis: 1.4.
  * (28 add, 53 multiply, 3 square root) */
-static inline void krhpr_subleg_rrrr_determinant(
+KRHPR_STATIC void krhpr_subleg_rrrr_determinant(
     const krhpr_subleg_rrrr_geometry *g, int i, const double d[3], const double v[3], const double e_4[3],
     double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
@@ -623,7 +623,7 @@ static inline void krhpr_subleg_rrrr_determinant(
 }
 
 /* Passive joints of the 4R sub-leg and the orientation of its last link.  (21 add, 36 multiply) */
-static inline void krhpr_subleg_rrrr_passive(
+KRHPR_STATIC void krhpr_subleg_rrrr_passive(
     const krhpr_subleg_rrrr_geometry *g, int i, const double x[3], const double e_2[3], const double v[3],
     const double e_4[3], double *KRHPR_RESTRICT link)
 {
@@ -645,7 +645,7 @@ static inline void krhpr_subleg_rrrr_passive(
 }
 
 /* Joints of the 4R sub-leg, from the base to S_i.  (9 add, 9 multiply) */
-static inline void krhpr_subleg_rrrr_points(
+KRHPR_STATIC void krhpr_subleg_rrrr_points(
     const krhpr_subleg_rrrr_geometry *g, int i, const double x[3], const double e_2[3], const double v[3],
     const double s[3], double *KRHPR_RESTRICT points)
 {
@@ -664,7 +664,7 @@ static inline void krhpr_subleg_rrrr_points(
 }
 
 /* Swivel of the 4R sub-leg.  (9 add, 10 multiply, 1 divide, 1 square root) */
-static inline void krhpr_subleg_rrrr_swivel(
+KRHPR_STATIC void krhpr_subleg_rrrr_swivel(
     const krhpr_subleg_rrrr_geometry *g, int i, const double d[3], const double v[3],
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
@@ -681,7 +681,7 @@ static inline void krhpr_subleg_rrrr_swivel(
 }
 
 /* What the joints' accelerations have to give of the swivel's second rate.  (1 add) */
-static inline void krhpr_subleg_rrrr_swivel_difference(
+KRHPR_STATIC void krhpr_subleg_rrrr_swivel_difference(
     double swivel_accelerations, double swivel_bias, double *KRHPR_RESTRICT swivel_along)
 {
     *swivel_along = swivel_accelerations - swivel_bias;

@@ -29,7 +29,7 @@ typedef struct {
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (5 add, 24 multiply, 2 divide, 2 sine
  * cosine, 1 select) */
-static inline void krhpr_subleg_tripteron_prepare(krhpr_subleg_tripteron_geometry *g, int i)
+KRHPR_STATIC void krhpr_subleg_tripteron_prepare(krhpr_subleg_tripteron_geometry *g, int i)
 {
     double e_r_1, e_t_1; krhpr_sincos(g->azimuth[i], &e_r_1, &e_t_1);
     double e_1_2, t1; krhpr_sincos(g->alpha[i], &e_1_2, &t1);
@@ -74,7 +74,7 @@ static inline void krhpr_subleg_tripteron_prepare(krhpr_subleg_tripteron_geometr
 
 /* End point of the (Tripteron) sub-leg from its actuated joints.  Thesis: 3.5.  (19 add, 14 multiply, 2
  * select) */
-static inline void krhpr_subleg_tripteron_forward(
+KRHPR_STATIC void krhpr_subleg_tripteron_forward(
     const krhpr_subleg_tripteron_geometry *g, int i, const double theta[3], double *KRHPR_RESTRICT s,
     double *KRHPR_RESTRICT radicand)
 {
@@ -93,7 +93,7 @@ static inline void krhpr_subleg_tripteron_forward(
 
 /* End point and posture of the (Tripteron) sub-leg from its actuated joints.  Thesis: 3.5.  (19 add, 14
  * multiply, 2 select) */
-static inline void krhpr_subleg_tripteron_forward_posture(
+KRHPR_STATIC void krhpr_subleg_tripteron_forward_posture(
     const krhpr_subleg_tripteron_geometry *g, int i, const double theta[3], double *KRHPR_RESTRICT s,
     double *KRHPR_RESTRICT rho, double *KRHPR_RESTRICT radicand)
 {
@@ -115,7 +115,7 @@ static inline void krhpr_subleg_tripteron_forward_posture(
 
 /* Actuated joints of the (Tripteron) sub-leg in one working mode.  The mode is given by signs; NaN where
  * the end point is out of reach.  Thesis: 2.4.4.  (19 add, 14 multiply, 2 select) */
-static inline void krhpr_subleg_tripteron_inverse(
+KRHPR_STATIC void krhpr_subleg_tripteron_inverse(
     const krhpr_subleg_tripteron_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
@@ -138,7 +138,7 @@ static inline void krhpr_subleg_tripteron_inverse(
 
 /* Every working mode of the (Tripteron) sub-leg, in the order only; NaN where a mode does not exist.
  * Thesis: 2.4.4.  (19 add, 14 multiply, 2 select) */
-static inline void krhpr_subleg_tripteron_inverse_all(
+KRHPR_STATIC void krhpr_subleg_tripteron_inverse_all(
     const krhpr_subleg_tripteron_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
@@ -161,7 +161,7 @@ static inline void krhpr_subleg_tripteron_inverse_all(
 
 /* Distance by which the end point lies outside the reach of the (Tripteron) sub-leg.  (20 add, 11 multiply,
  * 3 square root, 5 select) */
-static inline void krhpr_subleg_tripteron_reach(
+KRHPR_STATIC void krhpr_subleg_tripteron_reach(
     const krhpr_subleg_tripteron_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT excess)
 {
     const double arm_0 = s[0] - g->c[0][i]; /* s - c */
@@ -183,7 +183,7 @@ static inline void krhpr_subleg_tripteron_reach(
 
 /* Posture of the (Tripteron) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (no
  * operations) */
-static inline void krhpr_subleg_tripteron_posture(
+KRHPR_STATIC void krhpr_subleg_tripteron_posture(
     const krhpr_subleg_tripteron_geometry *g, int i, const double s[3], const double theta[3],
     double *KRHPR_RESTRICT rho)
 {
@@ -196,7 +196,7 @@ static inline void krhpr_subleg_tripteron_posture(
 }
 
 /* Jacobian M_i of the (Tripteron) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (no operations) */
-static inline void krhpr_subleg_tripteron_jacobian(
+KRHPR_STATIC void krhpr_subleg_tripteron_jacobian(
     const krhpr_subleg_tripteron_geometry *g, int i, double *KRHPR_RESTRICT M)
 {
     M[0] = g->e_x[0][i];
@@ -212,7 +212,7 @@ static inline void krhpr_subleg_tripteron_jacobian(
 
 /* Rows of K: N M_i for the (Tripteron) sub-leg, where the rows of N are the directions of the platform's
  * lines.  Thesis: (1.8), (1.28).  (10 add, 16 multiply) */
-static inline void krhpr_subleg_tripteron_project(
+KRHPR_STATIC void krhpr_subleg_tripteron_project(
     const krhpr_subleg_tripteron_geometry *g, int i, const double N[6], double *KRHPR_RESTRICT K)
 {
     const double n_00 = g->e_x[0][i] * N[0] + g->e_x[1][i] * N[1] + g->e_x[2][i] * N[2];
@@ -230,7 +230,7 @@ static inline void krhpr_subleg_tripteron_project(
 }
 
 /* Velocity of the end point of the (Tripteron) sub-leg, M theta_dot.  Thesis: (1.9).  (5 add, 8 multiply) */
-static inline void krhpr_subleg_tripteron_velocity(
+KRHPR_STATIC void krhpr_subleg_tripteron_velocity(
     const krhpr_subleg_tripteron_geometry *g, int i, const double theta_dot[3], double *KRHPR_RESTRICT s_dot)
 {
     const double s_dot_0 = g->e_1[0][i] * theta_dot[1] + g->e_t[0][i] * theta_dot[2] + g->e_x[0][i] * theta_dot[0];
@@ -242,7 +242,7 @@ static inline void krhpr_subleg_tripteron_velocity(
 
 /* Velocity of the end point of the (Tripteron) sub-leg and the part of its acceleration that does not
  * depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (5 add, 8 multiply) */
-static inline void krhpr_subleg_tripteron_bias(
+KRHPR_STATIC void krhpr_subleg_tripteron_bias(
     const krhpr_subleg_tripteron_geometry *g, int i, const double s[3], const double theta[3],
     const double theta_dot[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias)
 {
@@ -260,7 +260,7 @@ static inline void krhpr_subleg_tripteron_bias(
 
 /* Actuated joint rates of the (Tripteron) sub-leg from the velocity of its end point: B^-1 A s_dot.
  * Linear, so it serves accelerations too.  Thesis: (1.9).  (5 add, 8 multiply) */
-static inline void krhpr_subleg_tripteron_rates(
+KRHPR_STATIC void krhpr_subleg_tripteron_rates(
     const krhpr_subleg_tripteron_geometry *g, int i, const double s_dot[3], double *KRHPR_RESTRICT theta_dot)
 {
     const double v_l_0 = g->e_x[0][i] * s_dot[0] + g->e_x[1][i] * s_dot[1] + g->e_x[2][i] * s_dot[2];
@@ -273,7 +273,7 @@ static inline void krhpr_subleg_tripteron_rates(
 
 /* det M_i of the (Tripteron) sub-leg and its dimensionless factors: links_1, links_2, links_3.  Thesis:
  * 1.4.  (11 add, 12 multiply) */
-static inline void krhpr_subleg_tripteron_determinant(
+KRHPR_STATIC void krhpr_subleg_tripteron_determinant(
     const krhpr_subleg_tripteron_geometry *g, int i, const double rho[3], double *KRHPR_RESTRICT det_M,
     double *KRHPR_RESTRICT factors)
 {
@@ -289,7 +289,7 @@ static inline void krhpr_subleg_tripteron_determinant(
 
 /* Passive joints of the (Tripteron) sub-leg and the orientation of its last link.  (32 add, 24 multiply, 3
  * square root, 4 select) */
-static inline void krhpr_subleg_tripteron_passive(
+KRHPR_STATIC void krhpr_subleg_tripteron_passive(
     const krhpr_subleg_tripteron_geometry *g, int i, const double rho[3], double *KRHPR_RESTRICT link,
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT regularity, double *KRHPR_RESTRICT tail_y,
     double *KRHPR_RESTRICT tail_x)
@@ -350,7 +350,7 @@ static inline void krhpr_subleg_tripteron_passive(
 
 /* Joints of the (Tripteron) sub-leg, from the base to S_i.  (50 add, 64 multiply, 3 divide, 3 square root,
  * 4 select) */
-static inline void krhpr_subleg_tripteron_points(
+KRHPR_STATIC void krhpr_subleg_tripteron_points(
     const krhpr_subleg_tripteron_geometry *g, int i, const double rho[3], const double s[3],
     double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT regularity)
 {

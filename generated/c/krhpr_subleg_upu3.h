@@ -34,7 +34,7 @@ typedef struct {
 
 /* Vectors and sub-expressions that depend on the geometry alone.  (24 add, 50 multiply, 3 divide, 5 sine
  * cosine) */
-static inline void krhpr_subleg_upu3_prepare(krhpr_subleg_upu3_geometry *g, int i)
+KRHPR_STATIC void krhpr_subleg_upu3_prepare(krhpr_subleg_upu3_geometry *g, int i)
 {
     double e_r_1, e_t_1; krhpr_sincos(g->azimuth[i], &e_r_1, &e_t_1);
     double e_1_2, t1; krhpr_sincos(g->alpha[i], &e_1_2, &t1);
@@ -110,7 +110,7 @@ static inline void krhpr_subleg_upu3_prepare(krhpr_subleg_upu3_geometry *g, int 
 
 /* End point of the (3-UPU) sub-leg from its actuated joints.  Thesis: 3.5.  (22 add, 25 multiply, 1 divide,
  * 1 square root, 1 select) */
-static inline void krhpr_subleg_upu3_forward(
+KRHPR_STATIC void krhpr_subleg_upu3_forward(
     const krhpr_subleg_upu3_geometry *g, int i, const double theta[3], const double s_near[3],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
@@ -134,7 +134,7 @@ static inline void krhpr_subleg_upu3_forward(
 
 /* End point and posture of the (3-UPU) sub-leg from its actuated joints.  Thesis: 3.5.  (31 add, 25
  * multiply, 1 divide, 1 square root, 1 select) */
-static inline void krhpr_subleg_upu3_forward_posture(
+KRHPR_STATIC void krhpr_subleg_upu3_forward_posture(
     const krhpr_subleg_upu3_geometry *g, int i, const double theta[3], const double s_near[3],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT w, double *KRHPR_RESTRICT b,
     double *KRHPR_RESTRICT radicand)
@@ -183,7 +183,7 @@ static inline void krhpr_subleg_upu3_forward_posture(
 
 /* End points of the (3-UPU) sub-leg in every assembly mode: first the one on the side of the normal; NaN
  * where the loop cannot close.  Thesis: 3.5.  (19 add, 21 multiply, 1 square root) */
-static inline void krhpr_subleg_upu3_forward_all(
+KRHPR_STATIC void krhpr_subleg_upu3_forward_all(
     const krhpr_subleg_upu3_geometry *g, int i, const double theta[3], double *KRHPR_RESTRICT s,
     double *KRHPR_RESTRICT radicand)
 {
@@ -212,7 +212,7 @@ static inline void krhpr_subleg_upu3_forward_all(
 
 /* Actuated joints of the (3-UPU) sub-leg in one working mode.  The mode is given by signs; NaN where the
  * end point is out of reach.  Thesis: 2.4.4.  (15 add, 9 multiply, 3 square root) */
-static inline void krhpr_subleg_upu3_inverse(
+KRHPR_STATIC void krhpr_subleg_upu3_inverse(
     const krhpr_subleg_upu3_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
@@ -233,7 +233,7 @@ static inline void krhpr_subleg_upu3_inverse(
 
 /* Every working mode of the (3-UPU) sub-leg, in the order only; NaN where a mode does not exist.  Thesis:
  * 2.4.4.  (15 add, 9 multiply, 3 square root) */
-static inline void krhpr_subleg_upu3_inverse_all(
+KRHPR_STATIC void krhpr_subleg_upu3_inverse_all(
     const krhpr_subleg_upu3_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
 {
@@ -253,7 +253,7 @@ static inline void krhpr_subleg_upu3_inverse_all(
 }
 
 /* Distance by which the end point lies outside the reach of the (3-UPU) sub-leg.  (no operations) */
-static inline void krhpr_subleg_upu3_reach(
+KRHPR_STATIC void krhpr_subleg_upu3_reach(
     const krhpr_subleg_upu3_geometry *g, int i, double *KRHPR_RESTRICT excess)
 {
     (void)(g);
@@ -262,7 +262,7 @@ static inline void krhpr_subleg_upu3_reach(
 }
 
 /* Posture of the (3-UPU) sub-leg: what its velocity equations are made of.  Thesis: App. A, 2.3.1.  (9 add) */
-static inline void krhpr_subleg_upu3_posture(
+KRHPR_STATIC void krhpr_subleg_upu3_posture(
     const krhpr_subleg_upu3_geometry *g, int i, const double s[3], const double theta[3],
     double *KRHPR_RESTRICT w, double *KRHPR_RESTRICT b)
 {
@@ -291,7 +291,7 @@ static inline void krhpr_subleg_upu3_posture(
 
 /* Jacobian M_i of the (3-UPU) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 40 multiply,
  * 1 divide, 1 select) */
-static inline void krhpr_subleg_upu3_jacobian(
+KRHPR_STATIC void krhpr_subleg_upu3_jacobian(
     const krhpr_subleg_upu3_geometry *g, int i, const double w[9], const double b[3],
     double *KRHPR_RESTRICT M, double *KRHPR_RESTRICT regularity)
 {
@@ -323,7 +323,7 @@ static inline void krhpr_subleg_upu3_jacobian(
 
 /* Rows of K: N M_i for the (3-UPU) sub-leg, where the rows of N are the directions of the platform's lines.
  * Thesis: (1.8), (1.28).  (23 add, 58 multiply, 1 divide, 1 select) */
-static inline void krhpr_subleg_upu3_project(
+KRHPR_STATIC void krhpr_subleg_upu3_project(
     const krhpr_subleg_upu3_geometry *g, int i, const double w[9], const double b[3], const double N[6],
     double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
 {
@@ -352,7 +352,7 @@ static inline void krhpr_subleg_upu3_project(
 
 /* Velocity of the end point of the (3-UPU) sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 37 multiply, 1
  * divide, 1 select) */
-static inline void krhpr_subleg_upu3_velocity(
+KRHPR_STATIC void krhpr_subleg_upu3_velocity(
     const krhpr_subleg_upu3_geometry *g, int i, const double w[9], const double b[3],
     const double theta_dot[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT regularity)
 {
@@ -379,7 +379,7 @@ static inline void krhpr_subleg_upu3_velocity(
 /* Velocity of the end point of the (3-UPU) sub-leg and the part of its acceleration that does not depend on
  * theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (76 add, 88 multiply, 1 divide, 1
  * select) */
-static inline void krhpr_subleg_upu3_bias(
+KRHPR_STATIC void krhpr_subleg_upu3_bias(
     const krhpr_subleg_upu3_geometry *g, int i, const double s[3], const double theta[3],
     const double theta_dot[3], double *KRHPR_RESTRICT s_dot, double *KRHPR_RESTRICT bias,
     double *KRHPR_RESTRICT regularity)
@@ -449,7 +449,7 @@ static inline void krhpr_subleg_upu3_bias(
 
 /* Actuated joint rates of the (3-UPU) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear, so
  * it serves accelerations too.  Thesis: (1.9).  (6 add, 12 multiply, 3 divide, 5 select) */
-static inline void krhpr_subleg_upu3_rates(
+KRHPR_STATIC void krhpr_subleg_upu3_rates(
     const krhpr_subleg_upu3_geometry *g, int i, const double w[9], const double b[3], const double s_dot[3],
     double *KRHPR_RESTRICT theta_dot, double *KRHPR_RESTRICT regularity)
 {
@@ -465,7 +465,7 @@ static inline void krhpr_subleg_upu3_rates(
 
 /* det M_i of the (3-UPU) sub-leg and its dimensionless factors: chain_1, chain_2, chain_3, volume,
  * constraint.  Thesis: 1.4.  (19 add, 37 multiply, 1 divide) */
-static inline void krhpr_subleg_upu3_determinant(
+KRHPR_STATIC void krhpr_subleg_upu3_determinant(
     const krhpr_subleg_upu3_geometry *g, int i, const double w[9], const double b[3],
     double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
@@ -490,7 +490,7 @@ static inline void krhpr_subleg_upu3_determinant(
 
 /* Passive joints of the (3-UPU) sub-leg and the orientation of its last link.  (9 add, 18 multiply, 3
  * square root) */
-static inline void krhpr_subleg_upu3_passive(
+KRHPR_STATIC void krhpr_subleg_upu3_passive(
     const krhpr_subleg_upu3_geometry *g, int i, const double w[9], double *KRHPR_RESTRICT link,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
@@ -527,7 +527,7 @@ static inline void krhpr_subleg_upu3_passive(
 }
 
 /* Joints of the (3-UPU) sub-leg, from the base to S_i.  (no operations) */
-static inline void krhpr_subleg_upu3_points(
+KRHPR_STATIC void krhpr_subleg_upu3_points(
     const krhpr_subleg_upu3_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT points)
 {
     points[0] = g->g[0][i];

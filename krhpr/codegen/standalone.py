@@ -1,7 +1,8 @@
 """A folder that stands alone: some robots' code gathered for a project of one's own.
 
 The Python and CasADi modules are those of `generated/`; they import one another by relative names, so that
-the folder is a package wherever it lies.  In C each robot becomes one pair of files, shared headers included.
+the folder is a package wherever it lies.  In C each robot becomes three files, its header, its source and
+that of its batches, shared headers included.
 """
 
 from __future__ import annotations

@@ -25,6 +25,7 @@ def test_it_says_where_the_libraries_are(cli: Cli, cache: Path) -> None:
     match = re.fullmatch(r"planar_rr_a +(\d+) +(.*\.so)", row)
     assert match is not None and Path(match[2]).parent == cache
     assert sorted(path.name.partition("-")[0] for path in cache.glob("*.so")) == [
+        "bound",
         "gufunc",
         "krhpr_planar_rr_a",
     ]

@@ -107,7 +107,11 @@ def test_it_holds_what_the_robots_need_and_nothing_else(gathered: Path) -> None:
     c = {path for path in found if path.startswith("c/")}
     assert c == {
         "c/CMakeLists.txt",
-        *(f"c/krhpr_{name}.{ending}" for name in ("planar_rr_a", "spatial_rrr_c") for ending in ("h", "c")),
+        *(
+            f"c/krhpr_{name}{ending}"
+            for name in ("planar_rr_a", "spatial_rrr_c")
+            for ending in (".h", ".c", "_batch.c")
+        ),
         *(f"c/casadi/krhpr_{name}_casadi.c" for name in ("planar_rr_a", "spatial_rrr_c")),
     }
     assert {"README.md", "__init__.py", "python/subleg_rrr.py", "casadi/planar_rr_a.py"} <= found.keys()

@@ -12,7 +12,7 @@
 
 /* `rate` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.30).  (4 add, 6
  * multiply) */
-static inline void krhpr_algebra_planar_rate_tangent(
+KRHPR_STATIC void krhpr_algebra_planar_rate_tangent(
     const krhpr_dual *N, const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT rate)
 {
     rate[0].v = N[0].v * s_dot[0].v + N[1].v * s_dot[1].v;
@@ -23,7 +23,7 @@ static inline void krhpr_algebra_planar_rate_tangent(
 }
 
 /* `rate_with_bias` with the derivatives of its outputs along directions of its inputs.  (6 add, 6 multiply) */
-static inline void krhpr_algebra_planar_rate_with_bias_tangent(
+KRHPR_STATIC void krhpr_algebra_planar_rate_with_bias_tangent(
     const krhpr_dual *N, const krhpr_dual *s_ddot, const krhpr_dual *bias, krhpr_dual *KRHPR_RESTRICT rate)
 {
     rate[0].v = bias[0].v + N[0].v * s_ddot[0].v + N[1].v * s_ddot[1].v;
@@ -34,7 +34,7 @@ static inline void krhpr_algebra_planar_rate_with_bias_tangent(
 }
 
 /* `sum` with the derivatives of its outputs along directions of its inputs.  (4 add) */
-static inline void krhpr_algebra_planar_sum_tangent(
+KRHPR_STATIC void krhpr_algebra_planar_sum_tangent(
     const krhpr_dual *along, const krhpr_dual *bias, krhpr_dual *KRHPR_RESTRICT s_ddot)
 {
     s_ddot[0].v = along[0].v + bias[0].v;
@@ -46,7 +46,7 @@ static inline void krhpr_algebra_planar_sum_tangent(
 }
 
 /* `difference` with the derivatives of its outputs along directions of its inputs.  (4 add) */
-static inline void krhpr_algebra_planar_difference_tangent(
+KRHPR_STATIC void krhpr_algebra_planar_difference_tangent(
     const krhpr_dual *s_ddot, const krhpr_dual *bias, krhpr_dual *KRHPR_RESTRICT along)
 {
     along[0].v = s_ddot[0].v - bias[0].v;
@@ -59,7 +59,7 @@ static inline void krhpr_algebra_planar_difference_tangent(
 
 /* `wrist` with the derivatives of its outputs along directions of its inputs.  (10 add, 17 multiply, 1
  * divide, 1 arctangent) */
-static inline void krhpr_algebra_planar_wrist_tangent(
+KRHPR_STATIC void krhpr_algebra_planar_wrist_tangent(
     const krhpr_dual *link, const krhpr_dual *redundant_link, krhpr_dual *KRHPR_RESTRICT wrist)
 {
     const double h2 = link[0].v * redundant_link[1].v - link[1].v * redundant_link[0].v;
@@ -75,7 +75,7 @@ static inline void krhpr_algebra_planar_wrist_tangent(
 
 /* `rotation` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.5).  (2
  * multiply, 1 sine cosine) */
-static inline void krhpr_algebra_planar_rotation_tangent(const krhpr_dual *phi, krhpr_dual *KRHPR_RESTRICT Q)
+KRHPR_STATIC void krhpr_algebra_planar_rotation_tangent(const krhpr_dual *phi, krhpr_dual *KRHPR_RESTRICT Q)
 {
     double Q_10, Q_00; krhpr_sincos(phi[0].v, &Q_10, &Q_00);
     Q[0].v = Q_00;

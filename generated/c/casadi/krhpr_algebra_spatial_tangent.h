@@ -12,7 +12,7 @@
 
 /* `rate` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.30).  (14 add, 18
  * multiply) */
-static inline void krhpr_algebra_spatial_rate_tangent(
+KRHPR_STATIC void krhpr_algebra_spatial_rate_tangent(
     const krhpr_dual *N, const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT rate)
 {
     rate[0].v = N[0].v * s_dot[0].v + N[1].v * s_dot[1].v + N[2].v * s_dot[2].v;
@@ -27,7 +27,7 @@ static inline void krhpr_algebra_spatial_rate_tangent(
 
 /* `rate_with_bias` with the derivatives of its outputs along directions of its inputs.  (18 add, 18
  * multiply) */
-static inline void krhpr_algebra_spatial_rate_with_bias_tangent(
+KRHPR_STATIC void krhpr_algebra_spatial_rate_with_bias_tangent(
     const krhpr_dual *N, const krhpr_dual *s_ddot, const krhpr_dual *bias, krhpr_dual *KRHPR_RESTRICT rate)
 {
     rate[0].v = bias[0].v + N[0].v * s_ddot[0].v + N[1].v * s_ddot[1].v + N[2].v * s_ddot[2].v;
@@ -41,7 +41,7 @@ static inline void krhpr_algebra_spatial_rate_with_bias_tangent(
 }
 
 /* `sum` with the derivatives of its outputs along directions of its inputs.  (6 add) */
-static inline void krhpr_algebra_spatial_sum_tangent(
+KRHPR_STATIC void krhpr_algebra_spatial_sum_tangent(
     const krhpr_dual *along, const krhpr_dual *bias, krhpr_dual *KRHPR_RESTRICT s_ddot)
 {
     s_ddot[0].v = along[0].v + bias[0].v;
@@ -55,7 +55,7 @@ static inline void krhpr_algebra_spatial_sum_tangent(
 }
 
 /* `difference` with the derivatives of its outputs along directions of its inputs.  (6 add) */
-static inline void krhpr_algebra_spatial_difference_tangent(
+KRHPR_STATIC void krhpr_algebra_spatial_difference_tangent(
     const krhpr_dual *s_ddot, const krhpr_dual *bias, krhpr_dual *KRHPR_RESTRICT along)
 {
     along[0].v = s_ddot[0].v - bias[0].v;
@@ -69,7 +69,7 @@ static inline void krhpr_algebra_spatial_difference_tangent(
 }
 
 /* `wrist` with the derivatives of its outputs along directions of its inputs.  (63 add, 81 multiply) */
-static inline void krhpr_algebra_spatial_wrist_tangent(
+KRHPR_STATIC void krhpr_algebra_spatial_wrist_tangent(
     const krhpr_dual *link, const krhpr_dual *redundant_link, krhpr_dual *KRHPR_RESTRICT spherical)
 {
     const double spherical_00 = link[0].v * redundant_link[0].v + link[3].v * redundant_link[3].v + link[6].v * redundant_link[6].v;

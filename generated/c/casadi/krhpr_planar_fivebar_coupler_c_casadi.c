@@ -22,7 +22,8 @@
 /* CasADi looks up the names of the C functions, but calls them in its own way.  Here the C functions are this file's own,
  * and have other names. */
 #undef KRHPR_API
-#define KRHPR_API static inline
+#define KRHPR_API KRHPR_STATIC
+#define KRHPR_WITHOUT_BATCHES
 #define krhpr_planar_fivebar_coupler_c_end_points plain_end_points
 #define krhpr_planar_fivebar_coupler_c_redundant_coordinates plain_redundant_coordinates
 #define krhpr_planar_fivebar_coupler_c_subleg_forward plain_subleg_forward

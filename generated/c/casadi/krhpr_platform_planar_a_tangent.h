@@ -12,7 +12,7 @@
 
 /* `end_point` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.37), 2.5.
  * (18 add, 26 multiply, 1 sine cosine) */
-static inline void krhpr_platform_planar_a_end_point_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_end_point_tangent(
     const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *redundant, krhpr_dual *KRHPR_RESTRICT s)
 {
@@ -37,7 +37,7 @@ static inline void krhpr_platform_planar_a_end_point_tangent(
 
 /* `redundant` with the derivatives of its outputs along directions of its inputs.  (26 add, 33 multiply, 1
  * divide, 1 arctangent) */
-static inline void krhpr_platform_planar_a_redundant_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_redundant_tangent(
     const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT redundant)
 {
@@ -63,7 +63,7 @@ static inline void krhpr_platform_planar_a_redundant_tangent(
 
 /* `residual` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.1).  (17 add,
  * 14 multiply) */
-static inline void krhpr_platform_planar_a_residual_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_residual_tangent(
     const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT residual)
 {
@@ -82,7 +82,7 @@ static inline void krhpr_platform_planar_a_residual_tangent(
 
 /* `rows` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.31), (2.28).  (16
  * add, 14 multiply) */
-static inline void krhpr_platform_planar_a_rows_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_rows_tangent(
     const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT J, krhpr_dual *KRHPR_RESTRICT N)
 {
@@ -110,7 +110,7 @@ static inline void krhpr_platform_planar_a_rows_tangent(
 
 /* `line` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.33), (1.34).  (44
  * add, 50 multiply) */
-static inline void krhpr_platform_planar_a_line_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_line_tangent(
     const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT line, krhpr_dual *KRHPR_RESTRICT point,
     krhpr_dual *KRHPR_RESTRICT N, krhpr_dual *KRHPR_RESTRICT scale)
@@ -159,7 +159,7 @@ static inline void krhpr_platform_planar_a_line_tangent(
 
 /* `line_of_redundant` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.33),
  * (1.34).  (11 add, 18 multiply, 1 sine cosine) */
-static inline void krhpr_platform_planar_a_line_of_redundant_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_line_of_redundant_tangent(
     const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *redundant,
     krhpr_dual *KRHPR_RESTRICT line, krhpr_dual *KRHPR_RESTRICT point, krhpr_dual *KRHPR_RESTRICT scale)
 {
@@ -196,7 +196,7 @@ static inline void krhpr_platform_planar_a_line_of_redundant_tangent(
 
 /* `end_velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.37)
  * differentiated.  (28 add, 20 multiply) */
-static inline void krhpr_platform_planar_a_end_velocity_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_end_velocity_tangent(
     const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *redundant_rates,
     krhpr_dual *KRHPR_RESTRICT s_dot)
@@ -223,7 +223,7 @@ static inline void krhpr_platform_planar_a_end_velocity_tangent(
 
 /* `end_acceleration` with the derivatives of its outputs along directions of its inputs.  (72 add, 64
  * multiply) */
-static inline void krhpr_platform_planar_a_end_acceleration_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_end_acceleration_tangent(
     const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *redundant_rates,
     const krhpr_dual *twist_rate, const krhpr_dual *redundant_accelerations,
@@ -274,7 +274,7 @@ static inline void krhpr_platform_planar_a_end_acceleration_tangent(
 }
 
 /* `row_bias` with the derivatives of its outputs along directions of its inputs.  (51 add, 55 multiply) */
-static inline void krhpr_platform_planar_a_row_bias_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_row_bias_tangent(
     const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
@@ -305,7 +305,7 @@ static inline void krhpr_platform_planar_a_row_bias_tangent(
 
 /* `joint` with the derivatives of its outputs along directions of its inputs.  (26 add, 37 multiply, 1
  * divide, 1 arctangent) */
-static inline void krhpr_platform_planar_a_joint_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_joint_tangent(
     const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT redundant_link, krhpr_dual *KRHPR_RESTRICT platform_joint)
 {
@@ -334,7 +334,7 @@ static inline void krhpr_platform_planar_a_joint_tangent(
 }
 
 /* `attachment` with the derivatives of its outputs along directions of its inputs.  (8 add, 8 multiply) */
-static inline void krhpr_platform_planar_a_attachment_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_attachment_tangent(
     const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     krhpr_dual *KRHPR_RESTRICT attachment)
 {
@@ -350,7 +350,7 @@ static inline void krhpr_platform_planar_a_attachment_tangent(
 
 /* `solve` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.30).  (108 add,
  * 150 multiply, 3 divide) */
-static inline void krhpr_platform_planar_a_solve_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_solve_tangent(
     const krhpr_dual *Q, const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *rate,
     krhpr_dual *KRHPR_RESTRICT twist, krhpr_dual *KRHPR_RESTRICT regularity)
 {
@@ -426,7 +426,7 @@ static inline void krhpr_platform_planar_a_solve_tangent(
 
 /* `type_2` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4, 2.3.2.  (27
  * add, 44 multiply, 2 divide) */
-static inline void krhpr_platform_planar_a_type_2_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_type_2_tangent(
     const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *scale,
     krhpr_dual *KRHPR_RESTRICT type_2, krhpr_dual *KRHPR_RESTRICT margins)
 {
@@ -456,7 +456,7 @@ static inline void krhpr_platform_planar_a_type_2_tangent(
 }
 
 /* `tie` with the derivatives of its outputs along directions of its inputs.  (no operations) */
-static inline void krhpr_platform_planar_a_tie_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_tie_tangent(
     const krhpr_platform_planar_a_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT anchor,
     krhpr_dual *KRHPR_RESTRICT length)
 {
@@ -472,7 +472,7 @@ static inline void krhpr_platform_planar_a_tie_tangent(
 
 /* `sextic` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.1, (3.1) to
  * (3.4).  (336 add, 370 multiply) */
-static inline void krhpr_platform_planar_a_sextic_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_sextic_tangent(
     const krhpr_dual *s, const krhpr_dual *anchor, const krhpr_dual *length,
     krhpr_dual *KRHPR_RESTRICT points, krhpr_dual *KRHPR_RESTRICT sextic)
 {
@@ -702,7 +702,7 @@ static inline void krhpr_platform_planar_a_sextic_tangent(
 
 /* `assembly` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.1, (3.1) to
  * (3.4).  (548 add, 618 multiply, 16 divide, 2 square root, 4 arctangent) */
-static inline void krhpr_platform_planar_a_assembly_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_assembly_tangent(
     const krhpr_dual *root, const krhpr_dual *s, const krhpr_dual *anchor, const krhpr_dual *length,
     const krhpr_dual *points, krhpr_dual *KRHPR_RESTRICT p, krhpr_dual *KRHPR_RESTRICT phi,
     krhpr_dual *KRHPR_RESTRICT redundant, krhpr_dual *KRHPR_RESTRICT det_J, krhpr_dual *KRHPR_RESTRICT miss)
@@ -1074,7 +1074,7 @@ static inline void krhpr_platform_planar_a_assembly_tangent(
 
 /* `uniqueness` with the derivatives of its outputs along directions of its inputs.  Thesis: errata 4,
  * (1.35).  (73 add, 70 multiply, 3 divide) */
-static inline void krhpr_platform_planar_a_uniqueness_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_uniqueness_tangent(
     const krhpr_dual *anchor, const krhpr_dual *length, const krhpr_dual *box,
     krhpr_dual *KRHPR_RESTRICT certificate)
 {
@@ -1160,7 +1160,7 @@ static inline void krhpr_platform_planar_a_uniqueness_tangent(
 
 /* `newton_start` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.2, (3.4)
  * to (3.9).  (24 add, 12 multiply) */
-static inline void krhpr_platform_planar_a_newton_start_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_newton_start_tangent(
     const krhpr_dual *s, const krhpr_dual *anchor, const krhpr_dual *length, const krhpr_dual *p_near,
     const krhpr_dual *Q_near, krhpr_dual *KRHPR_RESTRICT points, krhpr_dual *KRHPR_RESTRICT centre,
     krhpr_dual *KRHPR_RESTRICT start)
@@ -1206,7 +1206,7 @@ static inline void krhpr_platform_planar_a_newton_start_tangent(
 
 /* `newton_step` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.2, (3.4)
  * to (3.9).  (199 add, 227 multiply, 6 divide, 1 square root, 1 sine cosine) */
-static inline void krhpr_platform_planar_a_newton_step_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_newton_step_tangent(
     const krhpr_dual *state, const krhpr_dual *centre, const krhpr_dual *anchor, const krhpr_dual *length,
     const krhpr_dual *points, krhpr_dual *KRHPR_RESTRICT state_next, krhpr_dual *KRHPR_RESTRICT change)
 {
@@ -1353,7 +1353,7 @@ static inline void krhpr_platform_planar_a_newton_step_tangent(
 
 /* `newton_pose` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.2, (3.4)
  * to (3.9).  (116 add, 128 multiply, 4 divide, 4 arctangent) */
-static inline void krhpr_platform_planar_a_newton_pose_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_newton_pose_tangent(
     const krhpr_dual *s, const krhpr_dual *state, const krhpr_dual *anchor, const krhpr_dual *points,
     krhpr_dual *KRHPR_RESTRICT p, krhpr_dual *KRHPR_RESTRICT phi, krhpr_dual *KRHPR_RESTRICT redundant)
 {
@@ -1434,7 +1434,7 @@ static inline void krhpr_platform_planar_a_newton_pose_tangent(
 }
 
 /* `arm` with the derivatives of its outputs along directions of its inputs.  (no operations) */
-static inline void krhpr_platform_planar_a_arm_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_arm_tangent(
     const krhpr_platform_planar_a_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT arm)
 {
     arm[0].v = g->k[2][i];
@@ -1447,7 +1447,7 @@ static inline void krhpr_platform_planar_a_arm_tangent(
 
 /* `turns_1` with the derivatives of its outputs along directions of its inputs.  (2 multiply, 1 sine
  * cosine) */
-static inline void krhpr_platform_planar_a_turns_1_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_turns_1_tangent(
     const krhpr_dual *measured, krhpr_dual *KRHPR_RESTRICT turns)
 {
     double turns_01, turns_00; krhpr_sincos(measured[0].v, &turns_01, &turns_00);
@@ -1461,7 +1461,7 @@ static inline void krhpr_platform_planar_a_turns_1_tangent(
 
 /* `turns_2` with the derivatives of its outputs along directions of its inputs.  (4 multiply, 2 sine
  * cosine) */
-static inline void krhpr_platform_planar_a_turns_2_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_turns_2_tangent(
     const krhpr_dual *measured, krhpr_dual *KRHPR_RESTRICT turns)
 {
     double turns_01, turns_00; krhpr_sincos(measured[0].v, &turns_01, &turns_00);
@@ -1480,7 +1480,7 @@ static inline void krhpr_platform_planar_a_turns_2_tangent(
 
 /* `turns_3` with the derivatives of its outputs along directions of its inputs.  (6 multiply, 3 sine
  * cosine) */
-static inline void krhpr_platform_planar_a_turns_3_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_turns_3_tangent(
     const krhpr_dual *measured, krhpr_dual *KRHPR_RESTRICT turns)
 {
     double turns_01, turns_00; krhpr_sincos(measured[0].v, &turns_01, &turns_00);
@@ -1504,7 +1504,7 @@ static inline void krhpr_platform_planar_a_turns_3_tangent(
 
 /* `one_encoder` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.3.  (48
  * add, 55 multiply, 1 divide) */
-static inline void krhpr_platform_planar_a_one_encoder_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_one_encoder_tangent(
     const krhpr_dual *s, const krhpr_dual *turns, const krhpr_dual *anchor, const krhpr_dual *length,
     const krhpr_dual *arm, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -1545,7 +1545,7 @@ static inline void krhpr_platform_planar_a_one_encoder_tangent(
 
 /* `two_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.4,
  * (3.24).  (80 add, 78 multiply, 5 divide, 2 square root) */
-static inline void krhpr_platform_planar_a_two_encoders_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_two_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *turns, const krhpr_dual *anchor, const krhpr_dual *length,
     const krhpr_dual *arm, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT points,
     krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT spread, krhpr_dual *KRHPR_RESTRICT linear,
@@ -1647,7 +1647,7 @@ static inline void krhpr_platform_planar_a_two_encoders_tangent(
 
 /* `three_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.5,
  * (3.30).  (125 add, 135 multiply, 9 divide, 6 square root) */
-static inline void krhpr_platform_planar_a_three_encoders_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_three_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *turns, const krhpr_dual *anchor, const krhpr_dual *length,
     const krhpr_dual *arm, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT points,
     krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT spread, krhpr_dual *KRHPR_RESTRICT linear,
@@ -1793,7 +1793,7 @@ static inline void krhpr_platform_planar_a_three_encoders_tangent(
 
 /* `gauss_newton_2` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.6,
  * (3.32), (3.33).  (572 add, 751 multiply, 10 divide) */
-static inline void krhpr_platform_planar_a_gauss_newton_2_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_gauss_newton_2_tangent(
     const krhpr_dual *state, const krhpr_dual *weights, const krhpr_dual *points, const krhpr_dual *ends,
     const krhpr_dual *anchor, const krhpr_dual *length, krhpr_dual *KRHPR_RESTRICT state_next,
     krhpr_dual *KRHPR_RESTRICT change)
@@ -2151,7 +2151,7 @@ static inline void krhpr_platform_planar_a_gauss_newton_2_tangent(
 
 /* `gauss_newton_3` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.6,
  * (3.32), (3.33).  (487 add, 624 multiply, 9 divide) */
-static inline void krhpr_platform_planar_a_gauss_newton_3_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_gauss_newton_3_tangent(
     const krhpr_dual *state, const krhpr_dual *weights, const krhpr_dual *points, const krhpr_dual *ends,
     krhpr_dual *KRHPR_RESTRICT state_next, krhpr_dual *KRHPR_RESTRICT change)
 {
@@ -2454,7 +2454,7 @@ static inline void krhpr_platform_planar_a_gauss_newton_3_tangent(
 
 /* `encoder_pose` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.3.  (12
  * add, 19 multiply, 2 divide, 1 square root, 1 arctangent) */
-static inline void krhpr_platform_planar_a_encoder_pose_tangent(
+KRHPR_STATIC void krhpr_platform_planar_a_encoder_pose_tangent(
     const krhpr_dual *s, const krhpr_dual *state, krhpr_dual *KRHPR_RESTRICT direction,
     krhpr_dual *KRHPR_RESTRICT p, krhpr_dual *KRHPR_RESTRICT phi, krhpr_dual *KRHPR_RESTRICT raw)
 {

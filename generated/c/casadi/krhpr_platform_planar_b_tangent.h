@@ -12,7 +12,7 @@
 
 /* `end_point` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.37), 2.5.
  * (14 add, 16 multiply) */
-static inline void krhpr_platform_planar_b_end_point_tangent(
+KRHPR_STATIC void krhpr_platform_planar_b_end_point_tangent(
     const krhpr_platform_planar_b_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *redundant, krhpr_dual *KRHPR_RESTRICT s)
 {
@@ -31,7 +31,7 @@ static inline void krhpr_platform_planar_b_end_point_tangent(
 }
 
 /* `redundant` with the derivatives of its outputs along directions of its inputs.  (14 add, 14 multiply) */
-static inline void krhpr_platform_planar_b_redundant_tangent(
+KRHPR_STATIC void krhpr_platform_planar_b_redundant_tangent(
     const krhpr_platform_planar_b_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT redundant)
 {
@@ -49,7 +49,7 @@ static inline void krhpr_platform_planar_b_redundant_tangent(
 
 /* `residual` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.8).  (14 add,
  * 14 multiply) */
-static inline void krhpr_platform_planar_b_residual_tangent(
+KRHPR_STATIC void krhpr_platform_planar_b_residual_tangent(
     const krhpr_platform_planar_b_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT residual)
 {
@@ -67,7 +67,7 @@ static inline void krhpr_platform_planar_b_residual_tangent(
 
 /* `rows` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.31), (2.28).  (12
  * add, 14 multiply) */
-static inline void krhpr_platform_planar_b_rows_tangent(
+KRHPR_STATIC void krhpr_platform_planar_b_rows_tangent(
     const krhpr_platform_planar_b_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT J, krhpr_dual *KRHPR_RESTRICT N)
 {
@@ -94,7 +94,7 @@ static inline void krhpr_platform_planar_b_rows_tangent(
 
 /* `line` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.33), (1.34).  (28
  * add, 38 multiply) */
-static inline void krhpr_platform_planar_b_line_tangent(
+KRHPR_STATIC void krhpr_platform_planar_b_line_tangent(
     const krhpr_platform_planar_b_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT line, krhpr_dual *KRHPR_RESTRICT point,
     krhpr_dual *KRHPR_RESTRICT N, krhpr_dual *KRHPR_RESTRICT scale)
@@ -139,7 +139,7 @@ static inline void krhpr_platform_planar_b_line_tangent(
 
 /* `line_of_redundant` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.33),
  * (1.34).  (4 add, 8 multiply) */
-static inline void krhpr_platform_planar_b_line_of_redundant_tangent(
+KRHPR_STATIC void krhpr_platform_planar_b_line_of_redundant_tangent(
     const krhpr_platform_planar_b_geometry *g, int i, const krhpr_dual *redundant,
     krhpr_dual *KRHPR_RESTRICT line, krhpr_dual *KRHPR_RESTRICT point, krhpr_dual *KRHPR_RESTRICT scale)
 {
@@ -168,7 +168,7 @@ static inline void krhpr_platform_planar_b_line_of_redundant_tangent(
 
 /* `end_velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.37)
  * differentiated.  (20 add, 20 multiply) */
-static inline void krhpr_platform_planar_b_end_velocity_tangent(
+KRHPR_STATIC void krhpr_platform_planar_b_end_velocity_tangent(
     const krhpr_platform_planar_b_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *redundant_rates,
     krhpr_dual *KRHPR_RESTRICT s_dot)
@@ -193,7 +193,7 @@ static inline void krhpr_platform_planar_b_end_velocity_tangent(
 
 /* `end_acceleration` with the derivatives of its outputs along directions of its inputs.  (56 add, 64
  * multiply) */
-static inline void krhpr_platform_planar_b_end_acceleration_tangent(
+KRHPR_STATIC void krhpr_platform_planar_b_end_acceleration_tangent(
     const krhpr_platform_planar_b_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *redundant_rates,
     const krhpr_dual *twist_rate, const krhpr_dual *redundant_accelerations,
@@ -238,7 +238,7 @@ static inline void krhpr_platform_planar_b_end_acceleration_tangent(
 }
 
 /* `row_bias` with the derivatives of its outputs along directions of its inputs.  (43 add, 55 multiply) */
-static inline void krhpr_platform_planar_b_row_bias_tangent(
+KRHPR_STATIC void krhpr_platform_planar_b_row_bias_tangent(
     const krhpr_platform_planar_b_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
@@ -266,7 +266,7 @@ static inline void krhpr_platform_planar_b_row_bias_tangent(
 }
 
 /* `joint` with the derivatives of its outputs along directions of its inputs.  (18 add, 22 multiply) */
-static inline void krhpr_platform_planar_b_joint_tangent(
+KRHPR_STATIC void krhpr_platform_planar_b_joint_tangent(
     const krhpr_platform_planar_b_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT redundant_link, krhpr_dual *KRHPR_RESTRICT platform_joint)
 {
@@ -289,7 +289,7 @@ static inline void krhpr_platform_planar_b_joint_tangent(
 }
 
 /* `attachment` with the derivatives of its outputs along directions of its inputs.  (8 add, 12 multiply) */
-static inline void krhpr_platform_planar_b_attachment_tangent(
+KRHPR_STATIC void krhpr_platform_planar_b_attachment_tangent(
     const krhpr_platform_planar_b_geometry *g, int i, const krhpr_dual *Q, const krhpr_dual *s,
     krhpr_dual *KRHPR_RESTRICT attachment)
 {
@@ -305,7 +305,7 @@ static inline void krhpr_platform_planar_b_attachment_tangent(
 
 /* `solve` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.30).  (108 add,
  * 150 multiply, 3 divide) */
-static inline void krhpr_platform_planar_b_solve_tangent(
+KRHPR_STATIC void krhpr_platform_planar_b_solve_tangent(
     const krhpr_dual *Q, const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *rate,
     krhpr_dual *KRHPR_RESTRICT twist, krhpr_dual *KRHPR_RESTRICT regularity)
 {
@@ -381,7 +381,7 @@ static inline void krhpr_platform_planar_b_solve_tangent(
 
 /* `type_2` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4, 2.3.2.  (19
  * add, 27 multiply) */
-static inline void krhpr_platform_planar_b_type_2_tangent(
+KRHPR_STATIC void krhpr_platform_planar_b_type_2_tangent(
     const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *scale,
     krhpr_dual *KRHPR_RESTRICT type_2, krhpr_dual *KRHPR_RESTRICT margins)
 {
@@ -404,7 +404,7 @@ static inline void krhpr_platform_planar_b_type_2_tangent(
 }
 
 /* `tie` with the derivatives of its outputs along directions of its inputs.  (no operations) */
-static inline void krhpr_platform_planar_b_tie_tangent(
+KRHPR_STATIC void krhpr_platform_planar_b_tie_tangent(
     const krhpr_platform_planar_b_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT slide,
     krhpr_dual *KRHPR_RESTRICT distance, krhpr_dual *KRHPR_RESTRICT start)
 {
@@ -422,7 +422,7 @@ static inline void krhpr_platform_planar_b_tie_tangent(
 
 /* `assembly_modes` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.8).
  * (317 add, 380 multiply, 7 divide, 1 square root, 2 arctangent) */
-static inline void krhpr_platform_planar_b_assembly_modes_tangent(
+KRHPR_STATIC void krhpr_platform_planar_b_assembly_modes_tangent(
     const krhpr_dual *s, const krhpr_dual *slide, const krhpr_dual *distance, const krhpr_dual *start,
     krhpr_dual *KRHPR_RESTRICT breadth, krhpr_dual *KRHPR_RESTRICT radicand, krhpr_dual *KRHPR_RESTRICT p,
     krhpr_dual *KRHPR_RESTRICT phi, krhpr_dual *KRHPR_RESTRICT redundant, krhpr_dual *KRHPR_RESTRICT det_J,
@@ -637,7 +637,7 @@ static inline void krhpr_platform_planar_b_assembly_modes_tangent(
 
 /* `assembly_mode` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.8).  (202
  * add, 255 multiply, 8 divide, 1 square root, 1 arctangent) */
-static inline void krhpr_platform_planar_b_assembly_mode_tangent(
+KRHPR_STATIC void krhpr_platform_planar_b_assembly_mode_tangent(
     const krhpr_dual *s, const krhpr_dual *slide, const krhpr_dual *distance, const krhpr_dual *start,
     const krhpr_dual *side, krhpr_dual *KRHPR_RESTRICT breadth, krhpr_dual *KRHPR_RESTRICT radicand,
     krhpr_dual *KRHPR_RESTRICT sign, krhpr_dual *KRHPR_RESTRICT p, krhpr_dual *KRHPR_RESTRICT phi,
@@ -785,7 +785,7 @@ static inline void krhpr_platform_planar_b_assembly_mode_tangent(
 
 /* `two_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.4,
  * (3.24).  (76 add, 78 multiply, 5 divide, 2 square root) */
-static inline void krhpr_platform_planar_b_two_encoders_tangent(
+KRHPR_STATIC void krhpr_platform_planar_b_two_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *measured, const krhpr_dual *slide, const krhpr_dual *distance,
     const krhpr_dual *start, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT points,
     krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT spread, krhpr_dual *KRHPR_RESTRICT linear,
@@ -890,7 +890,7 @@ static inline void krhpr_platform_planar_b_two_encoders_tangent(
 
 /* `three_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.5,
  * (3.30).  (119 add, 135 multiply, 9 divide, 6 square root) */
-static inline void krhpr_platform_planar_b_three_encoders_tangent(
+KRHPR_STATIC void krhpr_platform_planar_b_three_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *measured, const krhpr_dual *slide, const krhpr_dual *distance,
     const krhpr_dual *start, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT points,
     krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT spread, krhpr_dual *KRHPR_RESTRICT linear,
@@ -1041,7 +1041,7 @@ static inline void krhpr_platform_planar_b_three_encoders_tangent(
 
 /* `gauss_newton_2` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.6,
  * (3.32), (3.33).  (584 add, 756 multiply, 9 divide) */
-static inline void krhpr_platform_planar_b_gauss_newton_2_tangent(
+KRHPR_STATIC void krhpr_platform_planar_b_gauss_newton_2_tangent(
     const krhpr_dual *state, const krhpr_dual *weights, const krhpr_dual *points, const krhpr_dual *ends,
     const krhpr_dual *slide, const krhpr_dual *distance, krhpr_dual *KRHPR_RESTRICT state_next,
     krhpr_dual *KRHPR_RESTRICT change)
@@ -1386,7 +1386,7 @@ static inline void krhpr_platform_planar_b_gauss_newton_2_tangent(
 
 /* `gauss_newton_3` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.6,
  * (3.32), (3.33).  (487 add, 624 multiply, 9 divide) */
-static inline void krhpr_platform_planar_b_gauss_newton_3_tangent(
+KRHPR_STATIC void krhpr_platform_planar_b_gauss_newton_3_tangent(
     const krhpr_dual *state, const krhpr_dual *weights, const krhpr_dual *points, const krhpr_dual *ends,
     krhpr_dual *KRHPR_RESTRICT state_next, krhpr_dual *KRHPR_RESTRICT change)
 {
@@ -1689,7 +1689,7 @@ static inline void krhpr_platform_planar_b_gauss_newton_3_tangent(
 
 /* `encoder_pose` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.3.  (12
  * add, 19 multiply, 2 divide, 1 square root, 1 arctangent) */
-static inline void krhpr_platform_planar_b_encoder_pose_tangent(
+KRHPR_STATIC void krhpr_platform_planar_b_encoder_pose_tangent(
     const krhpr_dual *s, const krhpr_dual *state, krhpr_dual *KRHPR_RESTRICT direction,
     krhpr_dual *KRHPR_RESTRICT p, krhpr_dual *KRHPR_RESTRICT phi, krhpr_dual *KRHPR_RESTRICT raw)
 {

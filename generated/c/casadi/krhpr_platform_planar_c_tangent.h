@@ -12,7 +12,7 @@
 
 /* `end_point` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.37), 2.5.
  * (10 add, 14 multiply) */
-static inline void krhpr_platform_planar_c_end_point_tangent(
+KRHPR_STATIC void krhpr_platform_planar_c_end_point_tangent(
     const krhpr_platform_planar_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *redundant, krhpr_dual *KRHPR_RESTRICT s)
 {
@@ -29,7 +29,7 @@ static inline void krhpr_platform_planar_c_end_point_tangent(
 }
 
 /* `redundant` with the derivatives of its outputs along directions of its inputs.  (12 add, 14 multiply) */
-static inline void krhpr_platform_planar_c_redundant_tangent(
+KRHPR_STATIC void krhpr_platform_planar_c_redundant_tangent(
     const krhpr_platform_planar_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT redundant)
 {
@@ -47,7 +47,7 @@ static inline void krhpr_platform_planar_c_redundant_tangent(
 
 /* `residual` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.13).  (12 add,
  * 14 multiply) */
-static inline void krhpr_platform_planar_c_residual_tangent(
+KRHPR_STATIC void krhpr_platform_planar_c_residual_tangent(
     const krhpr_platform_planar_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT residual)
 {
@@ -65,7 +65,7 @@ static inline void krhpr_platform_planar_c_residual_tangent(
 
 /* `rows` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.31), (2.28).  (12
  * add, 14 multiply) */
-static inline void krhpr_platform_planar_c_rows_tangent(
+KRHPR_STATIC void krhpr_platform_planar_c_rows_tangent(
     const krhpr_platform_planar_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT J, krhpr_dual *KRHPR_RESTRICT N)
 {
@@ -92,7 +92,7 @@ static inline void krhpr_platform_planar_c_rows_tangent(
 
 /* `line` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.33), (1.34).  (28
  * add, 38 multiply) */
-static inline void krhpr_platform_planar_c_line_tangent(
+KRHPR_STATIC void krhpr_platform_planar_c_line_tangent(
     const krhpr_platform_planar_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT line, krhpr_dual *KRHPR_RESTRICT point,
     krhpr_dual *KRHPR_RESTRICT N, krhpr_dual *KRHPR_RESTRICT scale)
@@ -137,7 +137,7 @@ static inline void krhpr_platform_planar_c_line_tangent(
 
 /* `line_of_redundant` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.33),
  * (1.34).  (2 add, 8 multiply) */
-static inline void krhpr_platform_planar_c_line_of_redundant_tangent(
+KRHPR_STATIC void krhpr_platform_planar_c_line_of_redundant_tangent(
     const krhpr_platform_planar_c_geometry *g, int i, const krhpr_dual *redundant,
     krhpr_dual *KRHPR_RESTRICT line, krhpr_dual *KRHPR_RESTRICT point, krhpr_dual *KRHPR_RESTRICT scale)
 {
@@ -166,7 +166,7 @@ static inline void krhpr_platform_planar_c_line_of_redundant_tangent(
 
 /* `end_velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.37)
  * differentiated.  (20 add, 20 multiply) */
-static inline void krhpr_platform_planar_c_end_velocity_tangent(
+KRHPR_STATIC void krhpr_platform_planar_c_end_velocity_tangent(
     const krhpr_platform_planar_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *redundant_rates,
     krhpr_dual *KRHPR_RESTRICT s_dot)
@@ -191,7 +191,7 @@ static inline void krhpr_platform_planar_c_end_velocity_tangent(
 
 /* `end_acceleration` with the derivatives of its outputs along directions of its inputs.  (56 add, 64
  * multiply) */
-static inline void krhpr_platform_planar_c_end_acceleration_tangent(
+KRHPR_STATIC void krhpr_platform_planar_c_end_acceleration_tangent(
     const krhpr_platform_planar_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *redundant_rates,
     const krhpr_dual *twist_rate, const krhpr_dual *redundant_accelerations,
@@ -236,7 +236,7 @@ static inline void krhpr_platform_planar_c_end_acceleration_tangent(
 }
 
 /* `row_bias` with the derivatives of its outputs along directions of its inputs.  (43 add, 55 multiply) */
-static inline void krhpr_platform_planar_c_row_bias_tangent(
+KRHPR_STATIC void krhpr_platform_planar_c_row_bias_tangent(
     const krhpr_platform_planar_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
@@ -264,7 +264,7 @@ static inline void krhpr_platform_planar_c_row_bias_tangent(
 }
 
 /* `joint` with the derivatives of its outputs along directions of its inputs.  (12 add, 14 multiply) */
-static inline void krhpr_platform_planar_c_joint_tangent(
+KRHPR_STATIC void krhpr_platform_planar_c_joint_tangent(
     const krhpr_platform_planar_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT redundant_link, krhpr_dual *KRHPR_RESTRICT platform_joint)
 {
@@ -286,7 +286,7 @@ static inline void krhpr_platform_planar_c_joint_tangent(
 }
 
 /* `attachment` with the derivatives of its outputs along directions of its inputs.  (no operations) */
-static inline void krhpr_platform_planar_c_attachment_tangent(
+KRHPR_STATIC void krhpr_platform_planar_c_attachment_tangent(
     const krhpr_platform_planar_c_geometry *g, int i, const krhpr_dual *s,
     krhpr_dual *KRHPR_RESTRICT attachment)
 {
@@ -302,7 +302,7 @@ static inline void krhpr_platform_planar_c_attachment_tangent(
 
 /* `solve` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.30).  (108 add,
  * 150 multiply, 3 divide) */
-static inline void krhpr_platform_planar_c_solve_tangent(
+KRHPR_STATIC void krhpr_platform_planar_c_solve_tangent(
     const krhpr_dual *Q, const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *rate,
     krhpr_dual *KRHPR_RESTRICT twist, krhpr_dual *KRHPR_RESTRICT regularity)
 {
@@ -378,7 +378,7 @@ static inline void krhpr_platform_planar_c_solve_tangent(
 
 /* `type_2` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4, 2.3.2.  (19
  * add, 27 multiply) */
-static inline void krhpr_platform_planar_c_type_2_tangent(
+KRHPR_STATIC void krhpr_platform_planar_c_type_2_tangent(
     const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *scale,
     krhpr_dual *KRHPR_RESTRICT type_2, krhpr_dual *KRHPR_RESTRICT margins)
 {
@@ -401,7 +401,7 @@ static inline void krhpr_platform_planar_c_type_2_tangent(
 }
 
 /* `tie` with the derivatives of its outputs along directions of its inputs.  (no operations) */
-static inline void krhpr_platform_planar_c_tie_tangent(
+KRHPR_STATIC void krhpr_platform_planar_c_tie_tangent(
     const krhpr_platform_planar_c_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT slide)
 {
     slide[0].v = g->t[0][i];
@@ -414,7 +414,7 @@ static inline void krhpr_platform_planar_c_tie_tangent(
 
 /* `assembly_modes` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.13).
  * (238 add, 301 multiply, 5 divide, 1 square root, 2 arctangent) */
-static inline void krhpr_platform_planar_c_assembly_modes_tangent(
+KRHPR_STATIC void krhpr_platform_planar_c_assembly_modes_tangent(
     const krhpr_dual *s, const krhpr_dual *slide, krhpr_dual *KRHPR_RESTRICT breadth,
     krhpr_dual *KRHPR_RESTRICT radicand, krhpr_dual *KRHPR_RESTRICT p, krhpr_dual *KRHPR_RESTRICT phi,
     krhpr_dual *KRHPR_RESTRICT redundant, krhpr_dual *KRHPR_RESTRICT det_J, krhpr_dual *KRHPR_RESTRICT count)
@@ -604,7 +604,7 @@ static inline void krhpr_platform_planar_c_assembly_modes_tangent(
 
 /* `assembly_mode` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.13).
  * (161 add, 214 multiply, 9 divide, 1 square root, 1 arctangent) */
-static inline void krhpr_platform_planar_c_assembly_mode_tangent(
+KRHPR_STATIC void krhpr_platform_planar_c_assembly_mode_tangent(
     const krhpr_dual *s, const krhpr_dual *slide, const krhpr_dual *side, krhpr_dual *KRHPR_RESTRICT breadth,
     krhpr_dual *KRHPR_RESTRICT radicand, krhpr_dual *KRHPR_RESTRICT sign, krhpr_dual *KRHPR_RESTRICT p,
     krhpr_dual *KRHPR_RESTRICT phi, krhpr_dual *KRHPR_RESTRICT redundant, krhpr_dual *KRHPR_RESTRICT count,
@@ -738,7 +738,7 @@ static inline void krhpr_platform_planar_c_assembly_mode_tangent(
 
 /* `two_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.4,
  * (3.24).  (60 add, 66 multiply, 5 divide, 2 square root) */
-static inline void krhpr_platform_planar_c_two_encoders_tangent(
+KRHPR_STATIC void krhpr_platform_planar_c_two_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *measured, const krhpr_dual *slide, const krhpr_dual *tolerance,
     krhpr_dual *KRHPR_RESTRICT points, krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT spread,
     krhpr_dual *KRHPR_RESTRICT linear, krhpr_dual *KRHPR_RESTRICT mismatch)
@@ -838,7 +838,7 @@ static inline void krhpr_platform_planar_c_two_encoders_tangent(
 
 /* `three_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.5,
  * (3.30).  (95 add, 117 multiply, 9 divide, 6 square root) */
-static inline void krhpr_platform_planar_c_three_encoders_tangent(
+KRHPR_STATIC void krhpr_platform_planar_c_three_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *measured, const krhpr_dual *slide, const krhpr_dual *tolerance,
     krhpr_dual *KRHPR_RESTRICT points, krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT spread,
     krhpr_dual *KRHPR_RESTRICT linear, krhpr_dual *KRHPR_RESTRICT mismatch)
@@ -982,7 +982,7 @@ static inline void krhpr_platform_planar_c_three_encoders_tangent(
 
 /* `gauss_newton_2` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.6,
  * (3.32), (3.33).  (560 add, 726 multiply, 9 divide) */
-static inline void krhpr_platform_planar_c_gauss_newton_2_tangent(
+KRHPR_STATIC void krhpr_platform_planar_c_gauss_newton_2_tangent(
     const krhpr_dual *state, const krhpr_dual *weights, const krhpr_dual *points, const krhpr_dual *ends,
     const krhpr_dual *slide, krhpr_dual *KRHPR_RESTRICT state_next, krhpr_dual *KRHPR_RESTRICT change)
 {
@@ -1322,7 +1322,7 @@ static inline void krhpr_platform_planar_c_gauss_newton_2_tangent(
 
 /* `gauss_newton_3` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.6,
  * (3.32), (3.33).  (487 add, 624 multiply, 9 divide) */
-static inline void krhpr_platform_planar_c_gauss_newton_3_tangent(
+KRHPR_STATIC void krhpr_platform_planar_c_gauss_newton_3_tangent(
     const krhpr_dual *state, const krhpr_dual *weights, const krhpr_dual *points, const krhpr_dual *ends,
     krhpr_dual *KRHPR_RESTRICT state_next, krhpr_dual *KRHPR_RESTRICT change)
 {
@@ -1625,7 +1625,7 @@ static inline void krhpr_platform_planar_c_gauss_newton_3_tangent(
 
 /* `encoder_pose` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.3.  (12
  * add, 19 multiply, 2 divide, 1 square root, 1 arctangent) */
-static inline void krhpr_platform_planar_c_encoder_pose_tangent(
+KRHPR_STATIC void krhpr_platform_planar_c_encoder_pose_tangent(
     const krhpr_dual *s, const krhpr_dual *state, krhpr_dual *KRHPR_RESTRICT direction,
     krhpr_dual *KRHPR_RESTRICT p, krhpr_dual *KRHPR_RESTRICT phi, krhpr_dual *KRHPR_RESTRICT raw)
 {

@@ -12,7 +12,7 @@
 
 /* `end_point` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.37), 2.5.
  * (24 add, 32 multiply, 1 sine cosine) */
-static inline void krhpr_platform_spatial_a_end_point_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_end_point_tangent(
     const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *redundant, krhpr_dual *KRHPR_RESTRICT s)
 {
@@ -40,7 +40,7 @@ static inline void krhpr_platform_spatial_a_end_point_tangent(
 
 /* `redundant` with the derivatives of its outputs along directions of its inputs.  (38 add, 43 multiply, 1
  * divide, 1 arctangent) */
-static inline void krhpr_platform_spatial_a_redundant_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_redundant_tangent(
     const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT redundant)
 {
@@ -69,7 +69,7 @@ static inline void krhpr_platform_spatial_a_redundant_tangent(
 
 /* `residual` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.1), (1.2).
  * (33 add, 29 multiply) */
-static inline void krhpr_platform_spatial_a_residual_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_residual_tangent(
     const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT residual)
 {
@@ -97,7 +97,7 @@ static inline void krhpr_platform_spatial_a_residual_tangent(
 
 /* `rows` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.31), (2.28).  (48
  * add, 48 multiply) */
-static inline void krhpr_platform_spatial_a_rows_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_rows_tangent(
     const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT J, krhpr_dual *KRHPR_RESTRICT N)
 {
@@ -161,7 +161,7 @@ static inline void krhpr_platform_spatial_a_rows_tangent(
 
 /* `line` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.33), (1.34).  (92
  * add, 102 multiply) */
-static inline void krhpr_platform_spatial_a_line_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_line_tangent(
     const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT line, krhpr_dual *KRHPR_RESTRICT point,
     krhpr_dual *KRHPR_RESTRICT N, krhpr_dual *KRHPR_RESTRICT scale)
@@ -236,7 +236,7 @@ static inline void krhpr_platform_spatial_a_line_tangent(
 
 /* `line_of_redundant` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.33),
  * (1.34).  (11 add, 18 multiply, 1 sine cosine) */
-static inline void krhpr_platform_spatial_a_line_of_redundant_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_line_of_redundant_tangent(
     const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_dual *redundant,
     krhpr_dual *KRHPR_RESTRICT line, krhpr_dual *KRHPR_RESTRICT point, krhpr_dual *KRHPR_RESTRICT scale)
 {
@@ -279,7 +279,7 @@ static inline void krhpr_platform_spatial_a_line_of_redundant_tangent(
 
 /* `end_velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.37)
  * differentiated.  (63 add, 57 multiply) */
-static inline void krhpr_platform_spatial_a_end_velocity_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_end_velocity_tangent(
     const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *redundant_rates,
     krhpr_dual *KRHPR_RESTRICT s_dot)
@@ -323,7 +323,7 @@ static inline void krhpr_platform_spatial_a_end_velocity_tangent(
 
 /* `end_acceleration` with the derivatives of its outputs along directions of its inputs.  (207 add, 213
  * multiply) */
-static inline void krhpr_platform_spatial_a_end_acceleration_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_end_acceleration_tangent(
     const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *redundant_rates,
     const krhpr_dual *twist_rate, const krhpr_dual *redundant_accelerations,
@@ -424,7 +424,7 @@ static inline void krhpr_platform_spatial_a_end_acceleration_tangent(
 }
 
 /* `row_bias` with the derivatives of its outputs along directions of its inputs.  (194 add, 204 multiply) */
-static inline void krhpr_platform_spatial_a_row_bias_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_row_bias_tangent(
     const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
@@ -508,7 +508,7 @@ static inline void krhpr_platform_spatial_a_row_bias_tangent(
 
 /* `joint` with the derivatives of its outputs along directions of its inputs.  (50 add, 67 multiply, 1
  * divide, 1 arctangent) */
-static inline void krhpr_platform_spatial_a_joint_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_joint_tangent(
     const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT redundant_link, krhpr_dual *KRHPR_RESTRICT platform_joint)
 {
@@ -563,7 +563,7 @@ static inline void krhpr_platform_spatial_a_joint_tangent(
 }
 
 /* `attachment` with the derivatives of its outputs along directions of its inputs.  (12 add, 12 multiply) */
-static inline void krhpr_platform_spatial_a_attachment_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_attachment_tangent(
     const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     krhpr_dual *KRHPR_RESTRICT attachment)
 {
@@ -582,7 +582,7 @@ static inline void krhpr_platform_spatial_a_attachment_tangent(
 
 /* `solve` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.30).  (228 add,
  * 287 multiply, 6 divide) */
-static inline void krhpr_platform_spatial_a_solve_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_solve_tangent(
     const krhpr_dual *Q, const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *rate,
     krhpr_dual *KRHPR_RESTRICT twist, krhpr_dual *KRHPR_RESTRICT regularity)
 {
@@ -723,7 +723,7 @@ static inline void krhpr_platform_spatial_a_solve_tangent(
 
 /* `type_2` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4, 2.3.2.  (43
  * add, 60 multiply, 4 divide) */
-static inline void krhpr_platform_spatial_a_type_2_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_type_2_tangent(
     const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *scale,
     krhpr_dual *KRHPR_RESTRICT type_2, krhpr_dual *KRHPR_RESTRICT margins)
 {
@@ -765,7 +765,7 @@ static inline void krhpr_platform_spatial_a_type_2_tangent(
 }
 
 /* `tie` with the derivatives of its outputs along directions of its inputs.  (no operations) */
-static inline void krhpr_platform_spatial_a_tie_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_tie_tangent(
     const krhpr_platform_spatial_a_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT anchor,
     krhpr_dual *KRHPR_RESTRICT length)
 {
@@ -781,7 +781,7 @@ static inline void krhpr_platform_spatial_a_tie_tangent(
 
 /* `sextic` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.1, (3.1) to
  * (3.4).  (407 add, 489 multiply, 4 divide, 2 square root) */
-static inline void krhpr_platform_spatial_a_sextic_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_sextic_tangent(
     const krhpr_dual *s, const krhpr_dual *anchor, const krhpr_dual *length, const krhpr_dual *turned,
     krhpr_dual *KRHPR_RESTRICT sign, krhpr_dual *KRHPR_RESTRICT flatness, krhpr_dual *KRHPR_RESTRICT points,
     krhpr_dual *KRHPR_RESTRICT axes, krhpr_dual *KRHPR_RESTRICT sextic)
@@ -1106,7 +1106,7 @@ static inline void krhpr_platform_spatial_a_sextic_tangent(
 
 /* `assembly` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.1, (3.1) to
  * (3.4).  (589 add, 676 multiply, 15 divide, 2 square root, 3 arctangent) */
-static inline void krhpr_platform_spatial_a_assembly_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_assembly_tangent(
     const krhpr_dual *root, const krhpr_dual *s, const krhpr_dual *anchor, const krhpr_dual *length,
     const krhpr_dual *points, const krhpr_dual *axes, krhpr_dual *KRHPR_RESTRICT p,
     krhpr_dual *KRHPR_RESTRICT Q, krhpr_dual *KRHPR_RESTRICT redundant, krhpr_dual *KRHPR_RESTRICT det_J,
@@ -1508,7 +1508,7 @@ static inline void krhpr_platform_spatial_a_assembly_tangent(
 
 /* `uniqueness` with the derivatives of its outputs along directions of its inputs.  Thesis: errata 4,
  * (1.35).  (73 add, 70 multiply, 3 divide) */
-static inline void krhpr_platform_spatial_a_uniqueness_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_uniqueness_tangent(
     const krhpr_dual *anchor, const krhpr_dual *length, const krhpr_dual *box,
     krhpr_dual *KRHPR_RESTRICT certificate)
 {
@@ -1594,7 +1594,7 @@ static inline void krhpr_platform_spatial_a_uniqueness_tangent(
 
 /* `newton_start` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.2, (3.4)
  * to (3.9).  (162 add, 203 multiply, 5 divide, 3 square root) */
-static inline void krhpr_platform_spatial_a_newton_start_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_newton_start_tangent(
     const krhpr_dual *s, const krhpr_dual *anchor, const krhpr_dual *length, const krhpr_dual *p_near,
     const krhpr_dual *Q_near, krhpr_dual *KRHPR_RESTRICT flatness, krhpr_dual *KRHPR_RESTRICT points,
     krhpr_dual *KRHPR_RESTRICT axes, krhpr_dual *KRHPR_RESTRICT centre, krhpr_dual *KRHPR_RESTRICT start)
@@ -1759,7 +1759,7 @@ static inline void krhpr_platform_spatial_a_newton_start_tangent(
 
 /* `newton_step` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.2, (3.4)
  * to (3.9).  (199 add, 227 multiply, 6 divide, 1 square root, 1 sine cosine) */
-static inline void krhpr_platform_spatial_a_newton_step_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_newton_step_tangent(
     const krhpr_dual *state, const krhpr_dual *centre, const krhpr_dual *anchor, const krhpr_dual *length,
     const krhpr_dual *points, krhpr_dual *KRHPR_RESTRICT state_next, krhpr_dual *KRHPR_RESTRICT change)
 {
@@ -1906,7 +1906,7 @@ static inline void krhpr_platform_spatial_a_newton_step_tangent(
 
 /* `newton_pose` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.2, (3.4)
  * to (3.9).  (152 add, 177 multiply, 3 divide, 3 arctangent) */
-static inline void krhpr_platform_spatial_a_newton_pose_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_newton_pose_tangent(
     const krhpr_dual *s, const krhpr_dual *state, const krhpr_dual *anchor, const krhpr_dual *points,
     const krhpr_dual *axes, krhpr_dual *KRHPR_RESTRICT p, krhpr_dual *KRHPR_RESTRICT Q,
     krhpr_dual *KRHPR_RESTRICT redundant)
@@ -2014,7 +2014,7 @@ static inline void krhpr_platform_spatial_a_newton_pose_tangent(
 }
 
 /* `arm` with the derivatives of its outputs along directions of its inputs.  (no operations) */
-static inline void krhpr_platform_spatial_a_arm_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_arm_tangent(
     const krhpr_platform_spatial_a_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT arm)
 {
     arm[0].v = g->k[2][i];
@@ -2027,7 +2027,7 @@ static inline void krhpr_platform_spatial_a_arm_tangent(
 
 /* `turns_1` with the derivatives of its outputs along directions of its inputs.  (2 multiply, 1 sine
  * cosine) */
-static inline void krhpr_platform_spatial_a_turns_1_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_turns_1_tangent(
     const krhpr_dual *measured, krhpr_dual *KRHPR_RESTRICT turns)
 {
     double turns_01, turns_00; krhpr_sincos(measured[0].v, &turns_01, &turns_00);
@@ -2041,7 +2041,7 @@ static inline void krhpr_platform_spatial_a_turns_1_tangent(
 
 /* `turns_2` with the derivatives of its outputs along directions of its inputs.  (4 multiply, 2 sine
  * cosine) */
-static inline void krhpr_platform_spatial_a_turns_2_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_turns_2_tangent(
     const krhpr_dual *measured, krhpr_dual *KRHPR_RESTRICT turns)
 {
     double turns_01, turns_00; krhpr_sincos(measured[0].v, &turns_01, &turns_00);
@@ -2060,7 +2060,7 @@ static inline void krhpr_platform_spatial_a_turns_2_tangent(
 
 /* `turns_3` with the derivatives of its outputs along directions of its inputs.  (6 multiply, 3 sine
  * cosine) */
-static inline void krhpr_platform_spatial_a_turns_3_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_turns_3_tangent(
     const krhpr_dual *measured, krhpr_dual *KRHPR_RESTRICT turns)
 {
     double turns_01, turns_00; krhpr_sincos(measured[0].v, &turns_01, &turns_00);
@@ -2084,7 +2084,7 @@ static inline void krhpr_platform_spatial_a_turns_3_tangent(
 
 /* `one_encoder` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.3.  (109
  * add, 122 multiply, 4 divide, 1 square root) */
-static inline void krhpr_platform_spatial_a_one_encoder_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_one_encoder_tangent(
     const krhpr_dual *s, const krhpr_dual *turns, const krhpr_dual *anchor, const krhpr_dual *length,
     const krhpr_dual *arm, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT flatness,
     krhpr_dual *KRHPR_RESTRICT radicand)
@@ -2175,7 +2175,7 @@ static inline void krhpr_platform_spatial_a_one_encoder_tangent(
 
 /* `two_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.4,
  * (3.24).  (167 add, 203 multiply, 8 divide, 3 square root) */
-static inline void krhpr_platform_spatial_a_two_encoders_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_two_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *turns, const krhpr_dual *anchor, const krhpr_dual *length,
     const krhpr_dual *arm, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT flatness,
     krhpr_dual *KRHPR_RESTRICT points, krhpr_dual *KRHPR_RESTRICT axes, krhpr_dual *KRHPR_RESTRICT ends,
@@ -2364,7 +2364,7 @@ static inline void krhpr_platform_spatial_a_two_encoders_tangent(
 
 /* `three_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.5,
  * (3.30).  (214 add, 256 multiply, 12 divide, 7 square root) */
-static inline void krhpr_platform_spatial_a_three_encoders_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_three_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *turns, const krhpr_dual *anchor, const krhpr_dual *length,
     const krhpr_dual *arm, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT flatness,
     krhpr_dual *KRHPR_RESTRICT points, krhpr_dual *KRHPR_RESTRICT axes, krhpr_dual *KRHPR_RESTRICT ends,
@@ -2604,7 +2604,7 @@ static inline void krhpr_platform_spatial_a_three_encoders_tangent(
 
 /* `gauss_newton_2` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.6,
  * (3.32), (3.33).  (572 add, 751 multiply, 10 divide) */
-static inline void krhpr_platform_spatial_a_gauss_newton_2_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_gauss_newton_2_tangent(
     const krhpr_dual *state, const krhpr_dual *weights, const krhpr_dual *points, const krhpr_dual *ends,
     const krhpr_dual *anchor, const krhpr_dual *length, krhpr_dual *KRHPR_RESTRICT state_next,
     krhpr_dual *KRHPR_RESTRICT change)
@@ -2962,7 +2962,7 @@ static inline void krhpr_platform_spatial_a_gauss_newton_2_tangent(
 
 /* `gauss_newton_3` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.6,
  * (3.32), (3.33).  (487 add, 624 multiply, 9 divide) */
-static inline void krhpr_platform_spatial_a_gauss_newton_3_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_gauss_newton_3_tangent(
     const krhpr_dual *state, const krhpr_dual *weights, const krhpr_dual *points, const krhpr_dual *ends,
     krhpr_dual *KRHPR_RESTRICT state_next, krhpr_dual *KRHPR_RESTRICT change)
 {
@@ -3265,7 +3265,7 @@ static inline void krhpr_platform_spatial_a_gauss_newton_3_tangent(
 
 /* `encoder_pose` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.3.  (72
  * add, 104 multiply, 1 divide, 1 square root) */
-static inline void krhpr_platform_spatial_a_encoder_pose_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_a_encoder_pose_tangent(
     const krhpr_dual *s, const krhpr_dual *state, const krhpr_dual *axes,
     krhpr_dual *KRHPR_RESTRICT direction, krhpr_dual *KRHPR_RESTRICT p, krhpr_dual *KRHPR_RESTRICT Q,
     krhpr_dual *KRHPR_RESTRICT raw)

@@ -12,7 +12,7 @@
 
 /* `end_point` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.37), 2.5.
  * (20 add, 22 multiply) */
-static inline void krhpr_platform_spatial_b_end_point_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_b_end_point_tangent(
     const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *redundant, krhpr_dual *KRHPR_RESTRICT s)
 {
@@ -34,7 +34,7 @@ static inline void krhpr_platform_spatial_b_end_point_tangent(
 }
 
 /* `redundant` with the derivatives of its outputs along directions of its inputs.  (21 add, 21 multiply) */
-static inline void krhpr_platform_spatial_b_redundant_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_b_redundant_tangent(
     const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT redundant)
 {
@@ -55,7 +55,7 @@ static inline void krhpr_platform_spatial_b_redundant_tangent(
 
 /* `residual` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.19), (2.21).
  * (28 add, 30 multiply) */
-static inline void krhpr_platform_spatial_b_residual_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_b_residual_tangent(
     const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT residual)
 {
@@ -80,7 +80,7 @@ static inline void krhpr_platform_spatial_b_residual_tangent(
 
 /* `rows` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.31), (2.28).  (36
  * add, 48 multiply) */
-static inline void krhpr_platform_spatial_b_rows_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_b_rows_tangent(
     const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT J, krhpr_dual *KRHPR_RESTRICT N)
 {
@@ -138,7 +138,7 @@ static inline void krhpr_platform_spatial_b_rows_tangent(
 
 /* `line` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.33), (1.34).  (66
  * add, 84 multiply) */
-static inline void krhpr_platform_spatial_b_line_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_b_line_tangent(
     const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT line, krhpr_dual *KRHPR_RESTRICT point,
     krhpr_dual *KRHPR_RESTRICT N, krhpr_dual *KRHPR_RESTRICT scale)
@@ -205,7 +205,7 @@ static inline void krhpr_platform_spatial_b_line_tangent(
 
 /* `line_of_redundant` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.33),
  * (1.34).  (4 add, 8 multiply) */
-static inline void krhpr_platform_spatial_b_line_of_redundant_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_b_line_of_redundant_tangent(
     const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_dual *redundant,
     krhpr_dual *KRHPR_RESTRICT line, krhpr_dual *KRHPR_RESTRICT point, krhpr_dual *KRHPR_RESTRICT scale)
 {
@@ -240,7 +240,7 @@ static inline void krhpr_platform_spatial_b_line_of_redundant_tangent(
 
 /* `end_velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.37)
  * differentiated.  (39 add, 39 multiply) */
-static inline void krhpr_platform_spatial_b_end_velocity_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_b_end_velocity_tangent(
     const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *redundant_rates,
     krhpr_dual *KRHPR_RESTRICT s_dot)
@@ -275,7 +275,7 @@ static inline void krhpr_platform_spatial_b_end_velocity_tangent(
 
 /* `end_acceleration` with the derivatives of its outputs along directions of its inputs.  (129 add, 141
  * multiply) */
-static inline void krhpr_platform_spatial_b_end_acceleration_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_b_end_acceleration_tangent(
     const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *redundant_rates,
     const krhpr_dual *twist_rate, const krhpr_dual *redundant_accelerations,
@@ -352,7 +352,7 @@ static inline void krhpr_platform_spatial_b_end_acceleration_tangent(
 }
 
 /* `row_bias` with the derivatives of its outputs along directions of its inputs.  (170 add, 204 multiply) */
-static inline void krhpr_platform_spatial_b_row_bias_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_b_row_bias_tangent(
     const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
@@ -423,7 +423,7 @@ static inline void krhpr_platform_spatial_b_row_bias_tangent(
 }
 
 /* `joint` with the derivatives of its outputs along directions of its inputs.  (27 add, 33 multiply) */
-static inline void krhpr_platform_spatial_b_joint_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_b_joint_tangent(
     const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT redundant_link, krhpr_dual *KRHPR_RESTRICT platform_joint)
 {
@@ -465,7 +465,7 @@ static inline void krhpr_platform_spatial_b_joint_tangent(
 }
 
 /* `attachment` with the derivatives of its outputs along directions of its inputs.  (12 add, 18 multiply) */
-static inline void krhpr_platform_spatial_b_attachment_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_b_attachment_tangent(
     const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_dual *Q, const krhpr_dual *s,
     krhpr_dual *KRHPR_RESTRICT attachment)
 {
@@ -484,7 +484,7 @@ static inline void krhpr_platform_spatial_b_attachment_tangent(
 
 /* `solve` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.30).  (228 add,
  * 287 multiply, 6 divide) */
-static inline void krhpr_platform_spatial_b_solve_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_b_solve_tangent(
     const krhpr_dual *Q, const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *rate,
     krhpr_dual *KRHPR_RESTRICT twist, krhpr_dual *KRHPR_RESTRICT regularity)
 {
@@ -625,7 +625,7 @@ static inline void krhpr_platform_spatial_b_solve_tangent(
 
 /* `type_2` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4, 2.3.2.  (33
  * add, 39 multiply) */
-static inline void krhpr_platform_spatial_b_type_2_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_b_type_2_tangent(
     const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *scale,
     krhpr_dual *KRHPR_RESTRICT type_2, krhpr_dual *KRHPR_RESTRICT margins)
 {
@@ -656,7 +656,7 @@ static inline void krhpr_platform_spatial_b_type_2_tangent(
 }
 
 /* `tie` with the derivatives of its outputs along directions of its inputs.  (no operations) */
-static inline void krhpr_platform_spatial_b_tie_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_b_tie_tangent(
     const krhpr_platform_spatial_b_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT slide,
     krhpr_dual *KRHPR_RESTRICT distance, krhpr_dual *KRHPR_RESTRICT start)
 {
@@ -674,7 +674,7 @@ static inline void krhpr_platform_spatial_b_tie_tangent(
 
 /* `assembly_modes` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.19),
  * (2.21).  (500 add, 639 multiply, 9 divide, 3 square root) */
-static inline void krhpr_platform_spatial_b_assembly_modes_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_b_assembly_modes_tangent(
     const krhpr_dual *s, const krhpr_dual *slide, const krhpr_dual *distance, const krhpr_dual *start,
     const krhpr_dual *turned, krhpr_dual *KRHPR_RESTRICT sign, krhpr_dual *KRHPR_RESTRICT flatness,
     krhpr_dual *KRHPR_RESTRICT breadth, krhpr_dual *KRHPR_RESTRICT radicand, krhpr_dual *KRHPR_RESTRICT p,
@@ -1029,7 +1029,7 @@ static inline void krhpr_platform_spatial_b_assembly_modes_tangent(
 
 /* `assembly_mode` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.19),
  * (2.21).  (313 add, 419 multiply, 11 divide, 3 square root) */
-static inline void krhpr_platform_spatial_b_assembly_mode_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_b_assembly_mode_tangent(
     const krhpr_dual *s, const krhpr_dual *slide, const krhpr_dual *distance, const krhpr_dual *start,
     const krhpr_dual *side, krhpr_dual *KRHPR_RESTRICT flatness, krhpr_dual *KRHPR_RESTRICT breadth,
     krhpr_dual *KRHPR_RESTRICT radicand, krhpr_dual *KRHPR_RESTRICT sign, krhpr_dual *KRHPR_RESTRICT p,
@@ -1269,7 +1269,7 @@ static inline void krhpr_platform_spatial_b_assembly_mode_tangent(
 
 /* `two_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.4,
  * (3.24).  (167 add, 215 multiply, 8 divide, 3 square root) */
-static inline void krhpr_platform_spatial_b_two_encoders_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_b_two_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *measured, const krhpr_dual *slide, const krhpr_dual *distance,
     const krhpr_dual *start, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT flatness,
     krhpr_dual *KRHPR_RESTRICT points, krhpr_dual *KRHPR_RESTRICT axes, krhpr_dual *KRHPR_RESTRICT ends,
@@ -1458,7 +1458,7 @@ static inline void krhpr_platform_spatial_b_two_encoders_tangent(
 
 /* `three_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.5,
  * (3.30).  (212 add, 268 multiply, 12 divide, 7 square root) */
-static inline void krhpr_platform_spatial_b_three_encoders_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_b_three_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *measured, const krhpr_dual *slide, const krhpr_dual *distance,
     const krhpr_dual *start, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT flatness,
     krhpr_dual *KRHPR_RESTRICT points, krhpr_dual *KRHPR_RESTRICT axes, krhpr_dual *KRHPR_RESTRICT ends,
@@ -1700,7 +1700,7 @@ static inline void krhpr_platform_spatial_b_three_encoders_tangent(
 
 /* `gauss_newton_2` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.6,
  * (3.32), (3.33).  (584 add, 756 multiply, 9 divide) */
-static inline void krhpr_platform_spatial_b_gauss_newton_2_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_b_gauss_newton_2_tangent(
     const krhpr_dual *state, const krhpr_dual *weights, const krhpr_dual *points, const krhpr_dual *ends,
     const krhpr_dual *slide, const krhpr_dual *distance, krhpr_dual *KRHPR_RESTRICT state_next,
     krhpr_dual *KRHPR_RESTRICT change)
@@ -2046,7 +2046,7 @@ static inline void krhpr_platform_spatial_b_gauss_newton_2_tangent(
 
 /* `gauss_newton_3` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.6,
  * (3.32), (3.33).  (487 add, 624 multiply, 9 divide) */
-static inline void krhpr_platform_spatial_b_gauss_newton_3_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_b_gauss_newton_3_tangent(
     const krhpr_dual *state, const krhpr_dual *weights, const krhpr_dual *points, const krhpr_dual *ends,
     krhpr_dual *KRHPR_RESTRICT state_next, krhpr_dual *KRHPR_RESTRICT change)
 {
@@ -2349,7 +2349,7 @@ static inline void krhpr_platform_spatial_b_gauss_newton_3_tangent(
 
 /* `encoder_pose` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.3.  (72
  * add, 104 multiply, 1 divide, 1 square root) */
-static inline void krhpr_platform_spatial_b_encoder_pose_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_b_encoder_pose_tangent(
     const krhpr_dual *s, const krhpr_dual *state, const krhpr_dual *axes,
     krhpr_dual *KRHPR_RESTRICT direction, krhpr_dual *KRHPR_RESTRICT p, krhpr_dual *KRHPR_RESTRICT Q,
     krhpr_dual *KRHPR_RESTRICT raw)

@@ -12,7 +12,7 @@
 
 /* `end_point` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.37), 2.5.
  * (15 add, 21 multiply) */
-static inline void krhpr_platform_spatial_c_end_point_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_c_end_point_tangent(
     const krhpr_platform_spatial_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *redundant, krhpr_dual *KRHPR_RESTRICT s)
 {
@@ -33,7 +33,7 @@ static inline void krhpr_platform_spatial_c_end_point_tangent(
 }
 
 /* `redundant` with the derivatives of its outputs along directions of its inputs.  (19 add, 21 multiply) */
-static inline void krhpr_platform_spatial_c_redundant_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_c_redundant_tangent(
     const krhpr_platform_spatial_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT redundant)
 {
@@ -54,7 +54,7 @@ static inline void krhpr_platform_spatial_c_redundant_tangent(
 
 /* `residual` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.30), (2.31).
  * (26 add, 30 multiply) */
-static inline void krhpr_platform_spatial_c_residual_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_c_residual_tangent(
     const krhpr_platform_spatial_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT residual)
 {
@@ -79,7 +79,7 @@ static inline void krhpr_platform_spatial_c_residual_tangent(
 
 /* `rows` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.31), (2.28).  (36
  * add, 48 multiply) */
-static inline void krhpr_platform_spatial_c_rows_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_c_rows_tangent(
     const krhpr_platform_spatial_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT J, krhpr_dual *KRHPR_RESTRICT N)
 {
@@ -137,7 +137,7 @@ static inline void krhpr_platform_spatial_c_rows_tangent(
 
 /* `line` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.33), (1.34).  (66
  * add, 84 multiply) */
-static inline void krhpr_platform_spatial_c_line_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_c_line_tangent(
     const krhpr_platform_spatial_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT line, krhpr_dual *KRHPR_RESTRICT point,
     krhpr_dual *KRHPR_RESTRICT N, krhpr_dual *KRHPR_RESTRICT scale)
@@ -204,7 +204,7 @@ static inline void krhpr_platform_spatial_c_line_tangent(
 
 /* `line_of_redundant` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.33),
  * (1.34).  (2 add, 8 multiply) */
-static inline void krhpr_platform_spatial_c_line_of_redundant_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_c_line_of_redundant_tangent(
     const krhpr_platform_spatial_c_geometry *g, int i, const krhpr_dual *redundant,
     krhpr_dual *KRHPR_RESTRICT line, krhpr_dual *KRHPR_RESTRICT point, krhpr_dual *KRHPR_RESTRICT scale)
 {
@@ -239,7 +239,7 @@ static inline void krhpr_platform_spatial_c_line_of_redundant_tangent(
 
 /* `end_velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.37)
  * differentiated.  (39 add, 39 multiply) */
-static inline void krhpr_platform_spatial_c_end_velocity_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_c_end_velocity_tangent(
     const krhpr_platform_spatial_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *redundant_rates,
     krhpr_dual *KRHPR_RESTRICT s_dot)
@@ -274,7 +274,7 @@ static inline void krhpr_platform_spatial_c_end_velocity_tangent(
 
 /* `end_acceleration` with the derivatives of its outputs along directions of its inputs.  (129 add, 141
  * multiply) */
-static inline void krhpr_platform_spatial_c_end_acceleration_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_c_end_acceleration_tangent(
     const krhpr_platform_spatial_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *redundant_rates,
     const krhpr_dual *twist_rate, const krhpr_dual *redundant_accelerations,
@@ -351,7 +351,7 @@ static inline void krhpr_platform_spatial_c_end_acceleration_tangent(
 }
 
 /* `row_bias` with the derivatives of its outputs along directions of its inputs.  (170 add, 204 multiply) */
-static inline void krhpr_platform_spatial_c_row_bias_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_c_row_bias_tangent(
     const krhpr_platform_spatial_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, const krhpr_dual *twist, const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
@@ -422,7 +422,7 @@ static inline void krhpr_platform_spatial_c_row_bias_tangent(
 }
 
 /* `joint` with the derivatives of its outputs along directions of its inputs.  (25 add, 33 multiply) */
-static inline void krhpr_platform_spatial_c_joint_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_c_joint_tangent(
     const krhpr_platform_spatial_c_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT redundant_link, krhpr_dual *KRHPR_RESTRICT platform_joint)
 {
@@ -464,7 +464,7 @@ static inline void krhpr_platform_spatial_c_joint_tangent(
 }
 
 /* `attachment` with the derivatives of its outputs along directions of its inputs.  (no operations) */
-static inline void krhpr_platform_spatial_c_attachment_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_c_attachment_tangent(
     const krhpr_platform_spatial_c_geometry *g, int i, const krhpr_dual *s,
     krhpr_dual *KRHPR_RESTRICT attachment)
 {
@@ -482,7 +482,7 @@ static inline void krhpr_platform_spatial_c_attachment_tangent(
 
 /* `solve` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.30).  (228 add,
  * 287 multiply, 6 divide) */
-static inline void krhpr_platform_spatial_c_solve_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_c_solve_tangent(
     const krhpr_dual *Q, const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *rate,
     krhpr_dual *KRHPR_RESTRICT twist, krhpr_dual *KRHPR_RESTRICT regularity)
 {
@@ -623,7 +623,7 @@ static inline void krhpr_platform_spatial_c_solve_tangent(
 
 /* `type_2` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4, 2.3.2.  (33
  * add, 39 multiply) */
-static inline void krhpr_platform_spatial_c_type_2_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_c_type_2_tangent(
     const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *scale,
     krhpr_dual *KRHPR_RESTRICT type_2, krhpr_dual *KRHPR_RESTRICT margins)
 {
@@ -654,7 +654,7 @@ static inline void krhpr_platform_spatial_c_type_2_tangent(
 }
 
 /* `tie` with the derivatives of its outputs along directions of its inputs.  (no operations) */
-static inline void krhpr_platform_spatial_c_tie_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_c_tie_tangent(
     const krhpr_platform_spatial_c_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT slide)
 {
     slide[0].v = g->t[0][i];
@@ -667,7 +667,7 @@ static inline void krhpr_platform_spatial_c_tie_tangent(
 
 /* `assembly_modes` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.30),
  * (2.31).  (423 add, 565 multiply, 8 divide, 3 square root) */
-static inline void krhpr_platform_spatial_c_assembly_modes_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_c_assembly_modes_tangent(
     const krhpr_dual *s, const krhpr_dual *slide, const krhpr_dual *turned, krhpr_dual *KRHPR_RESTRICT sign,
     krhpr_dual *KRHPR_RESTRICT flatness, krhpr_dual *KRHPR_RESTRICT breadth,
     krhpr_dual *KRHPR_RESTRICT radicand, krhpr_dual *KRHPR_RESTRICT p, krhpr_dual *KRHPR_RESTRICT Q,
@@ -1003,7 +1003,7 @@ static inline void krhpr_platform_spatial_c_assembly_modes_tangent(
 
 /* `assembly_mode` with the derivatives of its outputs along directions of its inputs.  Thesis: (2.30),
  * (2.31).  (270 add, 378 multiply, 12 divide, 3 square root) */
-static inline void krhpr_platform_spatial_c_assembly_mode_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_c_assembly_mode_tangent(
     const krhpr_dual *s, const krhpr_dual *slide, const krhpr_dual *side,
     krhpr_dual *KRHPR_RESTRICT flatness, krhpr_dual *KRHPR_RESTRICT breadth,
     krhpr_dual *KRHPR_RESTRICT radicand, krhpr_dual *KRHPR_RESTRICT sign, krhpr_dual *KRHPR_RESTRICT p,
@@ -1225,7 +1225,7 @@ static inline void krhpr_platform_spatial_c_assembly_mode_tangent(
 
 /* `two_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.4,
  * (3.24).  (151 add, 203 multiply, 8 divide, 3 square root) */
-static inline void krhpr_platform_spatial_c_two_encoders_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_c_two_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *measured, const krhpr_dual *slide, const krhpr_dual *tolerance,
     krhpr_dual *KRHPR_RESTRICT flatness, krhpr_dual *KRHPR_RESTRICT points, krhpr_dual *KRHPR_RESTRICT axes,
     krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT spread, krhpr_dual *KRHPR_RESTRICT linear,
@@ -1410,7 +1410,7 @@ static inline void krhpr_platform_spatial_c_two_encoders_tangent(
 
 /* `three_encoders` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.5,
  * (3.30).  (188 add, 250 multiply, 12 divide, 7 square root) */
-static inline void krhpr_platform_spatial_c_three_encoders_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_c_three_encoders_tangent(
     const krhpr_dual *s, const krhpr_dual *measured, const krhpr_dual *slide, const krhpr_dual *tolerance,
     krhpr_dual *KRHPR_RESTRICT flatness, krhpr_dual *KRHPR_RESTRICT points, krhpr_dual *KRHPR_RESTRICT axes,
     krhpr_dual *KRHPR_RESTRICT ends, krhpr_dual *KRHPR_RESTRICT spread, krhpr_dual *KRHPR_RESTRICT linear,
@@ -1646,7 +1646,7 @@ static inline void krhpr_platform_spatial_c_three_encoders_tangent(
 
 /* `gauss_newton_2` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.6,
  * (3.32), (3.33).  (560 add, 726 multiply, 9 divide) */
-static inline void krhpr_platform_spatial_c_gauss_newton_2_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_c_gauss_newton_2_tangent(
     const krhpr_dual *state, const krhpr_dual *weights, const krhpr_dual *points, const krhpr_dual *ends,
     const krhpr_dual *slide, krhpr_dual *KRHPR_RESTRICT state_next, krhpr_dual *KRHPR_RESTRICT change)
 {
@@ -1986,7 +1986,7 @@ static inline void krhpr_platform_spatial_c_gauss_newton_2_tangent(
 
 /* `gauss_newton_3` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.6,
  * (3.32), (3.33).  (487 add, 624 multiply, 9 divide) */
-static inline void krhpr_platform_spatial_c_gauss_newton_3_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_c_gauss_newton_3_tangent(
     const krhpr_dual *state, const krhpr_dual *weights, const krhpr_dual *points, const krhpr_dual *ends,
     krhpr_dual *KRHPR_RESTRICT state_next, krhpr_dual *KRHPR_RESTRICT change)
 {
@@ -2289,7 +2289,7 @@ static inline void krhpr_platform_spatial_c_gauss_newton_3_tangent(
 
 /* `encoder_pose` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.3.  (72
  * add, 104 multiply, 1 divide, 1 square root) */
-static inline void krhpr_platform_spatial_c_encoder_pose_tangent(
+KRHPR_STATIC void krhpr_platform_spatial_c_encoder_pose_tangent(
     const krhpr_dual *s, const krhpr_dual *state, const krhpr_dual *axes,
     krhpr_dual *KRHPR_RESTRICT direction, krhpr_dual *KRHPR_RESTRICT p, krhpr_dual *KRHPR_RESTRICT Q,
     krhpr_dual *KRHPR_RESTRICT raw)

@@ -12,7 +12,7 @@
 
 /* `forward_step` with the derivatives of its outputs along directions of its inputs.  (232 add, 215
  * multiply, 1 divide) */
-static inline void krhpr_subleg_cpr3_forward_step_tangent(
+KRHPR_STATIC void krhpr_subleg_cpr3_forward_step_tangent(
     const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_dual *theta, const krhpr_dual *s,
     krhpr_dual *KRHPR_RESTRICT s_next)
 {
@@ -175,7 +175,7 @@ static inline void krhpr_subleg_cpr3_forward_step_tangent(
 
 /* `octic` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.3.  (316 add,
  * 409 multiply) */
-static inline void krhpr_subleg_cpr3_octic_tangent(
+KRHPR_STATIC void krhpr_subleg_cpr3_octic_tangent(
     const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT octic)
 {
     const double a_2_0 = theta[0].v * g->k[21][i];
@@ -383,7 +383,7 @@ static inline void krhpr_subleg_cpr3_octic_tangent(
 
 /* `at_root` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.3.  (645 add,
  * 626 multiply, 6 divide) */
-static inline void krhpr_subleg_cpr3_at_root_tangent(
+KRHPR_STATIC void krhpr_subleg_cpr3_at_root_tangent(
     const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_dual *root, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT volume, krhpr_dual *KRHPR_RESTRICT miss)
 {
@@ -842,7 +842,7 @@ static inline void krhpr_subleg_cpr3_at_root_tangent(
 
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.3.  (60 add,
  * 60 multiply, 3 divide, 3 square root) */
-static inline void krhpr_subleg_cpr3_inverse_tangent(
+KRHPR_STATIC void krhpr_subleg_cpr3_inverse_tangent(
     const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -899,7 +899,7 @@ static inline void krhpr_subleg_cpr3_inverse_tangent(
 
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.3.  (60
  * add, 60 multiply, 3 divide, 3 square root) */
-static inline void krhpr_subleg_cpr3_inverse_all_tangent(
+KRHPR_STATIC void krhpr_subleg_cpr3_inverse_all_tangent(
     const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -955,7 +955,7 @@ static inline void krhpr_subleg_cpr3_inverse_all_tangent(
 }
 
 /* `reach` with the derivatives of its outputs along directions of its inputs.  (no operations) */
-static inline void krhpr_subleg_cpr3_reach_tangent(
+KRHPR_STATIC void krhpr_subleg_cpr3_reach_tangent(
     const krhpr_subleg_cpr3_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT excess)
 {
     (void)(g);
@@ -968,7 +968,7 @@ static inline void krhpr_subleg_cpr3_reach_tangent(
 
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.
  * (39 add, 36 multiply) */
-static inline void krhpr_subleg_cpr3_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_cpr3_posture_tangent(
     const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT w, krhpr_dual *KRHPR_RESTRICT b, krhpr_dual *KRHPR_RESTRICT travel)
 {
@@ -1032,7 +1032,7 @@ static inline void krhpr_subleg_cpr3_posture_tangent(
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (61 add, 119 multiply, 1 divide) */
-static inline void krhpr_subleg_cpr3_jacobian_tangent(
+KRHPR_STATIC void krhpr_subleg_cpr3_jacobian_tangent(
     const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     krhpr_dual *KRHPR_RESTRICT M)
 {
@@ -1102,7 +1102,7 @@ static inline void krhpr_subleg_cpr3_jacobian_tangent(
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (103 add, 173 multiply, 1 divide) */
-static inline void krhpr_subleg_cpr3_project_tangent(
+KRHPR_STATIC void krhpr_subleg_cpr3_project_tangent(
     const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
@@ -1181,7 +1181,7 @@ static inline void krhpr_subleg_cpr3_project_tangent(
 
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (70 add,
  * 110 multiply, 1 divide) */
-static inline void krhpr_subleg_cpr3_velocity_tangent(
+KRHPR_STATIC void krhpr_subleg_cpr3_velocity_tangent(
     const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
@@ -1236,7 +1236,7 @@ static inline void krhpr_subleg_cpr3_velocity_tangent(
 
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (308 add, 386 multiply, 1
  * divide) */
-static inline void krhpr_subleg_cpr3_bias_tangent(
+KRHPR_STATIC void krhpr_subleg_cpr3_bias_tangent(
     const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
@@ -1391,7 +1391,7 @@ static inline void krhpr_subleg_cpr3_bias_tangent(
 
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (24 add, 33
  * multiply, 6 divide) */
-static inline void krhpr_subleg_cpr3_rates_tangent(
+KRHPR_STATIC void krhpr_subleg_cpr3_rates_tangent(
     const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
@@ -1424,7 +1424,7 @@ static inline void krhpr_subleg_cpr3_rates_tangent(
 
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (22 add,
  * 43 multiply, 2 divide) */
-static inline void krhpr_subleg_cpr3_determinant_tangent(
+KRHPR_STATIC void krhpr_subleg_cpr3_determinant_tangent(
     const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
@@ -1456,7 +1456,7 @@ static inline void krhpr_subleg_cpr3_determinant_tangent(
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (30 add, 51 multiply, 3
  * divide, 3 arctangent) */
-static inline void krhpr_subleg_cpr3_passive_tangent(
+KRHPR_STATIC void krhpr_subleg_cpr3_passive_tangent(
     const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *travel,
     krhpr_dual *KRHPR_RESTRICT passive, krhpr_dual *KRHPR_RESTRICT link)
 {
@@ -1510,7 +1510,7 @@ static inline void krhpr_subleg_cpr3_passive_tangent(
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (18 add) */
-static inline void krhpr_subleg_cpr3_points_tangent(
+KRHPR_STATIC void krhpr_subleg_cpr3_points_tangent(
     const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *s,
     krhpr_dual *KRHPR_RESTRICT points)
 {

@@ -12,7 +12,7 @@
 
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (102 add,
  * 152 multiply, 1 divide, 3 sine cosine) */
-static inline void krhpr_subleg_delta_forward_tangent(
+KRHPR_STATIC void krhpr_subleg_delta_forward_tangent(
     const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *theta, const krhpr_dual *s_near,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -100,7 +100,7 @@ static inline void krhpr_subleg_delta_forward_tangent(
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (102
  * add, 152 multiply, 1 divide, 3 sine cosine) */
-static inline void krhpr_subleg_delta_forward_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_delta_forward_posture_tangent(
     const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *theta, const krhpr_dual *s_near,
     krhpr_dual *KRHPR_RESTRICT u, krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -206,7 +206,7 @@ static inline void krhpr_subleg_delta_forward_posture_tangent(
 
 /* `forward_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (123
  * add, 163 multiply, 2 divide, 1 square root, 3 sine cosine) */
-static inline void krhpr_subleg_delta_forward_all_tangent(
+KRHPR_STATIC void krhpr_subleg_delta_forward_all_tangent(
     const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -324,7 +324,7 @@ static inline void krhpr_subleg_delta_forward_all_tangent(
 
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.4.  (90 add,
  * 123 multiply, 6 divide, 3 square root, 3 arctangent) */
-static inline void krhpr_subleg_delta_inverse_tangent(
+KRHPR_STATIC void krhpr_subleg_delta_inverse_tangent(
     const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *s, const double *mode,
     krhpr_dual *KRHPR_RESTRICT theta)
 {
@@ -412,7 +412,7 @@ static inline void krhpr_subleg_delta_inverse_tangent(
 
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.4.  (114
  * add, 132 multiply, 9 divide, 3 square root, 6 arctangent) */
-static inline void krhpr_subleg_delta_inverse_all_tangent(
+KRHPR_STATIC void krhpr_subleg_delta_inverse_all_tangent(
     const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta)
 {
     const double a_1_0 = s[0].v - g->g[0][i];
@@ -577,7 +577,7 @@ static inline void krhpr_subleg_delta_inverse_all_tangent(
 
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.
  * (48 add, 75 multiply, 3 sine cosine) */
-static inline void krhpr_subleg_delta_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_delta_posture_tangent(
     const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT w, krhpr_dual *KRHPR_RESTRICT b, krhpr_dual *KRHPR_RESTRICT u)
 {
@@ -665,7 +665,7 @@ static inline void krhpr_subleg_delta_posture_tangent(
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (61 add, 119 multiply, 1 divide) */
-static inline void krhpr_subleg_delta_jacobian_tangent(
+KRHPR_STATIC void krhpr_subleg_delta_jacobian_tangent(
     const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     krhpr_dual *KRHPR_RESTRICT M)
 {
@@ -735,7 +735,7 @@ static inline void krhpr_subleg_delta_jacobian_tangent(
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (103 add, 173 multiply, 1 divide) */
-static inline void krhpr_subleg_delta_project_tangent(
+KRHPR_STATIC void krhpr_subleg_delta_project_tangent(
     const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
@@ -814,7 +814,7 @@ static inline void krhpr_subleg_delta_project_tangent(
 
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (70 add,
  * 110 multiply, 1 divide) */
-static inline void krhpr_subleg_delta_velocity_tangent(
+KRHPR_STATIC void krhpr_subleg_delta_velocity_tangent(
     const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
@@ -869,7 +869,7 @@ static inline void krhpr_subleg_delta_velocity_tangent(
 
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (359 add, 506 multiply, 1
  * divide, 3 sine cosine) */
-static inline void krhpr_subleg_delta_bias_tangent(
+KRHPR_STATIC void krhpr_subleg_delta_bias_tangent(
     const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
@@ -1072,7 +1072,7 @@ static inline void krhpr_subleg_delta_bias_tangent(
 
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (24 add, 33
  * multiply, 6 divide) */
-static inline void krhpr_subleg_delta_rates_tangent(
+KRHPR_STATIC void krhpr_subleg_delta_rates_tangent(
     const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
@@ -1105,7 +1105,7 @@ static inline void krhpr_subleg_delta_rates_tangent(
 
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (22 add,
  * 43 multiply, 2 divide) */
-static inline void krhpr_subleg_delta_determinant_tangent(
+KRHPR_STATIC void krhpr_subleg_delta_determinant_tangent(
     const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
@@ -1137,7 +1137,7 @@ static inline void krhpr_subleg_delta_determinant_tangent(
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (60 add, 108 multiply, 9
  * divide, 3 square root, 6 arctangent) */
-static inline void krhpr_subleg_delta_passive_tangent(
+KRHPR_STATIC void krhpr_subleg_delta_passive_tangent(
     const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *u,
     krhpr_dual *KRHPR_RESTRICT passive, krhpr_dual *KRHPR_RESTRICT link)
 {
@@ -1218,7 +1218,7 @@ static inline void krhpr_subleg_delta_passive_tangent(
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (18 add) */
-static inline void krhpr_subleg_delta_points_tangent(
+KRHPR_STATIC void krhpr_subleg_delta_points_tangent(
     const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *s,
     krhpr_dual *KRHPR_RESTRICT points)
 {

@@ -12,7 +12,7 @@
 
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (43 add, 63
  * multiply, 2 divide, 1 square root, 2 sine cosine) */
-static inline void krhpr_subleg_p_fivebar_forward_tangent(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_forward_tangent(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *theta, const double *assembly,
     krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -68,7 +68,7 @@ static inline void krhpr_subleg_p_fivebar_forward_tangent(
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (43
  * add, 63 multiply, 2 divide, 1 square root, 2 sine cosine) */
-static inline void krhpr_subleg_p_fivebar_forward_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_forward_posture_tangent(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *theta, const double *assembly,
     krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT u_1,
     krhpr_dual *KRHPR_RESTRICT u_2, krhpr_dual *KRHPR_RESTRICT radicand)
@@ -139,7 +139,7 @@ static inline void krhpr_subleg_p_fivebar_forward_posture_tangent(
 
 /* `forward_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (68 add,
  * 77 multiply, 2 divide, 1 square root, 2 sine cosine) */
-static inline void krhpr_subleg_p_fivebar_forward_all_tangent(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_forward_all_tangent(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -218,7 +218,7 @@ static inline void krhpr_subleg_p_fivebar_forward_all_tangent(
 
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.2, App. B.
  * (61 add, 88 multiply, 5 divide, 2 square root, 2 arctangent) */
-static inline void krhpr_subleg_p_fivebar_inverse_tangent(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_inverse_tangent(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *s, const double *mode,
     krhpr_dual *KRHPR_RESTRICT theta)
 {
@@ -286,7 +286,7 @@ static inline void krhpr_subleg_p_fivebar_inverse_tangent(
 
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.2, App. B.
  * (108 add, 139 multiply, 10 divide, 3 square root, 6 arctangent) */
-static inline void krhpr_subleg_p_fivebar_inverse_all_tangent(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_inverse_all_tangent(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta)
 {
     const double arm_0 = s[0].v - g->c[0][i];
@@ -433,7 +433,7 @@ static inline void krhpr_subleg_p_fivebar_inverse_all_tangent(
 
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.
  * (11 add, 24 multiply, 2 sine cosine) */
-static inline void krhpr_subleg_p_fivebar_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_posture_tangent(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT u_1, krhpr_dual *KRHPR_RESTRICT u_2)
 {
@@ -460,7 +460,7 @@ static inline void krhpr_subleg_p_fivebar_posture_tangent(
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (56 add, 88 multiply, 1 divide) */
-static inline void krhpr_subleg_p_fivebar_jacobian_tangent(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_jacobian_tangent(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT M)
 {
@@ -525,7 +525,7 @@ static inline void krhpr_subleg_p_fivebar_jacobian_tangent(
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (80 add, 120 multiply, 1 divide) */
-static inline void krhpr_subleg_p_fivebar_project_tangent(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_project_tangent(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
@@ -594,7 +594,7 @@ static inline void krhpr_subleg_p_fivebar_project_tangent(
 
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (53 add,
  * 79 multiply, 1 divide) */
-static inline void krhpr_subleg_p_fivebar_velocity_tangent(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_velocity_tangent(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
@@ -642,7 +642,7 @@ static inline void krhpr_subleg_p_fivebar_velocity_tangent(
 
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (187 add, 282 multiply, 1
  * divide, 2 sine cosine) */
-static inline void krhpr_subleg_p_fivebar_bias_tangent(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_bias_tangent(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
@@ -781,7 +781,7 @@ static inline void krhpr_subleg_p_fivebar_bias_tangent(
 
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (48 add, 69
  * multiply, 3 divide) */
-static inline void krhpr_subleg_p_fivebar_rates_tangent(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_rates_tangent(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
@@ -827,7 +827,7 @@ static inline void krhpr_subleg_p_fivebar_rates_tangent(
 
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (26 add,
  * 35 multiply, 2 divide) */
-static inline void krhpr_subleg_p_fivebar_determinant_tangent(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_determinant_tangent(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
@@ -862,7 +862,7 @@ static inline void krhpr_subleg_p_fivebar_determinant_tangent(
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (54 add, 83 multiply, 3
  * divide, 3 arctangent) */
-static inline void krhpr_subleg_p_fivebar_passive_tangent(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_passive_tangent(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT passive, krhpr_dual *KRHPR_RESTRICT link)
 {
@@ -927,7 +927,7 @@ static inline void krhpr_subleg_p_fivebar_passive_tangent(
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (56 add, 52 multiply) */
-static inline void krhpr_subleg_p_fivebar_points_tangent(
+KRHPR_STATIC void krhpr_subleg_p_fivebar_points_tangent(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
 {

@@ -12,7 +12,7 @@
 
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (34 add, 47
  * multiply, 2 divide, 1 square root, 2 sine cosine) */
-static inline void krhpr_subleg_planar_fivebar_coupler_forward_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_forward_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *theta,
     const double *assembly, krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -62,7 +62,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_forward_tangent(
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (34
  * add, 47 multiply, 2 divide, 1 square root, 2 sine cosine) */
-static inline void krhpr_subleg_planar_fivebar_coupler_forward_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_forward_posture_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *theta,
     const double *assembly, krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT d,
     krhpr_dual *KRHPR_RESTRICT u_1, krhpr_dual *KRHPR_RESTRICT u_2, krhpr_dual *KRHPR_RESTRICT radicand)
@@ -129,7 +129,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_forward_posture_tangent(
 
 /* `forward_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (48 add,
  * 49 multiply, 2 divide, 1 square root, 2 sine cosine) */
-static inline void krhpr_subleg_planar_fivebar_coupler_forward_all_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_forward_all_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -196,7 +196,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_forward_all_tangent(
 
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.  (52
  * add, 72 multiply, 5 divide, 2 square root, 2 arctangent) */
-static inline void krhpr_subleg_planar_fivebar_coupler_inverse_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_inverse_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *s, const double *mode,
     krhpr_dual *KRHPR_RESTRICT theta)
 {
@@ -257,7 +257,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_inverse_tangent(
 
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.
  * (101 add, 123 multiply, 10 divide, 3 square root, 6 arctangent) */
-static inline void krhpr_subleg_planar_fivebar_coupler_inverse_all_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_inverse_all_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *s,
     krhpr_dual *KRHPR_RESTRICT theta)
 {
@@ -390,7 +390,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_inverse_all_tangent(
 
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.  (2
  * add, 12 multiply, 2 sine cosine) */
-static inline void krhpr_subleg_planar_fivebar_coupler_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_posture_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *s,
     const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT u_1,
     krhpr_dual *KRHPR_RESTRICT u_2)
@@ -415,7 +415,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_posture_tangent(
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (46 add, 64 multiply, 1 divide) */
-static inline void krhpr_subleg_planar_fivebar_coupler_jacobian_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_jacobian_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT M)
 {
@@ -466,7 +466,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_jacobian_tangent(
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (54 add, 76 multiply, 1 divide) */
-static inline void krhpr_subleg_planar_fivebar_coupler_project_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_project_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
@@ -517,7 +517,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_project_tangent(
 
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (45 add,
  * 63 multiply, 1 divide) */
-static inline void krhpr_subleg_planar_fivebar_coupler_velocity_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_velocity_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
@@ -561,7 +561,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_velocity_tangent(
 
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (136 add, 194 multiply, 1
  * divide, 2 sine cosine) */
-static inline void krhpr_subleg_planar_fivebar_coupler_bias_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_bias_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *s,
     const krhpr_dual *theta, const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot,
     krhpr_dual *KRHPR_RESTRICT bias)
@@ -663,7 +663,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_bias_tangent(
 
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (40 add, 53
  * multiply, 3 divide) */
-static inline void krhpr_subleg_planar_fivebar_coupler_rates_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_rates_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
@@ -702,7 +702,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_rates_tangent(
 
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (28 add,
  * 35 multiply, 2 divide) */
-static inline void krhpr_subleg_planar_fivebar_coupler_determinant_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_determinant_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
@@ -737,7 +737,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_determinant_tangent(
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (44 add, 59 multiply, 3
  * divide, 3 arctangent) */
-static inline void krhpr_subleg_planar_fivebar_coupler_passive_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_passive_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT passive, krhpr_dual *KRHPR_RESTRICT link)
 {
@@ -778,7 +778,7 @@ static inline void krhpr_subleg_planar_fivebar_coupler_passive_tangent(
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (14 add, 4 multiply) */
-static inline void krhpr_subleg_planar_fivebar_coupler_points_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_points_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
 {

@@ -12,7 +12,7 @@
 
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (34 add, 43
  * multiply, 2 divide, 1 square root, 2 sine cosine) */
-static inline void krhpr_subleg_planar_fivebar_forward_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_forward_tangent(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *theta, const double *assembly,
     krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -62,7 +62,7 @@ static inline void krhpr_subleg_planar_fivebar_forward_tangent(
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (34
  * add, 43 multiply, 2 divide, 1 square root, 2 sine cosine) */
-static inline void krhpr_subleg_planar_fivebar_forward_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_forward_posture_tangent(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *theta, const double *assembly,
     krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT u_1,
     krhpr_dual *KRHPR_RESTRICT u_2, krhpr_dual *KRHPR_RESTRICT radicand)
@@ -129,7 +129,7 @@ static inline void krhpr_subleg_planar_fivebar_forward_posture_tangent(
 
 /* `forward_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (48 add,
  * 41 multiply, 2 divide, 1 square root, 2 sine cosine) */
-static inline void krhpr_subleg_planar_fivebar_forward_all_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_forward_all_tangent(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -196,7 +196,7 @@ static inline void krhpr_subleg_planar_fivebar_forward_all_tangent(
 
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.  (42
  * add, 56 multiply, 4 divide, 2 square root, 2 arctangent) */
-static inline void krhpr_subleg_planar_fivebar_inverse_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_inverse_tangent(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *s, const double *mode,
     krhpr_dual *KRHPR_RESTRICT theta)
 {
@@ -246,7 +246,7 @@ static inline void krhpr_subleg_planar_fivebar_inverse_tangent(
 
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.
  * (54 add, 62 multiply, 6 divide, 2 square root, 4 arctangent) */
-static inline void krhpr_subleg_planar_fivebar_inverse_all_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_inverse_all_tangent(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *s,
     krhpr_dual *KRHPR_RESTRICT theta)
 {
@@ -334,7 +334,7 @@ static inline void krhpr_subleg_planar_fivebar_inverse_all_tangent(
 
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.  (2
  * add, 12 multiply, 2 sine cosine) */
-static inline void krhpr_subleg_planar_fivebar_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_posture_tangent(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT u_1, krhpr_dual *KRHPR_RESTRICT u_2)
 {
@@ -358,7 +358,7 @@ static inline void krhpr_subleg_planar_fivebar_posture_tangent(
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (38 add, 44 multiply, 1 divide) */
-static inline void krhpr_subleg_planar_fivebar_jacobian_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_jacobian_tangent(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT M)
 {
@@ -407,7 +407,7 @@ static inline void krhpr_subleg_planar_fivebar_jacobian_tangent(
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (46 add, 56 multiply, 1 divide) */
-static inline void krhpr_subleg_planar_fivebar_project_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_project_tangent(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
@@ -455,7 +455,7 @@ static inline void krhpr_subleg_planar_fivebar_project_tangent(
 
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (38 add,
  * 44 multiply, 1 divide) */
-static inline void krhpr_subleg_planar_fivebar_velocity_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_velocity_tangent(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
@@ -492,7 +492,7 @@ static inline void krhpr_subleg_planar_fivebar_velocity_tangent(
 
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (116 add, 154 multiply, 1
  * divide, 2 sine cosine) */
-static inline void krhpr_subleg_planar_fivebar_bias_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_bias_tangent(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
@@ -579,7 +579,7 @@ static inline void krhpr_subleg_planar_fivebar_bias_tangent(
 
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (32 add, 28
  * multiply, 4 divide) */
-static inline void krhpr_subleg_planar_fivebar_rates_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_rates_tangent(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
@@ -613,7 +613,7 @@ static inline void krhpr_subleg_planar_fivebar_rates_tangent(
 
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (28 add,
  * 29 multiply, 2 divide) */
-static inline void krhpr_subleg_planar_fivebar_determinant_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_determinant_tangent(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
@@ -647,7 +647,7 @@ static inline void krhpr_subleg_planar_fivebar_determinant_tangent(
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (44 add, 55 multiply, 3
  * divide, 3 arctangent) */
-static inline void krhpr_subleg_planar_fivebar_passive_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_passive_tangent(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT passive, krhpr_dual *KRHPR_RESTRICT link)
 {
@@ -688,7 +688,7 @@ static inline void krhpr_subleg_planar_fivebar_passive_tangent(
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (4 add) */
-static inline void krhpr_subleg_planar_fivebar_points_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_points_tangent(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *u_1, const krhpr_dual *u_2,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
 {

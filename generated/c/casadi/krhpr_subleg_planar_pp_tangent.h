@@ -12,7 +12,7 @@
 
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (6 add, 8
  * multiply) */
-static inline void krhpr_subleg_planar_pp_forward_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pp_forward_tangent(
     const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
 {
     const double v_0 = g->e_2[0][i] * theta[1].v;
@@ -27,7 +27,7 @@ static inline void krhpr_subleg_planar_pp_forward_tangent(
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (6
  * add, 8 multiply) */
-static inline void krhpr_subleg_planar_pp_forward_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pp_forward_posture_tangent(
     const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT v)
 {
@@ -49,7 +49,7 @@ static inline void krhpr_subleg_planar_pp_forward_posture_tangent(
 
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.  (6
  * add, 12 multiply) */
-static inline void krhpr_subleg_planar_pp_inverse_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pp_inverse_tangent(
     const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -67,7 +67,7 @@ static inline void krhpr_subleg_planar_pp_inverse_tangent(
 
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.
  * (6 add, 12 multiply) */
-static inline void krhpr_subleg_planar_pp_inverse_all_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pp_inverse_all_tangent(
     const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -84,7 +84,7 @@ static inline void krhpr_subleg_planar_pp_inverse_all_tangent(
 }
 
 /* `reach` with the derivatives of its outputs along directions of its inputs.  (no operations) */
-static inline void krhpr_subleg_planar_pp_reach_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pp_reach_tangent(
     const krhpr_subleg_planar_pp_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT excess)
 {
     (void)(g);
@@ -97,7 +97,7 @@ static inline void krhpr_subleg_planar_pp_reach_tangent(
 
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.  (4
  * multiply) */
-static inline void krhpr_subleg_planar_pp_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pp_posture_tangent(
     const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT v)
 {
@@ -112,7 +112,7 @@ static inline void krhpr_subleg_planar_pp_posture_tangent(
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (no operations) */
-static inline void krhpr_subleg_planar_pp_jacobian_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pp_jacobian_tangent(
     const krhpr_subleg_planar_pp_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT M)
 {
     M[0].v = g->e_1[0][i];
@@ -129,7 +129,7 @@ static inline void krhpr_subleg_planar_pp_jacobian_tangent(
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).  (4
  * add, 8 multiply) */
-static inline void krhpr_subleg_planar_pp_project_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pp_project_tangent(
     const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
     K[0].v = g->e_1[0][i] * N[0].v + g->e_1[1][i] * N[1].v;
@@ -142,7 +142,7 @@ static inline void krhpr_subleg_planar_pp_project_tangent(
 
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (4 add, 8
  * multiply) */
-static inline void krhpr_subleg_planar_pp_velocity_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pp_velocity_tangent(
     const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_dual *theta_dot,
     krhpr_dual *KRHPR_RESTRICT s_dot)
 {
@@ -157,7 +157,7 @@ static inline void krhpr_subleg_planar_pp_velocity_tangent(
 }
 
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (4 add, 8 multiply) */
-static inline void krhpr_subleg_planar_pp_bias_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pp_bias_tangent(
     const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
@@ -177,7 +177,7 @@ static inline void krhpr_subleg_planar_pp_bias_tangent(
 
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (4 add, 12
  * multiply) */
-static inline void krhpr_subleg_planar_pp_rates_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pp_rates_tangent(
     const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_dual *s_dot,
     krhpr_dual *KRHPR_RESTRICT theta_dot, krhpr_dual *KRHPR_RESTRICT regularity)
 {
@@ -193,7 +193,7 @@ static inline void krhpr_subleg_planar_pp_rates_tangent(
 
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (no
  * operations) */
-static inline void krhpr_subleg_planar_pp_determinant_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pp_determinant_tangent(
     const krhpr_subleg_planar_pp_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT det_M,
     krhpr_dual *KRHPR_RESTRICT factors)
 {
@@ -206,7 +206,7 @@ static inline void krhpr_subleg_planar_pp_determinant_tangent(
 }
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (no operations) */
-static inline void krhpr_subleg_planar_pp_passive_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pp_passive_tangent(
     const krhpr_subleg_planar_pp_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT link)
 {
     link[0].v = g->e_2[0][i];
@@ -218,7 +218,7 @@ static inline void krhpr_subleg_planar_pp_passive_tangent(
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (4 add) */
-static inline void krhpr_subleg_planar_pp_points_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pp_points_tangent(
     const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_dual *v, const krhpr_dual *s,
     krhpr_dual *KRHPR_RESTRICT points)
 {

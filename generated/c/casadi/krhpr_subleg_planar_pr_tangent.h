@@ -12,7 +12,7 @@
 
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (6 add, 10
  * multiply, 1 sine cosine) */
-static inline void krhpr_subleg_planar_pr_forward_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pr_forward_tangent(
     const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
 {
     double h1, h2; krhpr_sincos(theta[1].v, &h1, &h2);
@@ -28,7 +28,7 @@ static inline void krhpr_subleg_planar_pr_forward_tangent(
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (6
  * add, 10 multiply, 1 sine cosine) */
-static inline void krhpr_subleg_planar_pr_forward_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pr_forward_posture_tangent(
     const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT u)
 {
@@ -51,7 +51,7 @@ static inline void krhpr_subleg_planar_pr_forward_posture_tangent(
 
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.  (16
  * add, 27 multiply, 2 divide, 1 square root, 1 arctangent) */
-static inline void krhpr_subleg_planar_pr_inverse_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pr_inverse_tangent(
     const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *s, const double *mode,
     krhpr_dual *KRHPR_RESTRICT theta, krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -82,7 +82,7 @@ static inline void krhpr_subleg_planar_pr_inverse_tangent(
 
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.
  * (24 add, 30 multiply, 3 divide, 1 square root, 2 arctangent) */
-static inline void krhpr_subleg_planar_pr_inverse_all_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pr_inverse_all_tangent(
     const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -128,7 +128,7 @@ static inline void krhpr_subleg_planar_pr_inverse_all_tangent(
 
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.  (6
  * multiply, 1 sine cosine) */
-static inline void krhpr_subleg_planar_pr_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pr_posture_tangent(
     const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT u)
 {
@@ -144,7 +144,7 @@ static inline void krhpr_subleg_planar_pr_posture_tangent(
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (no operations) */
-static inline void krhpr_subleg_planar_pr_jacobian_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pr_jacobian_tangent(
     const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *u, krhpr_dual *KRHPR_RESTRICT M)
 {
     const double m_01 = -u[1].v;
@@ -162,7 +162,7 @@ static inline void krhpr_subleg_planar_pr_jacobian_tangent(
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).  (6
  * add, 10 multiply) */
-static inline void krhpr_subleg_planar_pr_project_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pr_project_tangent(
     const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *u, const krhpr_dual *N,
     krhpr_dual *KRHPR_RESTRICT K)
 {
@@ -177,7 +177,7 @@ static inline void krhpr_subleg_planar_pr_project_tangent(
 
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (6 add,
  * 10 multiply) */
-static inline void krhpr_subleg_planar_pr_velocity_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pr_velocity_tangent(
     const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *u, const krhpr_dual *theta_dot,
     krhpr_dual *KRHPR_RESTRICT s_dot)
 {
@@ -195,7 +195,7 @@ static inline void krhpr_subleg_planar_pr_velocity_tangent(
 
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (10 add, 32 multiply, 1 sine
  * cosine) */
-static inline void krhpr_subleg_planar_pr_bias_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pr_bias_tangent(
     const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
@@ -225,7 +225,7 @@ static inline void krhpr_subleg_planar_pr_bias_tangent(
 
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (10 add, 22
  * multiply, 1 divide) */
-static inline void krhpr_subleg_planar_pr_rates_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pr_rates_tangent(
     const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *u, const krhpr_dual *s_dot,
     krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
@@ -245,7 +245,7 @@ static inline void krhpr_subleg_planar_pr_rates_tangent(
 
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (2 add,
  * 6 multiply) */
-static inline void krhpr_subleg_planar_pr_determinant_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pr_determinant_tangent(
     const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *u, krhpr_dual *KRHPR_RESTRICT det_M,
     krhpr_dual *KRHPR_RESTRICT factors)
 {
@@ -260,7 +260,7 @@ static inline void krhpr_subleg_planar_pr_determinant_tangent(
 }
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (4 multiply) */
-static inline void krhpr_subleg_planar_pr_passive_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pr_passive_tangent(
     const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *u, krhpr_dual *KRHPR_RESTRICT link)
 {
     link[0].v = u[0].v * g->k[1][i];
@@ -272,7 +272,7 @@ static inline void krhpr_subleg_planar_pr_passive_tangent(
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (4 add) */
-static inline void krhpr_subleg_planar_pr_points_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_pr_points_tangent(
     const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *u, const krhpr_dual *s,
     krhpr_dual *KRHPR_RESTRICT points)
 {

@@ -12,7 +12,7 @@
 
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (30 add, 39
  * multiply, 2 divide, 1 square root) */
-static inline void krhpr_subleg_planar_prr2_forward_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_forward_tangent(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *theta, const double *assembly,
     krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -56,7 +56,7 @@ static inline void krhpr_subleg_planar_prr2_forward_tangent(
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (46
  * add, 47 multiply, 2 divide, 1 square root) */
-static inline void krhpr_subleg_planar_prr2_forward_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_forward_posture_tangent(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *theta, const double *assembly,
     krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT w, krhpr_dual *KRHPR_RESTRICT b,
     krhpr_dual *KRHPR_RESTRICT radicand)
@@ -131,7 +131,7 @@ static inline void krhpr_subleg_planar_prr2_forward_posture_tangent(
 
 /* `forward_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (38 add,
  * 37 multiply, 2 divide, 1 square root) */
-static inline void krhpr_subleg_planar_prr2_forward_all_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_forward_all_tangent(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -190,7 +190,7 @@ static inline void krhpr_subleg_planar_prr2_forward_all_tangent(
 
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.  (20
  * add, 28 multiply, 2 divide, 2 square root) */
-static inline void krhpr_subleg_planar_prr2_inverse_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_inverse_tangent(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *s, const double *mode,
     krhpr_dual *KRHPR_RESTRICT theta)
 {
@@ -220,7 +220,7 @@ static inline void krhpr_subleg_planar_prr2_inverse_tangent(
 
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.
  * (24 add, 24 multiply, 2 divide, 2 square root) */
-static inline void krhpr_subleg_planar_prr2_inverse_all_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_inverse_all_tangent(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta)
 {
     const double d_1_0 = s[0].v - g->o[0][i];
@@ -273,7 +273,7 @@ static inline void krhpr_subleg_planar_prr2_inverse_all_tangent(
 
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.
  * (16 add, 16 multiply) */
-static inline void krhpr_subleg_planar_prr2_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_posture_tangent(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT w, krhpr_dual *KRHPR_RESTRICT b)
 {
@@ -305,7 +305,7 @@ static inline void krhpr_subleg_planar_prr2_posture_tangent(
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (12 add, 32 multiply, 1 divide) */
-static inline void krhpr_subleg_planar_prr2_jacobian_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_jacobian_tangent(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     krhpr_dual *KRHPR_RESTRICT M)
 {
@@ -337,7 +337,7 @@ static inline void krhpr_subleg_planar_prr2_jacobian_tangent(
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (20 add, 44 multiply, 1 divide) */
-static inline void krhpr_subleg_planar_prr2_project_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_project_tangent(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
@@ -369,7 +369,7 @@ static inline void krhpr_subleg_planar_prr2_project_tangent(
 
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (16 add,
  * 32 multiply, 1 divide) */
-static inline void krhpr_subleg_planar_prr2_velocity_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_velocity_tangent(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
@@ -399,7 +399,7 @@ static inline void krhpr_subleg_planar_prr2_velocity_tangent(
 
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (84 add, 118 multiply, 1
  * divide) */
-static inline void krhpr_subleg_planar_prr2_bias_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_bias_tangent(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
@@ -462,7 +462,7 @@ static inline void krhpr_subleg_planar_prr2_bias_tangent(
 
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (10 add, 16
  * multiply, 4 divide) */
-static inline void krhpr_subleg_planar_prr2_rates_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_rates_tangent(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
@@ -486,7 +486,7 @@ static inline void krhpr_subleg_planar_prr2_rates_tangent(
 
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (6 add,
  * 17 multiply, 2 divide) */
-static inline void krhpr_subleg_planar_prr2_determinant_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_determinant_tangent(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
@@ -508,7 +508,7 @@ static inline void krhpr_subleg_planar_prr2_determinant_tangent(
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (28 add, 57 multiply, 4
  * divide, 1 square root, 3 arctangent) */
-static inline void krhpr_subleg_planar_prr2_passive_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_passive_tangent(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *w,
     krhpr_dual *KRHPR_RESTRICT passive, krhpr_dual *KRHPR_RESTRICT link)
 {
@@ -545,7 +545,7 @@ static inline void krhpr_subleg_planar_prr2_passive_tangent(
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (8 add) */
-static inline void krhpr_subleg_planar_prr2_points_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_prr2_points_tangent(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *s,
     krhpr_dual *KRHPR_RESTRICT points)
 {

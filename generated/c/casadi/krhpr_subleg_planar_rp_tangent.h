@@ -12,7 +12,7 @@
 
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (8 add, 12
  * multiply, 1 sine cosine) */
-static inline void krhpr_subleg_planar_rp_forward_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rp_forward_tangent(
     const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
 {
     double u_1, u_0; krhpr_sincos(theta[0].v, &u_1, &u_0);
@@ -30,7 +30,7 @@ static inline void krhpr_subleg_planar_rp_forward_tangent(
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (8
  * add, 12 multiply, 1 sine cosine) */
-static inline void krhpr_subleg_planar_rp_forward_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rp_forward_posture_tangent(
     const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT u)
 {
@@ -59,7 +59,7 @@ static inline void krhpr_subleg_planar_rp_forward_posture_tangent(
 
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.  (15
  * add, 23 multiply, 2 divide, 1 square root, 1 arctangent) */
-static inline void krhpr_subleg_planar_rp_inverse_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rp_inverse_tangent(
     const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *s, const double *mode,
     krhpr_dual *KRHPR_RESTRICT theta, krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -89,7 +89,7 @@ static inline void krhpr_subleg_planar_rp_inverse_tangent(
 
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.
  * (21 add, 26 multiply, 3 divide, 1 square root, 2 arctangent) */
-static inline void krhpr_subleg_planar_rp_inverse_all_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rp_inverse_all_tangent(
     const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -133,7 +133,7 @@ static inline void krhpr_subleg_planar_rp_inverse_all_tangent(
 
 /* `reach` with the derivatives of its outputs along directions of its inputs.  (7 add, 6 multiply, 1
  * divide, 1 square root) */
-static inline void krhpr_subleg_planar_rp_reach_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rp_reach_tangent(
     const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT excess)
 {
     const double d_0 = s[0].v - g->o[0][i];
@@ -150,7 +150,7 @@ static inline void krhpr_subleg_planar_rp_reach_tangent(
 
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.  (2
  * add, 2 multiply, 1 sine cosine) */
-static inline void krhpr_subleg_planar_rp_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rp_posture_tangent(
     const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT u)
 {
@@ -169,7 +169,7 @@ static inline void krhpr_subleg_planar_rp_posture_tangent(
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (no operations) */
-static inline void krhpr_subleg_planar_rp_jacobian_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rp_jacobian_tangent(
     const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u,
     krhpr_dual *KRHPR_RESTRICT M)
 {
@@ -190,7 +190,7 @@ static inline void krhpr_subleg_planar_rp_jacobian_tangent(
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).  (8
  * add, 12 multiply) */
-static inline void krhpr_subleg_planar_rp_project_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rp_project_tangent(
     const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u,
     const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
@@ -208,7 +208,7 @@ static inline void krhpr_subleg_planar_rp_project_tangent(
 
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (8 add,
  * 12 multiply) */
-static inline void krhpr_subleg_planar_rp_velocity_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rp_velocity_tangent(
     const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
@@ -228,7 +228,7 @@ static inline void krhpr_subleg_planar_rp_velocity_tangent(
 
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (20 add, 32 multiply, 1 sine
  * cosine) */
-static inline void krhpr_subleg_planar_rp_bias_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rp_bias_tangent(
     const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
@@ -259,7 +259,7 @@ static inline void krhpr_subleg_planar_rp_bias_tangent(
 
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (14 add, 26
  * multiply, 1 divide) */
-static inline void krhpr_subleg_planar_rp_rates_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rp_rates_tangent(
     const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u,
     const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
@@ -283,7 +283,7 @@ static inline void krhpr_subleg_planar_rp_rates_tangent(
 
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (4 add,
  * 8 multiply) */
-static inline void krhpr_subleg_planar_rp_determinant_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rp_determinant_tangent(
     const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u,
     krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
@@ -298,7 +298,7 @@ static inline void krhpr_subleg_planar_rp_determinant_tangent(
 }
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (no operations) */
-static inline void krhpr_subleg_planar_rp_passive_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rp_passive_tangent(
     const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *u, krhpr_dual *KRHPR_RESTRICT link)
 {
     (void)(g);
@@ -312,7 +312,7 @@ static inline void krhpr_subleg_planar_rp_passive_tangent(
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (2 add, 4 multiply) */
-static inline void krhpr_subleg_planar_rp_points_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rp_points_tangent(
     const krhpr_subleg_planar_rp_geometry *g, int i, const krhpr_dual *u, const krhpr_dual *s,
     krhpr_dual *KRHPR_RESTRICT points)
 {

@@ -12,7 +12,7 @@
 
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (14 add, 24
  * multiply, 1 divide, 1 square root) */
-static inline void krhpr_subleg_planar_rpr2_forward_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_forward_tangent(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *theta, const double *assembly,
     krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -45,7 +45,7 @@ static inline void krhpr_subleg_planar_rpr2_forward_tangent(
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (18
  * add, 24 multiply, 1 divide, 1 square root) */
-static inline void krhpr_subleg_planar_rpr2_forward_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_forward_posture_tangent(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *theta, const double *assembly,
     krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT w, krhpr_dual *KRHPR_RESTRICT b,
     krhpr_dual *KRHPR_RESTRICT radicand)
@@ -97,7 +97,7 @@ static inline void krhpr_subleg_planar_rpr2_forward_posture_tangent(
 
 /* `forward_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (20 add,
  * 22 multiply, 1 divide, 1 square root) */
-static inline void krhpr_subleg_planar_rpr2_forward_all_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_forward_all_tangent(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -145,7 +145,7 @@ static inline void krhpr_subleg_planar_rpr2_forward_all_tangent(
 
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.  (12
  * add, 12 multiply, 2 divide, 2 square root) */
-static inline void krhpr_subleg_planar_rpr2_inverse_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_inverse_tangent(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -173,7 +173,7 @@ static inline void krhpr_subleg_planar_rpr2_inverse_tangent(
 
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.
  * (12 add, 12 multiply, 2 divide, 2 square root) */
-static inline void krhpr_subleg_planar_rpr2_inverse_all_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_inverse_all_tangent(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -200,7 +200,7 @@ static inline void krhpr_subleg_planar_rpr2_inverse_all_tangent(
 }
 
 /* `reach` with the derivatives of its outputs along directions of its inputs.  (no operations) */
-static inline void krhpr_subleg_planar_rpr2_reach_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_reach_tangent(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT excess)
 {
     (void)(g);
@@ -213,7 +213,7 @@ static inline void krhpr_subleg_planar_rpr2_reach_tangent(
 
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.  (4
  * add) */
-static inline void krhpr_subleg_planar_rpr2_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_posture_tangent(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT w, krhpr_dual *KRHPR_RESTRICT b)
 {
@@ -239,7 +239,7 @@ static inline void krhpr_subleg_planar_rpr2_posture_tangent(
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (12 add, 32 multiply, 1 divide) */
-static inline void krhpr_subleg_planar_rpr2_jacobian_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_jacobian_tangent(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     krhpr_dual *KRHPR_RESTRICT M)
 {
@@ -271,7 +271,7 @@ static inline void krhpr_subleg_planar_rpr2_jacobian_tangent(
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (20 add, 44 multiply, 1 divide) */
-static inline void krhpr_subleg_planar_rpr2_project_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_project_tangent(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
@@ -303,7 +303,7 @@ static inline void krhpr_subleg_planar_rpr2_project_tangent(
 
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (16 add,
  * 32 multiply, 1 divide) */
-static inline void krhpr_subleg_planar_rpr2_velocity_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_velocity_tangent(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
@@ -333,7 +333,7 @@ static inline void krhpr_subleg_planar_rpr2_velocity_tangent(
 
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (60 add, 82 multiply, 1
  * divide) */
-static inline void krhpr_subleg_planar_rpr2_bias_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_bias_tangent(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
@@ -383,7 +383,7 @@ static inline void krhpr_subleg_planar_rpr2_bias_tangent(
 
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (10 add, 16
  * multiply, 4 divide) */
-static inline void krhpr_subleg_planar_rpr2_rates_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_rates_tangent(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
@@ -407,7 +407,7 @@ static inline void krhpr_subleg_planar_rpr2_rates_tangent(
 
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (6 add,
  * 17 multiply, 2 divide) */
-static inline void krhpr_subleg_planar_rpr2_determinant_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_determinant_tangent(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
@@ -429,7 +429,7 @@ static inline void krhpr_subleg_planar_rpr2_determinant_tangent(
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (28 add, 57 multiply, 4
  * divide, 1 square root, 3 arctangent) */
-static inline void krhpr_subleg_planar_rpr2_passive_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_passive_tangent(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *w,
     krhpr_dual *KRHPR_RESTRICT passive, krhpr_dual *KRHPR_RESTRICT link)
 {
@@ -466,7 +466,7 @@ static inline void krhpr_subleg_planar_rpr2_passive_tangent(
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (no operations) */
-static inline void krhpr_subleg_planar_rpr2_points_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rpr2_points_tangent(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
 {
     points[0].v = g->o[0][i];

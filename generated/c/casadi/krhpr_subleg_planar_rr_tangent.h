@@ -12,7 +12,7 @@
 
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (8 add, 12
  * multiply, 2 sine cosine) */
-static inline void krhpr_subleg_planar_rr_forward_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rr_forward_tangent(
     const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
 {
     const double t1 = theta[0].v + theta[1].v;
@@ -33,7 +33,7 @@ static inline void krhpr_subleg_planar_rr_forward_tangent(
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (8
  * add, 12 multiply, 2 sine cosine) */
-static inline void krhpr_subleg_planar_rr_forward_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rr_forward_posture_tangent(
     const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT v_1)
 {
@@ -67,7 +67,7 @@ static inline void krhpr_subleg_planar_rr_forward_posture_tangent(
 
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.1, 2.5.  (25
  * add, 33 multiply, 3 divide, 1 square root, 2 arctangent) */
-static inline void krhpr_subleg_planar_rr_inverse_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rr_inverse_tangent(
     const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *s, const double *mode,
     krhpr_dual *KRHPR_RESTRICT theta, krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -104,7 +104,7 @@ static inline void krhpr_subleg_planar_rr_inverse_tangent(
 
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.1, 2.5.
  * (32 add, 37 multiply, 4 divide, 1 square root, 4 arctangent) */
-static inline void krhpr_subleg_planar_rr_inverse_all_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rr_inverse_all_tangent(
     const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -157,7 +157,7 @@ static inline void krhpr_subleg_planar_rr_inverse_all_tangent(
 
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.  (6
  * add, 6 multiply, 1 sine cosine) */
-static inline void krhpr_subleg_planar_rr_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rr_posture_tangent(
     const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT v_1)
 {
@@ -178,7 +178,7 @@ static inline void krhpr_subleg_planar_rr_posture_tangent(
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (no operations) */
-static inline void krhpr_subleg_planar_rr_jacobian_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rr_jacobian_tangent(
     const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     krhpr_dual *KRHPR_RESTRICT M)
 {
@@ -200,7 +200,7 @@ static inline void krhpr_subleg_planar_rr_jacobian_tangent(
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).  (8
  * add, 12 multiply) */
-static inline void krhpr_subleg_planar_rr_project_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rr_project_tangent(
     const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
@@ -218,7 +218,7 @@ static inline void krhpr_subleg_planar_rr_project_tangent(
 
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (8 add,
  * 12 multiply) */
-static inline void krhpr_subleg_planar_rr_velocity_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rr_velocity_tangent(
     const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
@@ -238,7 +238,7 @@ static inline void krhpr_subleg_planar_rr_velocity_tangent(
 
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (28 add, 40 multiply, 1 sine
  * cosine) */
-static inline void krhpr_subleg_planar_rr_bias_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rr_bias_tangent(
     const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
@@ -272,7 +272,7 @@ static inline void krhpr_subleg_planar_rr_bias_tangent(
 
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (14 add, 26
  * multiply, 1 divide) */
-static inline void krhpr_subleg_planar_rr_rates_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rr_rates_tangent(
     const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
@@ -296,7 +296,7 @@ static inline void krhpr_subleg_planar_rr_rates_tangent(
 
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (4 add,
  * 8 multiply) */
-static inline void krhpr_subleg_planar_rr_determinant_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rr_determinant_tangent(
     const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
@@ -311,7 +311,7 @@ static inline void krhpr_subleg_planar_rr_determinant_tangent(
 }
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (4 multiply) */
-static inline void krhpr_subleg_planar_rr_passive_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rr_passive_tangent(
     const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *v_1, krhpr_dual *KRHPR_RESTRICT link)
 {
     link[0].v = v_1[0].v * g->k[6][i];
@@ -323,7 +323,7 @@ static inline void krhpr_subleg_planar_rr_passive_tangent(
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (6 add) */
-static inline void krhpr_subleg_planar_rr_points_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rr_points_tangent(
     const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
 {

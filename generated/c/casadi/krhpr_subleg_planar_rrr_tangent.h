@@ -12,7 +12,7 @@
 
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (14 add, 18
  * multiply, 3 sine cosine) */
-static inline void krhpr_subleg_planar_rrr_forward_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_forward_tangent(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
 {
     const double t1 = theta[0].v + theta[1].v;
@@ -40,7 +40,7 @@ static inline void krhpr_subleg_planar_rrr_forward_tangent(
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (14
  * add, 18 multiply, 3 sine cosine) */
-static inline void krhpr_subleg_planar_rrr_forward_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_forward_posture_tangent(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT u_2, krhpr_dual *KRHPR_RESTRICT u_3)
 {
@@ -85,7 +85,7 @@ static inline void krhpr_subleg_planar_rrr_forward_posture_tangent(
 
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.  (45
  * add, 68 multiply, 5 divide, 1 square root, 1 sine cosine, 3 arctangent) */
-static inline void krhpr_subleg_planar_rrr_inverse_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_inverse_tangent(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *s, const double *mode,
     const krhpr_dual *swivel, krhpr_dual *KRHPR_RESTRICT theta, krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -142,7 +142,7 @@ static inline void krhpr_subleg_planar_rrr_inverse_tangent(
 
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.
  * (68 add, 99 multiply, 7 divide, 1 square root, 1 sine cosine, 6 arctangent) */
-static inline void krhpr_subleg_planar_rrr_inverse_all_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_inverse_all_tangent(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *swivel,
     krhpr_dual *KRHPR_RESTRICT theta, krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -230,7 +230,7 @@ static inline void krhpr_subleg_planar_rrr_inverse_all_tangent(
 
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.
  * (12 add, 12 multiply, 2 sine cosine) */
-static inline void krhpr_subleg_planar_rrr_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_posture_tangent(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT u_2, krhpr_dual *KRHPR_RESTRICT u_3)
 {
@@ -262,7 +262,7 @@ static inline void krhpr_subleg_planar_rrr_posture_tangent(
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (4 add) */
-static inline void krhpr_subleg_planar_rrr_jacobian_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_jacobian_tangent(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_2,
     const krhpr_dual *u_3, krhpr_dual *KRHPR_RESTRICT M)
 {
@@ -290,7 +290,7 @@ static inline void krhpr_subleg_planar_rrr_jacobian_tangent(
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (16 add, 18 multiply) */
-static inline void krhpr_subleg_planar_rrr_project_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_project_tangent(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_2,
     const krhpr_dual *u_3, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
@@ -313,7 +313,7 @@ static inline void krhpr_subleg_planar_rrr_project_tangent(
 
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (18 add,
  * 18 multiply) */
-static inline void krhpr_subleg_planar_rrr_velocity_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_velocity_tangent(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_2,
     const krhpr_dual *u_3, const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
@@ -335,7 +335,7 @@ static inline void krhpr_subleg_planar_rrr_velocity_tangent(
 
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (62 add, 68 multiply, 2 sine
  * cosine) */
-static inline void krhpr_subleg_planar_rrr_bias_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_bias_tangent(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias,
     krhpr_dual *KRHPR_RESTRICT swivel_bias)
@@ -396,7 +396,7 @@ static inline void krhpr_subleg_planar_rrr_bias_tangent(
 
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (32 add, 38
  * multiply, 1 divide) */
-static inline void krhpr_subleg_planar_rrr_rates_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_rates_tangent(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_2,
     const krhpr_dual *u_3, const krhpr_dual *s_dot, const krhpr_dual *swivel_rates,
     krhpr_dual *KRHPR_RESTRICT theta_dot)
@@ -433,7 +433,7 @@ static inline void krhpr_subleg_planar_rrr_rates_tangent(
 
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (35 add,
  * 34 multiply, 1 divide, 1 square root) */
-static inline void krhpr_subleg_planar_rrr_determinant_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_determinant_tangent(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_2,
     const krhpr_dual *u_3, krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
@@ -463,7 +463,7 @@ static inline void krhpr_subleg_planar_rrr_determinant_tangent(
 }
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (4 multiply) */
-static inline void krhpr_subleg_planar_rrr_passive_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_passive_tangent(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *u_3, krhpr_dual *KRHPR_RESTRICT link)
 {
     link[0].v = u_3[0].v * g->k[6][i];
@@ -475,7 +475,7 @@ static inline void krhpr_subleg_planar_rrr_passive_tangent(
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (8 add) */
-static inline void krhpr_subleg_planar_rrr_points_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_points_tangent(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *u_2, const krhpr_dual *u_3,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
 {
@@ -505,7 +505,7 @@ static inline void krhpr_subleg_planar_rrr_points_tangent(
 
 /* `swivel` with the derivatives of its outputs along directions of its inputs.  (2 add, 5 multiply, 1
  * divide, 1 arctangent) */
-static inline void krhpr_subleg_planar_rrr_swivel_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_swivel_tangent(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *u_3,
     krhpr_dual *KRHPR_RESTRICT swivel)
 {
@@ -519,7 +519,7 @@ static inline void krhpr_subleg_planar_rrr_swivel_tangent(
 }
 
 /* `swivel_difference` with the derivatives of its outputs along directions of its inputs.  (2 add) */
-static inline void krhpr_subleg_planar_rrr_swivel_difference_tangent(
+KRHPR_STATIC void krhpr_subleg_planar_rrr_swivel_difference_tangent(
     const krhpr_dual *swivel_accelerations, const krhpr_dual *swivel_bias,
     krhpr_dual *KRHPR_RESTRICT swivel_along)
 {

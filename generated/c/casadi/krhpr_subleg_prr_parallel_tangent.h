@@ -12,7 +12,7 @@
 
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (19 add, 28
  * multiply, 2 sine cosine) */
-static inline void krhpr_subleg_prr_parallel_forward_tangent(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_forward_tangent(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
 {
     const double t1 = theta[1].v + theta[2].v;
@@ -39,7 +39,7 @@ static inline void krhpr_subleg_prr_parallel_forward_tangent(
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (19
  * add, 28 multiply, 2 sine cosine) */
-static inline void krhpr_subleg_prr_parallel_forward_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_forward_posture_tangent(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT v_1)
 {
@@ -77,7 +77,7 @@ static inline void krhpr_subleg_prr_parallel_forward_posture_tangent(
 
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.1, 2.5.  (36
  * add, 49 multiply, 3 divide, 1 square root, 2 arctangent) */
-static inline void krhpr_subleg_prr_parallel_inverse_tangent(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_inverse_tangent(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *s, const double *mode,
     krhpr_dual *KRHPR_RESTRICT theta, krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -121,7 +121,7 @@ static inline void krhpr_subleg_prr_parallel_inverse_tangent(
 
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.1, 2.5.
  * (43 add, 53 multiply, 4 divide, 1 square root, 4 arctangent) */
-static inline void krhpr_subleg_prr_parallel_inverse_all_tangent(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_inverse_all_tangent(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *s,
     krhpr_dual *KRHPR_RESTRICT theta, krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -185,7 +185,7 @@ static inline void krhpr_subleg_prr_parallel_inverse_all_tangent(
 
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.
  * (15 add, 18 multiply, 1 sine cosine) */
-static inline void krhpr_subleg_prr_parallel_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_posture_tangent(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT v_1)
 {
@@ -211,7 +211,7 @@ static inline void krhpr_subleg_prr_parallel_posture_tangent(
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (12 add, 24 multiply) */
-static inline void krhpr_subleg_prr_parallel_jacobian_tangent(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_jacobian_tangent(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     krhpr_dual *KRHPR_RESTRICT M)
 {
@@ -239,7 +239,7 @@ static inline void krhpr_subleg_prr_parallel_jacobian_tangent(
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (36 add, 56 multiply) */
-static inline void krhpr_subleg_prr_parallel_project_tangent(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_project_tangent(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
@@ -271,7 +271,7 @@ static inline void krhpr_subleg_prr_parallel_project_tangent(
 
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (18 add,
  * 28 multiply) */
-static inline void krhpr_subleg_prr_parallel_velocity_tangent(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_velocity_tangent(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
@@ -291,7 +291,7 @@ static inline void krhpr_subleg_prr_parallel_velocity_tangent(
 
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (61 add, 92 multiply, 1 sine
  * cosine) */
-static inline void krhpr_subleg_prr_parallel_bias_tangent(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_bias_tangent(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
@@ -347,7 +347,7 @@ static inline void krhpr_subleg_prr_parallel_bias_tangent(
 
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (24 add, 42
  * multiply, 1 divide) */
-static inline void krhpr_subleg_prr_parallel_rates_tangent(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_rates_tangent(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
@@ -376,7 +376,7 @@ static inline void krhpr_subleg_prr_parallel_rates_tangent(
 
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (4 add,
  * 8 multiply) */
-static inline void krhpr_subleg_prr_parallel_determinant_tangent(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_determinant_tangent(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
@@ -391,7 +391,7 @@ static inline void krhpr_subleg_prr_parallel_determinant_tangent(
 }
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (12 add, 28 multiply) */
-static inline void krhpr_subleg_prr_parallel_passive_tangent(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_passive_tangent(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *v_1,
     krhpr_dual *KRHPR_RESTRICT link)
 {
@@ -428,7 +428,7 @@ static inline void krhpr_subleg_prr_parallel_passive_tangent(
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (28 add, 24 multiply) */
-static inline void krhpr_subleg_prr_parallel_points_tangent(
+KRHPR_STATIC void krhpr_subleg_prr_parallel_points_tangent(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
 {

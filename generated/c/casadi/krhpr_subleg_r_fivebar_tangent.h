@@ -12,7 +12,7 @@
 
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (46 add, 74
  * multiply, 2 divide, 1 square root, 3 sine cosine) */
-static inline void krhpr_subleg_r_fivebar_forward_tangent(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_forward_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *theta, const double *assembly,
     krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -74,7 +74,7 @@ static inline void krhpr_subleg_r_fivebar_forward_tangent(
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (50
  * add, 84 multiply, 2 divide, 1 square root, 3 sine cosine) */
-static inline void krhpr_subleg_r_fivebar_forward_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_forward_posture_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *theta, const double *assembly,
     krhpr_dual *KRHPR_RESTRICT s, krhpr_dual *KRHPR_RESTRICT x, krhpr_dual *KRHPR_RESTRICT e_2,
     krhpr_dual *KRHPR_RESTRICT d, krhpr_dual *KRHPR_RESTRICT u_1, krhpr_dual *KRHPR_RESTRICT u_2,
@@ -165,7 +165,7 @@ static inline void krhpr_subleg_r_fivebar_forward_posture_tangent(
 
 /* `forward_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (70 add,
  * 91 multiply, 2 divide, 1 square root, 3 sine cosine) */
-static inline void krhpr_subleg_r_fivebar_forward_all_tangent(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_forward_all_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -249,7 +249,7 @@ static inline void krhpr_subleg_r_fivebar_forward_all_tangent(
 
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: App. B.  (67 add,
  * 105 multiply, 7 divide, 3 square root, 3 arctangent) */
-static inline void krhpr_subleg_r_fivebar_inverse_tangent(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *s, const double *mode,
     krhpr_dual *KRHPR_RESTRICT theta)
 {
@@ -328,7 +328,7 @@ static inline void krhpr_subleg_r_fivebar_inverse_tangent(
 
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: App. B.  (175
  * add, 220 multiply, 19 divide, 6 square root, 14 arctangent) */
-static inline void krhpr_subleg_r_fivebar_inverse_all_tangent(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_all_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta)
 {
     const double d_0 = s[0].v - g->c[0][i];
@@ -579,7 +579,7 @@ static inline void krhpr_subleg_r_fivebar_inverse_all_tangent(
 
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.
  * (22 add, 49 multiply, 3 sine cosine) */
-static inline void krhpr_subleg_r_fivebar_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_posture_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT x, krhpr_dual *KRHPR_RESTRICT e_2, krhpr_dual *KRHPR_RESTRICT d,
     krhpr_dual *KRHPR_RESTRICT u_1, krhpr_dual *KRHPR_RESTRICT u_2)
@@ -629,7 +629,7 @@ static inline void krhpr_subleg_r_fivebar_posture_tangent(
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (65 add, 103 multiply, 1 divide) */
-static inline void krhpr_subleg_r_fivebar_jacobian_tangent(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_jacobian_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *d, const krhpr_dual *u_1, const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT M)
 {
@@ -694,7 +694,7 @@ static inline void krhpr_subleg_r_fivebar_jacobian_tangent(
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (98 add, 142 multiply, 1 divide) */
-static inline void krhpr_subleg_r_fivebar_project_tangent(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_project_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *d, const krhpr_dual *u_1, const krhpr_dual *u_2, const krhpr_dual *N,
     krhpr_dual *KRHPR_RESTRICT K)
@@ -770,7 +770,7 @@ static inline void krhpr_subleg_r_fivebar_project_tangent(
 
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (62 add,
  * 90 multiply, 1 divide) */
-static inline void krhpr_subleg_r_fivebar_velocity_tangent(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_velocity_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *d, const krhpr_dual *u_1, const krhpr_dual *u_2, const krhpr_dual *theta_dot,
     krhpr_dual *KRHPR_RESTRICT s_dot)
@@ -824,7 +824,7 @@ static inline void krhpr_subleg_r_fivebar_velocity_tangent(
 
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (264 add, 401 multiply, 1
  * divide, 3 sine cosine) */
-static inline void krhpr_subleg_r_fivebar_bias_tangent(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_bias_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
@@ -1007,7 +1007,7 @@ static inline void krhpr_subleg_r_fivebar_bias_tangent(
 
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (57 add, 79
  * multiply, 5 divide) */
-static inline void krhpr_subleg_r_fivebar_rates_tangent(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_rates_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *d, const krhpr_dual *u_1, const krhpr_dual *u_2, const krhpr_dual *s_dot,
     krhpr_dual *KRHPR_RESTRICT theta_dot)
@@ -1059,7 +1059,7 @@ static inline void krhpr_subleg_r_fivebar_rates_tangent(
 
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (29 add,
  * 40 multiply, 2 divide) */
-static inline void krhpr_subleg_r_fivebar_determinant_tangent(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_determinant_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
@@ -1102,7 +1102,7 @@ static inline void krhpr_subleg_r_fivebar_determinant_tangent(
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (60 add, 89 multiply, 3
  * divide, 3 arctangent) */
-static inline void krhpr_subleg_r_fivebar_passive_tangent(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_passive_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *d, const krhpr_dual *u_1, const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT passive,
     krhpr_dual *KRHPR_RESTRICT link)
@@ -1168,7 +1168,7 @@ static inline void krhpr_subleg_r_fivebar_passive_tangent(
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (44 add, 49 multiply) */
-static inline void krhpr_subleg_r_fivebar_points_tangent(
+KRHPR_STATIC void krhpr_subleg_r_fivebar_points_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *d,
     const krhpr_dual *u_1, const krhpr_dual *u_2, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
 {

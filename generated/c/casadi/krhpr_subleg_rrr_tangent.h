@@ -12,7 +12,7 @@
 
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (22 add, 39
  * multiply, 3 sine cosine) */
-static inline void krhpr_subleg_rrr_forward_tangent(
+KRHPR_STATIC void krhpr_subleg_rrr_forward_tangent(
     const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
 {
     const double t1 = theta[1].v + theta[2].v;
@@ -43,7 +43,7 @@ static inline void krhpr_subleg_rrr_forward_tangent(
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (26
  * add, 49 multiply, 3 sine cosine) */
-static inline void krhpr_subleg_rrr_forward_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_rrr_forward_posture_tangent(
     const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT x, krhpr_dual *KRHPR_RESTRICT e_2, krhpr_dual *KRHPR_RESTRICT d,
     krhpr_dual *KRHPR_RESTRICT v_1)
@@ -101,7 +101,7 @@ static inline void krhpr_subleg_rrr_forward_posture_tangent(
 
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.5, 2.5.  (42
  * add, 66 multiply, 5 divide, 2 square root, 3 arctangent) */
-static inline void krhpr_subleg_rrr_inverse_tangent(
+KRHPR_STATIC void krhpr_subleg_rrr_inverse_tangent(
     const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *s, const double *mode,
     krhpr_dual *KRHPR_RESTRICT theta, krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -156,7 +156,7 @@ static inline void krhpr_subleg_rrr_inverse_tangent(
 
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.5, 2.5.  (53
  * add, 67 multiply, 7 divide, 2 square root, 8 arctangent) */
-static inline void krhpr_subleg_rrr_inverse_all_tangent(
+KRHPR_STATIC void krhpr_subleg_rrr_inverse_all_tangent(
     const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -253,7 +253,7 @@ static inline void krhpr_subleg_rrr_inverse_all_tangent(
 
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.
  * (26 add, 43 multiply, 2 sine cosine) */
-static inline void krhpr_subleg_rrr_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_rrr_posture_tangent(
     const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT x, krhpr_dual *KRHPR_RESTRICT e_2, krhpr_dual *KRHPR_RESTRICT d,
     krhpr_dual *KRHPR_RESTRICT v_1)
@@ -301,7 +301,7 @@ static inline void krhpr_subleg_rrr_posture_tangent(
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (21 add, 39 multiply) */
-static inline void krhpr_subleg_rrr_jacobian_tangent(
+KRHPR_STATIC void krhpr_subleg_rrr_jacobian_tangent(
     const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *d, const krhpr_dual *v_1, krhpr_dual *KRHPR_RESTRICT M)
 {
@@ -329,7 +329,7 @@ static inline void krhpr_subleg_rrr_jacobian_tangent(
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (54 add, 78 multiply) */
-static inline void krhpr_subleg_rrr_project_tangent(
+KRHPR_STATIC void krhpr_subleg_rrr_project_tangent(
     const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *d, const krhpr_dual *v_1, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
@@ -367,7 +367,7 @@ static inline void krhpr_subleg_rrr_project_tangent(
 
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (27 add,
  * 39 multiply) */
-static inline void krhpr_subleg_rrr_velocity_tangent(
+KRHPR_STATIC void krhpr_subleg_rrr_velocity_tangent(
     const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *d, const krhpr_dual *v_1, const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
@@ -392,7 +392,7 @@ static inline void krhpr_subleg_rrr_velocity_tangent(
 
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (138 add, 211 multiply, 2
  * sine cosine) */
-static inline void krhpr_subleg_rrr_bias_tangent(
+KRHPR_STATIC void krhpr_subleg_rrr_bias_tangent(
     const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
@@ -489,7 +489,7 @@ static inline void krhpr_subleg_rrr_bias_tangent(
 
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (33 add, 52
  * multiply, 3 divide) */
-static inline void krhpr_subleg_rrr_rates_tangent(
+KRHPR_STATIC void krhpr_subleg_rrr_rates_tangent(
     const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *d, const krhpr_dual *v_1, const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
@@ -523,7 +523,7 @@ static inline void krhpr_subleg_rrr_rates_tangent(
 
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (5 add,
  * 13 multiply) */
-static inline void krhpr_subleg_rrr_determinant_tangent(
+KRHPR_STATIC void krhpr_subleg_rrr_determinant_tangent(
     const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
     krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
@@ -540,7 +540,7 @@ static inline void krhpr_subleg_rrr_determinant_tangent(
 }
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (18 add, 34 multiply) */
-static inline void krhpr_subleg_rrr_passive_tangent(
+KRHPR_STATIC void krhpr_subleg_rrr_passive_tangent(
     const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *v_1, krhpr_dual *KRHPR_RESTRICT link)
 {
@@ -577,7 +577,7 @@ static inline void krhpr_subleg_rrr_passive_tangent(
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (16 add, 15 multiply) */
-static inline void krhpr_subleg_rrr_points_tangent(
+KRHPR_STATIC void krhpr_subleg_rrr_points_tangent(
     const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *d,
     const krhpr_dual *v_1, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
 {

@@ -12,7 +12,7 @@
 
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (50 add, 105
  * multiply, 4 sine cosine) */
-static inline void krhpr_subleg_rrrr_forward_tangent(
+KRHPR_STATIC void krhpr_subleg_rrrr_forward_tangent(
     const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
 {
     double sin_2, cos_2; krhpr_sincos(theta[1].v, &sin_2, &cos_2);
@@ -68,7 +68,7 @@ static inline void krhpr_subleg_rrrr_forward_tangent(
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (51
  * add, 105 multiply, 4 sine cosine) */
-static inline void krhpr_subleg_rrrr_forward_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_rrrr_forward_posture_tangent(
     const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT x, krhpr_dual *KRHPR_RESTRICT e_2, krhpr_dual *KRHPR_RESTRICT d,
     krhpr_dual *KRHPR_RESTRICT v, krhpr_dual *KRHPR_RESTRICT e_4)
@@ -164,7 +164,7 @@ static inline void krhpr_subleg_rrrr_forward_posture_tangent(
 
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.1, 2.5.  (105
  * add, 208 multiply, 9 divide, 4 square root, 1 sine cosine, 4 arctangent) */
-static inline void krhpr_subleg_rrrr_inverse_tangent(
+KRHPR_STATIC void krhpr_subleg_rrrr_inverse_tangent(
     const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *s, const double *mode,
     const krhpr_dual *swivel, krhpr_dual *KRHPR_RESTRICT theta, krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -284,7 +284,7 @@ static inline void krhpr_subleg_rrrr_inverse_tangent(
 
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.1, 2.5.
  * (154 add, 261 multiply, 13 divide, 4 square root, 1 sine cosine, 10 arctangent) */
-static inline void krhpr_subleg_rrrr_inverse_all_tangent(
+KRHPR_STATIC void krhpr_subleg_rrrr_inverse_all_tangent(
     const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *swivel,
     krhpr_dual *KRHPR_RESTRICT theta, krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -491,7 +491,7 @@ static inline void krhpr_subleg_rrrr_inverse_all_tangent(
 
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.
  * (35 add, 60 multiply, 3 sine cosine) */
-static inline void krhpr_subleg_rrrr_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_rrrr_posture_tangent(
     const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT x, krhpr_dual *KRHPR_RESTRICT e_2, krhpr_dual *KRHPR_RESTRICT d,
     krhpr_dual *KRHPR_RESTRICT v, krhpr_dual *KRHPR_RESTRICT e_4)
@@ -563,7 +563,7 @@ static inline void krhpr_subleg_rrrr_posture_tangent(
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (87 add, 123 multiply) */
-static inline void krhpr_subleg_rrrr_jacobian_tangent(
+KRHPR_STATIC void krhpr_subleg_rrrr_jacobian_tangent(
     const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *d, const krhpr_dual *v, const krhpr_dual *e_4, krhpr_dual *KRHPR_RESTRICT M)
 {
@@ -624,7 +624,7 @@ static inline void krhpr_subleg_rrrr_jacobian_tangent(
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (110 add, 150 multiply) */
-static inline void krhpr_subleg_rrrr_project_tangent(
+KRHPR_STATIC void krhpr_subleg_rrrr_project_tangent(
     const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *d, const krhpr_dual *v, const krhpr_dual *e_4, const krhpr_dual *N,
     krhpr_dual *KRHPR_RESTRICT K)
@@ -689,7 +689,7 @@ static inline void krhpr_subleg_rrrr_project_tangent(
 
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (72 add,
  * 96 multiply) */
-static inline void krhpr_subleg_rrrr_velocity_tangent(
+KRHPR_STATIC void krhpr_subleg_rrrr_velocity_tangent(
     const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *d, const krhpr_dual *v, const krhpr_dual *e_4, const krhpr_dual *theta_dot,
     krhpr_dual *KRHPR_RESTRICT s_dot)
@@ -736,7 +736,7 @@ static inline void krhpr_subleg_rrrr_velocity_tangent(
 
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (394 add, 550 multiply, 2
  * divide, 1 square root, 3 sine cosine) */
-static inline void krhpr_subleg_rrrr_bias_tangent(
+KRHPR_STATIC void krhpr_subleg_rrrr_bias_tangent(
     const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias,
     krhpr_dual *KRHPR_RESTRICT swivel_bias)
@@ -961,7 +961,7 @@ static inline void krhpr_subleg_rrrr_bias_tangent(
 
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (116 add,
  * 162 multiply, 8 divide, 1 square root) */
-static inline void krhpr_subleg_rrrr_rates_tangent(
+KRHPR_STATIC void krhpr_subleg_rrrr_rates_tangent(
     const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *d, const krhpr_dual *v, const krhpr_dual *e_4, const krhpr_dual *s_dot,
     const krhpr_dual *swivel_rates, krhpr_dual *KRHPR_RESTRICT theta_dot)
@@ -1050,7 +1050,7 @@ static inline void krhpr_subleg_rrrr_rates_tangent(
 
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (103
  * add, 152 multiply, 3 divide, 3 square root) */
-static inline void krhpr_subleg_rrrr_determinant_tangent(
+KRHPR_STATIC void krhpr_subleg_rrrr_determinant_tangent(
     const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v,
     const krhpr_dual *e_4, krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
@@ -1134,7 +1134,7 @@ static inline void krhpr_subleg_rrrr_determinant_tangent(
 }
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (66 add, 96 multiply) */
-static inline void krhpr_subleg_rrrr_passive_tangent(
+KRHPR_STATIC void krhpr_subleg_rrrr_passive_tangent(
     const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *v, const krhpr_dual *e_4, krhpr_dual *KRHPR_RESTRICT link)
 {
@@ -1182,7 +1182,7 @@ static inline void krhpr_subleg_rrrr_passive_tangent(
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (24 add, 24 multiply) */
-static inline void krhpr_subleg_rrrr_points_tangent(
+KRHPR_STATIC void krhpr_subleg_rrrr_points_tangent(
     const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *v, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
 {
@@ -1219,7 +1219,7 @@ static inline void krhpr_subleg_rrrr_points_tangent(
 
 /* `swivel` with the derivatives of its outputs along directions of its inputs.  (31 add, 36 multiply, 4
  * divide, 1 square root, 1 arctangent) */
-static inline void krhpr_subleg_rrrr_swivel_tangent(
+KRHPR_STATIC void krhpr_subleg_rrrr_swivel_tangent(
     const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v,
     krhpr_dual *KRHPR_RESTRICT swivel)
 {
@@ -1256,7 +1256,7 @@ static inline void krhpr_subleg_rrrr_swivel_tangent(
 }
 
 /* `swivel_difference` with the derivatives of its outputs along directions of its inputs.  (2 add) */
-static inline void krhpr_subleg_rrrr_swivel_difference_tangent(
+KRHPR_STATIC void krhpr_subleg_rrrr_swivel_difference_tangent(
     const krhpr_dual *swivel_accelerations, const krhpr_dual *swivel_bias,
     krhpr_dual *KRHPR_RESTRICT swivel_along)
 {

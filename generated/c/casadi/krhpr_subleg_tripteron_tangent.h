@@ -12,7 +12,7 @@
 
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (13 add, 16
  * multiply) */
-static inline void krhpr_subleg_tripteron_forward_tangent(
+KRHPR_STATIC void krhpr_subleg_tripteron_forward_tangent(
     const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s)
 {
     const double s_0 = g->c[0][i] + g->e_1[0][i] * theta[1].v + g->e_t[0][i] * theta[2].v + g->e_x[0][i] * theta[0].v;
@@ -31,7 +31,7 @@ static inline void krhpr_subleg_tripteron_forward_tangent(
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (13
  * add, 16 multiply) */
-static inline void krhpr_subleg_tripteron_forward_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_tripteron_forward_posture_tangent(
     const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT rho)
 {
@@ -57,7 +57,7 @@ static inline void krhpr_subleg_tripteron_forward_posture_tangent(
 
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.4.  (13 add,
  * 16 multiply) */
-static inline void krhpr_subleg_tripteron_inverse_tangent(
+KRHPR_STATIC void krhpr_subleg_tripteron_inverse_tangent(
     const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta)
 {
     const double arm_0 = s[0].v - g->c[0][i];
@@ -78,7 +78,7 @@ static inline void krhpr_subleg_tripteron_inverse_tangent(
 
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.4.  (13
  * add, 16 multiply) */
-static inline void krhpr_subleg_tripteron_inverse_all_tangent(
+KRHPR_STATIC void krhpr_subleg_tripteron_inverse_all_tangent(
     const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta)
 {
     const double arm_0 = s[0].v - g->c[0][i];
@@ -99,7 +99,7 @@ static inline void krhpr_subleg_tripteron_inverse_all_tangent(
 
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.
  * (no operations) */
-static inline void krhpr_subleg_tripteron_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_tripteron_posture_tangent(
     const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT rho)
 {
@@ -118,7 +118,7 @@ static inline void krhpr_subleg_tripteron_posture_tangent(
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (no operations) */
-static inline void krhpr_subleg_tripteron_jacobian_tangent(
+KRHPR_STATIC void krhpr_subleg_tripteron_jacobian_tangent(
     const krhpr_subleg_tripteron_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT M)
 {
     M[0].v = g->e_x[0][i];
@@ -145,7 +145,7 @@ static inline void krhpr_subleg_tripteron_jacobian_tangent(
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (20 add, 32 multiply) */
-static inline void krhpr_subleg_tripteron_project_tangent(
+KRHPR_STATIC void krhpr_subleg_tripteron_project_tangent(
     const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
     const double n_00 = g->e_x[0][i] * N[0].v + g->e_x[1][i] * N[1].v + g->e_x[2][i] * N[2].v;
@@ -172,7 +172,7 @@ static inline void krhpr_subleg_tripteron_project_tangent(
 
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (10 add,
  * 16 multiply) */
-static inline void krhpr_subleg_tripteron_velocity_tangent(
+KRHPR_STATIC void krhpr_subleg_tripteron_velocity_tangent(
     const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *theta_dot,
     krhpr_dual *KRHPR_RESTRICT s_dot)
 {
@@ -191,7 +191,7 @@ static inline void krhpr_subleg_tripteron_velocity_tangent(
 }
 
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (10 add, 16 multiply) */
-static inline void krhpr_subleg_tripteron_bias_tangent(
+KRHPR_STATIC void krhpr_subleg_tripteron_bias_tangent(
     const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
@@ -219,7 +219,7 @@ static inline void krhpr_subleg_tripteron_bias_tangent(
 
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (10 add, 16
  * multiply) */
-static inline void krhpr_subleg_tripteron_rates_tangent(
+KRHPR_STATIC void krhpr_subleg_tripteron_rates_tangent(
     const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *s_dot,
     krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
@@ -240,7 +240,7 @@ static inline void krhpr_subleg_tripteron_rates_tangent(
 
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (20 add,
  * 27 multiply) */
-static inline void krhpr_subleg_tripteron_determinant_tangent(
+KRHPR_STATIC void krhpr_subleg_tripteron_determinant_tangent(
     const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *rho, krhpr_dual *KRHPR_RESTRICT det_M,
     krhpr_dual *KRHPR_RESTRICT factors)
 {
@@ -277,7 +277,7 @@ static inline void krhpr_subleg_tripteron_determinant_tangent(
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (66 add, 87 multiply, 9
  * divide, 3 square root, 6 arctangent) */
-static inline void krhpr_subleg_tripteron_passive_tangent(
+KRHPR_STATIC void krhpr_subleg_tripteron_passive_tangent(
     const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *rho,
     krhpr_dual *KRHPR_RESTRICT passive, krhpr_dual *KRHPR_RESTRICT link)
 {
@@ -374,7 +374,7 @@ static inline void krhpr_subleg_tripteron_passive_tangent(
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (103 add, 159 multiply, 6
  * divide, 3 square root) */
-static inline void krhpr_subleg_tripteron_points_tangent(
+KRHPR_STATIC void krhpr_subleg_tripteron_points_tangent(
     const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *rho, const krhpr_dual *s,
     krhpr_dual *KRHPR_RESTRICT points)
 {

@@ -12,7 +12,7 @@
 
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (24 add, 38
  * multiply) */
-static inline void krhpr_subleg_ups3_forward_tangent(
+KRHPR_STATIC void krhpr_subleg_ups3_forward_tangent(
     const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *theta, const krhpr_dual *s_near,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -43,7 +43,7 @@ static inline void krhpr_subleg_ups3_forward_tangent(
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (24
  * add, 38 multiply) */
-static inline void krhpr_subleg_ups3_forward_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_ups3_forward_posture_tangent(
     const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *theta, const krhpr_dual *s_near,
     krhpr_dual *KRHPR_RESTRICT b, krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -80,7 +80,7 @@ static inline void krhpr_subleg_ups3_forward_posture_tangent(
 
 /* `forward_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (39 add,
  * 44 multiply, 1 divide, 1 square root) */
-static inline void krhpr_subleg_ups3_forward_all_tangent(
+KRHPR_STATIC void krhpr_subleg_ups3_forward_all_tangent(
     const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -136,7 +136,7 @@ static inline void krhpr_subleg_ups3_forward_all_tangent(
 
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.4.  (30 add,
  * 24 multiply, 3 divide, 3 square root) */
-static inline void krhpr_subleg_ups3_inverse_tangent(
+KRHPR_STATIC void krhpr_subleg_ups3_inverse_tangent(
     const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -178,7 +178,7 @@ static inline void krhpr_subleg_ups3_inverse_tangent(
 
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.4.  (30
  * add, 24 multiply, 3 divide, 3 square root) */
-static inline void krhpr_subleg_ups3_inverse_all_tangent(
+KRHPR_STATIC void krhpr_subleg_ups3_inverse_all_tangent(
     const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
@@ -219,7 +219,7 @@ static inline void krhpr_subleg_ups3_inverse_all_tangent(
 }
 
 /* `reach` with the derivatives of its outputs along directions of its inputs.  (no operations) */
-static inline void krhpr_subleg_ups3_reach_tangent(
+KRHPR_STATIC void krhpr_subleg_ups3_reach_tangent(
     const krhpr_subleg_ups3_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT excess)
 {
     (void)(g);
@@ -232,7 +232,7 @@ static inline void krhpr_subleg_ups3_reach_tangent(
 
 /* `posture` with the derivatives of its outputs along directions of its inputs.  Thesis: App. A, 2.3.1.  (9
  * add) */
-static inline void krhpr_subleg_ups3_posture_tangent(
+KRHPR_STATIC void krhpr_subleg_ups3_posture_tangent(
     const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     krhpr_dual *KRHPR_RESTRICT w, krhpr_dual *KRHPR_RESTRICT b)
 {
@@ -275,7 +275,7 @@ static inline void krhpr_subleg_ups3_posture_tangent(
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
  * (61 add, 119 multiply, 1 divide) */
-static inline void krhpr_subleg_ups3_jacobian_tangent(
+KRHPR_STATIC void krhpr_subleg_ups3_jacobian_tangent(
     const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     krhpr_dual *KRHPR_RESTRICT M)
 {
@@ -345,7 +345,7 @@ static inline void krhpr_subleg_ups3_jacobian_tangent(
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
  * (103 add, 173 multiply, 1 divide) */
-static inline void krhpr_subleg_ups3_project_tangent(
+KRHPR_STATIC void krhpr_subleg_ups3_project_tangent(
     const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
 {
@@ -424,7 +424,7 @@ static inline void krhpr_subleg_ups3_project_tangent(
 
 /* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (70 add,
  * 110 multiply, 1 divide) */
-static inline void krhpr_subleg_ups3_velocity_tangent(
+KRHPR_STATIC void krhpr_subleg_ups3_velocity_tangent(
     const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
 {
@@ -479,7 +479,7 @@ static inline void krhpr_subleg_ups3_velocity_tangent(
 
 /* `bias` with the derivatives of its outputs along directions of its inputs.  (230 add, 230 multiply, 1
  * divide) */
-static inline void krhpr_subleg_ups3_bias_tangent(
+KRHPR_STATIC void krhpr_subleg_ups3_bias_tangent(
     const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
     const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot, krhpr_dual *KRHPR_RESTRICT bias)
 {
@@ -640,7 +640,7 @@ static inline void krhpr_subleg_ups3_bias_tangent(
 
 /* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (24 add, 33
  * multiply, 6 divide) */
-static inline void krhpr_subleg_ups3_rates_tangent(
+KRHPR_STATIC void krhpr_subleg_ups3_rates_tangent(
     const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *s_dot, krhpr_dual *KRHPR_RESTRICT theta_dot)
 {
@@ -673,7 +673,7 @@ static inline void krhpr_subleg_ups3_rates_tangent(
 
 /* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (22 add,
  * 43 multiply, 2 divide) */
-static inline void krhpr_subleg_ups3_determinant_tangent(
+KRHPR_STATIC void krhpr_subleg_ups3_determinant_tangent(
     const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
 {
@@ -705,7 +705,7 @@ static inline void krhpr_subleg_ups3_determinant_tangent(
 
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (89 add, 158 multiply, 11
  * divide, 5 square root, 6 arctangent) */
-static inline void krhpr_subleg_ups3_passive_tangent(
+KRHPR_STATIC void krhpr_subleg_ups3_passive_tangent(
     const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *w, krhpr_dual *KRHPR_RESTRICT passive,
     krhpr_dual *KRHPR_RESTRICT link)
 {
@@ -813,7 +813,7 @@ static inline void krhpr_subleg_ups3_passive_tangent(
 }
 
 /* `points` with the derivatives of its outputs along directions of its inputs.  (no operations) */
-static inline void krhpr_subleg_ups3_points_tangent(
+KRHPR_STATIC void krhpr_subleg_ups3_points_tangent(
     const krhpr_subleg_ups3_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
 {
     points[0].v = g->g[0][i];

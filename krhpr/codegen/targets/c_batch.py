@@ -50,8 +50,8 @@ class BatchView:
 
     @property
     def names(self) -> list[str]:
-        """All arguments."""
-        return [port.name for port in (*self.inputs, *self.outputs)]
+        """Variables of all arguments over lanes."""
+        return [f"{port.name}_lanes" for port in (*self.inputs, *self.outputs)]
 
 
 def goes_side_by_side(function: RobotFunction) -> bool:
@@ -72,15 +72,15 @@ def batch_view(robot: RobotCode, function: RobotFunction) -> BatchView:
         ),
         values=(
             *(_value(port, index) for index, port in enumerate(function.inputs)),
-            *(port.name for port in function.outputs),
+            *(f"{port.name}_pose" for port in function.outputs),
         ),
     )
 
 
 def _value(port: Port, index: int) -> str:
     if default(port):
-        return f"in[{index}] ? {port.name} : NULL"
-    return port.name if port.full_shape else f"{port.name}[0]"
+        return f"in[{index}] ? {port.name}_pose : NULL"
+    return f"{port.name}_pose" if port.full_shape else f"{port.name}_pose[0]"
 
 
 def _input(port: Port, index: int) -> str:
