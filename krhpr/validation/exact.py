@@ -27,6 +27,9 @@ from krhpr.validation.subject import Fields, Inputs, Outputs, Subject
 TURN = Fraction("6.283185307179586")
 """A full turn as the texts have it."""
 
+OTHER_FORMS = 2
+"""On how many samples the forms of a text beyond the first are run: they have its graphs, and no branches."""
+
 NOT_CHOSEN: tuple[tuple[int, ...], ...] = ((),)
 """The signs of a mode that a function does not have, or that stays as drawn."""
 
@@ -118,7 +121,8 @@ def printed_text(subject: Subject, check: Check, count: int) -> Measured:
             numbers = BALL if balls else EXACT
             wanted = derivation(subject, function, inputs, geometry, BALLS if balls else RATIONAL)
             found.samples += 1
-            for run in PRINTED[check.target]:
+            first, *others = PRINTED[check.target]
+            for run in (first, *(others if found.samples <= OTHER_FORMS else ())):
                 got = run(subject, function, inputs, geometry, numbers)
                 if got is None:
                     continue

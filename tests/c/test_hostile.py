@@ -35,7 +35,7 @@ def may_be_nan(robot: str) -> tuple[str, ...]:
 def test_every_function_keeps_its_promises(robot: str, compiler: str, build: Build, full: bool) -> None:
     """Statuses, NaN, canaries and batch twins (tests/c/hostile.c), with both sanitizers."""
     binary = build("hostile.c", robot, compiler, "-O1" if large(robot, full) else "-O0", "-g", *SANITIZE)
-    run([binary, "100000" if large(robot, full) else "2000", *may_be_nan(robot)])
+    run([binary, "100000" if large(robot, full) else "600", *may_be_nan(robot)])
 
 
 def test_without_sanitizers_at_full_speed(robot: str, compiler: str, build: Build, full: bool) -> None:
