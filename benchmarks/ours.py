@@ -114,6 +114,7 @@ def _batches(workload: Workload, robot: RobotCode, folder: Path) -> list[Contend
                 workload.key,
                 "poses in lanes",
                 "\n".join(lines) + "\n",
+                sources=(str(folder / f"krhpr_{robot.identifier}.c"),),
                 include_dirs=(str(folder),),
                 single=False,
                 batch_layout=layout,
