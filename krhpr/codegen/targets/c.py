@@ -18,8 +18,8 @@ from krhpr.codegen.targets.c_kernels import (
     field_names,
     geometry_view,
     kernel_view,
-    lanes_view,
     positive_fields,
+    prepare_view,
 )
 from krhpr.codegen.targets.c_limits import limits_view
 from krhpr.codegen.targets.c_numbers import LANES, NUMBER
@@ -48,7 +48,7 @@ class CTarget:
         ]
         prepare = None
         if part.geometry is not None:
-            prepare = kernel_view(part.name, part.geometry.prepare)
+            prepare = prepare_view(part.name, part.geometry.prepare)
         yield File(
             f"c/krhpr_{part.name}.h",
             render(
@@ -59,7 +59,7 @@ class CTarget:
                 geometry=geometry_view(part.geometry),
             ),
         )
-        lanes = [lanes_view(part.name, kernel) for kernel in printed]
+        lanes = [kernel_view(part.name, kernel, LANES) for kernel in printed]
         yield File(f"c/krhpr_{part.name}_lanes.h", render("c/lanes.h.j2", part=part, kernels=lanes))
 
     def robot(self, robot: RobotCode) -> Iterable[File]:

@@ -27,69 +27,64 @@ class KernelView:
     stores: tuple[tuple[str, str], ...]
 
 
-def kernel_view(part: str, kernel: Kernel) -> KernelView:
-    """A kernel with its lines printed in C."""
-    body = print_kernel(kernel)
+def kernel_view(part: str, kernel: Kernel, writing: Writing = NUMBER) -> KernelView:
+    """A kernel with its lines printed in C, over one number or over lanes."""
+    body = print_kernel(kernel) if writing is NUMBER else print_lanes(kernel)
     used = {ref.port.split(".")[0] for ref in body.inputs_used}
     parameters = [f"const krhpr_{part}_geometry *g", "int i"] if kernel.geometry else []
-    parameters += [_parameter(port) for port in kernel.inputs]
+    parameters += [_parameter(port, writing=writing) for port in kernel.inputs]
+    parameters += [_parameter(port, output=True, writing=writing) for port in kernel.outputs]
     unused = [port.name for port in kernel.inputs if port.name not in used]
     if kernel.geometry and "g" not in used:
         unused[:0] = ["g", "i"]
-    if kernel.name == "prepare":
-        parameters = [f"krhpr_{part}_geometry *g", "int i"]
-        body_lines = tuple(_statement(line, lambda text: _fields_of_g(kernel, text)) for line in body.lines)
-        stores = tuple(
-            (f"g->{_element(port, index)}[i]", _fields_of_g(kernel, text))
-            for port in kernel.outputs
-            for index, text in enumerate(body.results[port.name])
-        )
-        return KernelView(
-            f"krhpr_{part}_prepare", kernel_comment(kernel), tuple(parameters), (), body_lines, stores
-        )
-    parameters += [_parameter(port, output=True) for port in kernel.outputs]
+    loads = [] if writing is NUMBER else _loads(kernel, body)
+    stores = (
+        (_element(port, index, output=True), text)
+        for port in kernel.outputs
+        for index, text in enumerate(body.results[port.name])
+    )
     return KernelView(
-        f"krhpr_{part}_{kernel.name}",
+        f"krhpr_{part}_{kernel.name}{writing.suffix}",
         kernel_comment(kernel),
         tuple(parameters),
         tuple(unused),
-        tuple(_statement(line, str) for line in body.lines),
-        _stores(kernel, body),
+        (*loads, *(_statement(line, str, writing) for line in body.lines)),
+        tuple(stores),
     )
 
 
-def lanes_view(part: str, kernel: Kernel) -> KernelView:
-    """A kernel over lanes."""
-    body = print_lanes(kernel)
-    used = {ref.port.split(".")[0] for ref in body.inputs_used}
-    real = LANES.real
-    parameters = [f"const krhpr_{part}_geometry *g", "int i"] if kernel.geometry else []
-    parameters += [_parameter(port, writing=LANES) for port in kernel.inputs]
-    parameters += [_parameter(port, output=True, writing=LANES) for port in kernel.outputs]
-    unused = [port.name for port in kernel.inputs if port.name not in used]
-    if kernel.geometry and "g" not in used:
-        unused[:0] = ["g", "i"]
+def prepare_view(part: str, kernel: Kernel) -> KernelView:
+    """The kernel that prepares a geometry: it reads and writes members of the structure."""
+    body = print_kernel(kernel)
+    stores = (
+        (f"g->{_element(port, index)}[i]", _fields_of_g(kernel, text))
+        for port in kernel.outputs
+        for index, text in enumerate(body.results[port.name])
+    )
+    return KernelView(
+        f"krhpr_{part}_prepare",
+        kernel_comment(kernel),
+        (f"krhpr_{part}_geometry *g", "int i"),
+        (),
+        tuple(_statement(line, lambda text: _fields_of_g(kernel, text)) for line in body.lines),
+        tuple(stores),
+    )
+
+
+def _loads(kernel: Kernel, body: Body) -> list[tuple[str, str]]:
+    """Statements that bring the numbers of the geometry into lanes, in the order of the structure."""
     fields = sorted(
         (ref for ref in body.inputs_used if ref.port.startswith(GEOMETRY_PREFIX)),
         key=lambda ref: (_place(kernel, ref.port.removeprefix(GEOMETRY_PREFIX)), ref.index),
     )
-    loads = [
+    return [
         (
-            f"const {real} {lane_text(kernel, ref)} = "
+            f"const {LANES.real} {lane_text(kernel, ref)} = "
             f"krhpr_of_leg({input_text(kernel, ref).removesuffix('[i]')}, i);",
             "",
         )
         for ref in fields
     ]
-    lines = [_statement(line, str, LANES) for line in body.lines]
-    return KernelView(
-        f"krhpr_{part}_{kernel.name}_lanes",
-        kernel_comment(kernel),
-        tuple(parameters),
-        tuple(unused),
-        (*loads, *lines),
-        _stores(kernel, body),
-    )
 
 
 def _place(kernel: Kernel, field: str) -> int:
@@ -98,14 +93,6 @@ def _place(kernel: Kernel, field: str) -> int:
     names = [entry.name for entry in kernel.geometry.fields]
     names += [port.name for port in kernel.geometry.prepare.outputs]
     return names.index(field)
-
-
-def _stores(kernel: Kernel, body: Body) -> tuple[tuple[str, str], ...]:
-    return tuple(
-        (_element(port, index, output=True), text)
-        for port in kernel.outputs
-        for index, text in enumerate(body.results[port.name])
-    )
 
 
 def _statement(
