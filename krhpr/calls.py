@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from krhpr.backend import Backend, BackendName, make_backend
 from krhpr.casadi_functions import CasadiFunctions
+from krhpr.defaults import NUMBERS, SIGNS
 from krhpr.errors import (
     Ambiguous,
     InBatch,
@@ -28,9 +29,6 @@ from krhpr.generated.python.runtime import Geometry, Port, Signature, Status
 from krhpr.limits import Limits
 from krhpr.native import Bound
 from krhpr.threads import in_threads
-
-SIGNS = ("side", "turned")
-"""Inputs that are +1 or -1."""
 
 ROTATION_TOLERANCE = 1e-6
 """Largest element of |Q^T Q - I| that passes for a rotation matrix."""
@@ -223,8 +221,8 @@ class Calls:
             inverse.outputs.theta
 
         `inputs` and `outputs` are named tuples of arrays in the order of `signature(function)`, numbers as
-        arrays without dimensions.  Those that choose a mode, a side or a box begin with their defaults, the
-        others as NaN.  Threads that share one must take turns.
+        arrays without dimensions.  Those that have defaults (modes, sides, boxes, tolerances) begin with
+        them, the others as NaN.  Threads that share one must take turns.
         """
         signature = self.signature(function)
         inputs = [np.full(port.shape, np.nan) for port in signature.inputs]
@@ -246,6 +244,9 @@ class Calls:
             return self.assembly_signs()
         if name == "box":
             return self._module.DEFAULT_BOX
+        if name in NUMBERS:
+            numbers = NUMBERS[name]
+            return numbers if len(numbers) > 1 else numbers[0]
         return 1.0 if name in SIGNS else 0.0 if name == "swivel" else np.nan
 
     def _unknown(self, function: str) -> AttributeError:

@@ -1,4 +1,4 @@
-"""What functions take for inputs that are numbers of the method, where a language has defaults."""
+"""What functions take for inputs that are numbers or signs of the method, where a language has defaults."""
 
 from __future__ import annotations
 
@@ -8,3 +8,6 @@ NUMBERS: Mapping[str, tuple[float, ...]] = {"tolerance": (0.02,), "weights": (10
 """By how much encoders may contradict end points (m); and least squares in which a millimetre counts as much
 as a thousandth of the orientation's orthonormality.
 """
+
+SIGNS = ("side", "turned")
+"""Inputs that are +1 or -1, and +1 unless given."""

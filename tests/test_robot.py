@@ -18,7 +18,7 @@ import pytest
 import krhpr
 from krhpr import GeneratedMismatch, InvalidInput, Robot, Singular, Status, UnknownBranch, Unreachable
 from krhpr import backend as backend_module
-from krhpr.codegen.composition import SIGNS
+from krhpr.defaults import SIGNS
 from tests.support import run_python
 
 ROBOTS = ("spatial_rrr_a", "spatial_r_fivebar_a", "spatial_rrr_c", "planar_rr_a")

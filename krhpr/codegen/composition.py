@@ -206,9 +206,6 @@ OPTIONAL_INPUTS = ("mode", "assembly", "swivel", "box")
 coordinates.
 """
 
-SIGNS = ("side", "turned")
-"""Inputs that are +1 or -1, and +1 where a language has defaults."""
-
 
 @dataclass(frozen=True)
 class Guard:

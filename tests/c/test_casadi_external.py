@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 import krhpr
-from krhpr.codegen.composition import SIGNS
+from krhpr.defaults import SIGNS
 from tests.c.support import CHOICES, CONFORMANCE, ROBOTS, SOURCES, program, run, sections
 from tests.support import large
 

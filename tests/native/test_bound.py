@@ -52,6 +52,12 @@ def test_what_was_not_given_is_an_invalid_input(robot: krhpr.Robot) -> None:
     assert np.isnan(bound.outputs.theta).all()
 
 
+def test_numbers_of_the_method_have_their_defaults(robot: krhpr.Robot) -> None:
+    assert robot.bind("forward_encoders_1").inputs.tolerance == 0.02
+    assert robot.bind("forward_gauss_newton_2").inputs.weights.shape == (3,)
+    assert np.isfinite(robot.bind("forward_gauss_newton_2").inputs.weights).all()
+
+
 def test_new_inputs_give_new_outputs_in_place(robot: krhpr.Robot) -> None:
     p, Q, redundant = robot.home
     bound = robot.bind("end_points")

@@ -8,7 +8,6 @@ from typing import Any
 from krhpr.codegen.bake import baked_values, scalars
 from krhpr.codegen.composition import (
     LEG_STATUSES,
-    SIGNS,
     STATUS_DOC,
     Call,
     EachRoot,
@@ -29,7 +28,7 @@ from krhpr.codegen.printers.infix import Body, Line
 from krhpr.codegen.printers.python import NUMPY, component, print_kernel
 from krhpr.codegen.targets.base import File, broken, kernel_comment, port_text, render
 from krhpr.codegen.targets.python_limits import python_limits
-from krhpr.defaults import NUMBERS
+from krhpr.defaults import NUMBERS, SIGNS
 
 
 class PythonTarget:
