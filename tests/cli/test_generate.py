@@ -273,7 +273,7 @@ def test_every_robot_is_compiled_ahead(site: Site, tmp_path: Path) -> None:
     run = site("generate")
     assert run.returncode == 0, run.stderr
     names = {path.name.partition("-")[0] for path in (tmp_path / "cache").glob("*.so")}
-    assert names == {"gufunc", *(f"krhpr_{robot}" for robot in ROBOTS)}
+    assert names == {"gufunc", "bound", *(f"krhpr_{robot}" for robot in ROBOTS)}
     assert f"Compiled kernels in {tmp_path / 'cache'}; " in run.stdout
     assert run.stderr.splitlines()[-1].endswith(f"compile {ROBOTS[-1]}")
     assert json.loads(next((tmp_path / "cache").glob("*.json")).read_text())["rows"]
