@@ -33,6 +33,10 @@ from krhpr.derivations.robot_functions import FunctionsOf
 from krhpr.derivations.roots import COEFFICIENT_ERROR, MISS_TOLERANCE
 from krhpr.derivations.sublegs.forward import ForwardRoots
 
+FITS = 1e-6
+"""Newton steps end at a pose where the links' squared lengths misfit by less than this, relative to theirs and the
+platform's: far above rounding wherever a robot works."""
+
 ENCODERS = {2: "two", 3: "three"}
 
 
@@ -233,7 +237,7 @@ class ForwardFunctions(FunctionsOf):
                 Call(Stage.PLATFORM, "platform", "newton_step", {}, {"state_next": "state"}, repeat),
                 Call(Stage.PLATFORM, "platform", "newton_pose", {}, {}),
             ),
-            (*self._flat(), self._converged(repeat)),
+            (*self._flat(), self._converged(repeat), self._fits()),
         )
 
     def _forward_one_encoder(self) -> RobotFunction:
@@ -320,6 +324,10 @@ class ForwardFunctions(FunctionsOf):
     @staticmethod
     def _converged(repeat: Repeat) -> Guard:
         return Guard(repeat.change, 0, Relation.AT_MOST, repeat.tolerance, Status.NO_CONVERGENCE)
+
+    @staticmethod
+    def _fits() -> Guard:
+        return Guard("misfit", 0, Relation.AT_MOST, FITS**2, Status.NO_CONVERGENCE)
 
     # -- guards ---------------------------------------------------------------------------------------------
 

@@ -197,6 +197,22 @@ def test_steps_that_lead_nowhere_are_said_to(backend: str) -> None:
         robot.forward_newton(s * 3, robot.home.p, 0.0, check=True)
 
 
+@pytest.mark.parametrize("identifier", REVOLUTE)
+def test_short_steps_alone_are_no_pose(identifier: str, backend: str) -> None:
+    """From far away rounding takes the slope away, and some step is short by chance."""
+    robot = krhpr.load(identifier, backend=backend)
+    p, Q, redundant = random_poses(robot, 20_000, seed=8)
+    s = robot.end_points(p, Q, redundant)
+    rng = np.random.default_rng(9)
+    for distance in (1e10, 1e13, 1e16):
+        found, status = robot.forward_newton(s, p + distance * rng.normal(size=p.shape), Q, status=True)
+        good = status == 0
+        assert good.mean() < 1
+        assert np.isfinite(found.kantorovich[good]).all()
+        gap = np.abs(robot.end_points(found.p, found[1], found.redundant) - s)[good]
+        assert gap.max(initial=0) < 1e-6
+
+
 # -- approaches three to seven ------------------------------------------------------------------------------
 
 

@@ -21,7 +21,7 @@ import sympy as sp
 
 from krhpr.codegen.kernel import Frame, Kernel, Port, Unit
 from krhpr.codegen.writer import KernelWriter
-from krhpr.derivations.platforms.forward import Mode, Plane, plane_of, write_modes
+from krhpr.derivations.platforms.forward import Plane, plane_of, write_modes
 from krhpr.derivations.platforms.forward_revolute import (
     ANCHOR,
     AXES,
@@ -43,6 +43,13 @@ STATE = Port("state", (5,), Unit.MIXED, Frame.NONE, "phi - phi_0, a_1, cos(phi) 
 START = replace(STATE, name="start", doc=f"{STATE.doc} at the pose nearby")
 CENTRE = Port("centre", (2,), Unit.NONE, Frame.NONE, "cosine and sine of phi_0, that of the pose nearby")
 CHANGE = Port("change", (1,), Unit.NONE, Frame.NONE, "squared step, relative to the platform's size")
+MISFIT = Port(
+    "misfit",
+    (1,),
+    Unit.NONE,
+    Frame.NONE,
+    "squared misfit of the links' squared lengths, relative to those of the platform and the links",
+)
 KANTOROVICH = Port(
     "kantorovich",
     (),
@@ -169,10 +176,18 @@ def _points(k: KernelWriter) -> tuple[sp.Matrix, ...]:
 def _pose(plate: Platform) -> Kernel:
     k = KernelWriter("newton_pose", "The pose where the steps end.", EQUATIONS)
     s = all_legs(k, plate.ports().s)
-    state, anchors = k.add_input(STATE), all_legs(k, ANCHOR)
+    state, anchors, lengths = k.add_input(STATE), all_legs(k, ANCHOR), all_legs(k, LENGTH)
     points = _points(k)
     axes = k.add_input(AXES) if plate.space is Space.SPATIAL else None
     plane = Plane(plate.space, s[0], axes, points)
-    mode: Mode = mode_at(k, plate.space, state[3], state[4], state[1:3, 0], anchors, points)
+    mode = mode_at(k, plate.space, state[3], state[4], state[1:3, 0], anchors, points)
     write_modes(k, plane, [mode], plate.ports().redundant, several=False)
+    # steps from far away end where rounding takes the slope away, short as they are: not a pose
+    d = [k.let(f"d_{i + 1}", anchors[i] - anchors[0]) for i in (1, 2)]
+    misfits = [
+        k.let(f"f_{i + 1}", dot(v, v) - l**2)
+        for i, (v, l) in enumerate(zip(mode.links, lengths, strict=True))
+    ]
+    size2 = k.let("size2", sum(dot(v, v) for v in d) + sum(l**2 for l in lengths))
+    k.add_output(MISFIT, [sum(f**2 for f in misfits) / size2**2])
     return k.kernel()

@@ -1304,6 +1304,7 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_newton(
     double start[5];
     double state[5];
     double change[1];
+    double misfit[1];
     if (!krhpr_is_clean(krhpr_taint(s, 6) + krhpr_taint(p_near, 2) + krhpr_taint(&phi_near, 1))) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
@@ -1350,13 +1351,16 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_newton(
     for (int k = 0; k < 5; ++k) {
         (state)[k] = state_at[k];
     }
-    krhpr_platform_planar_a_newton_pose(s, state, anchor, points, p, tail_y, tail_x);
+    krhpr_platform_planar_a_newton_pose(s, state, anchor, length, points, p, misfit, tail_y, tail_x);
     krhpr_atan2_array(4, tail_y, tail_x, tail);
     *phi = tail[0];
     redundant[0] = tail[1];
     redundant[1] = tail[2];
     redundant[2] = tail[3];
     if (!(change[0] <= 1e-20)) {
+        status = status == KRHPR_OK ? KRHPR_NO_CONVERGENCE : status;
+    }
+    if (!(misfit[0] <= 1e-12)) {
         status = status == KRHPR_OK ? KRHPR_NO_CONVERGENCE : status;
     }
     if (status != KRHPR_OK) {

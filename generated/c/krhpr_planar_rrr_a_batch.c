@@ -2635,6 +2635,7 @@ KRHPR_OUTLINE void krhpr_planar_rrr_a_forward_newton_lanes(
     krhpr_lanes start[5];
     krhpr_lanes state[5];
     krhpr_lanes change[1];
+    krhpr_lanes misfit[1];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
@@ -2674,7 +2675,7 @@ KRHPR_OUTLINE void krhpr_planar_rrr_a_forward_newton_lanes(
     for (int k = 0; k < 5; ++k) {
         (state)[k] = state_at[k];
     }
-    krhpr_platform_planar_a_newton_pose_lanes(s, state, anchor, points, p, tail_y, tail_x);
+    krhpr_platform_planar_a_newton_pose_lanes(s, state, anchor, length, points, p, misfit, tail_y, tail_x);
     krhpr_lanes_atan2_each(4, tail_y, tail_x, tail);
     *phi = tail[0];
     redundant[0] = tail[1];
@@ -2682,6 +2683,7 @@ KRHPR_OUTLINE void krhpr_planar_rrr_a_forward_newton_lanes(
     redundant[2] = tail[3];
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     fine &= krhpr_at_most(change[0], krhpr_all(1e-20));
+    fine &= krhpr_at_most(misfit[0], krhpr_all(1e-12));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
         return;
@@ -2689,6 +2691,7 @@ KRHPR_OUTLINE void krhpr_planar_rrr_a_forward_newton_lanes(
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     status = krhpr_expect(krhpr_at_most(change[0], krhpr_all(1e-20)), status, KRHPR_NO_CONVERGENCE);
+    status = krhpr_expect(krhpr_at_most(misfit[0], krhpr_all(1e-12)), status, KRHPR_NO_CONVERGENCE);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, p, 2);
     krhpr_poses_keep(valid, phi, 1);

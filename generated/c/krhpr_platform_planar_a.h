@@ -733,19 +733,20 @@ KRHPR_STATIC void krhpr_platform_planar_a_newton_step(
     change[0] = t16 + (move_on_0 * move_on_0 + move_on_1 * move_on_1) / size;
 }
 
-/* The pose where the steps end.  Thesis: 3.2.2, (3.4) to (3.9).  (36 add, 36 multiply) */
+/* The pose where the steps end.  Thesis: 3.2.2, (3.4) to (3.9).  (50 add, 53 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_platform_planar_a_newton_pose(
-    const double s[6], const double state[5], const double anchor[6], const double points[6],
-    double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
+    const double s[6], const double state[5], const double anchor[6], const double length[3],
+    const double points[6], double *KRHPR_RESTRICT p, double *KRHPR_RESTRICT misfit,
+    double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
 {
-    const double t1 = anchor[2] - anchor[0];
-    const double t2 = anchor[3] - anchor[1];
-    const double Rd_2_0 = state[3] * t1 - state[4] * t2;
-    const double Rd_2_1 = state[3] * t2 + state[4] * t1;
-    const double t3 = anchor[4] - anchor[0];
-    const double t4 = anchor[5] - anchor[1];
-    const double Rd_3_0 = state[3] * t3 - state[4] * t4;
-    const double Rd_3_1 = state[3] * t4 + state[4] * t3;
+    const double d_2_0 = anchor[2] - anchor[0];
+    const double d_2_1 = anchor[3] - anchor[1];
+    const double Rd_2_0 = state[3] * d_2_0 - state[4] * d_2_1;
+    const double Rd_2_1 = state[3] * d_2_1 + state[4] * d_2_0;
+    const double d_3_0 = anchor[4] - anchor[0];
+    const double d_3_1 = anchor[5] - anchor[1];
+    const double Rd_3_0 = state[3] * d_3_0 - state[4] * d_3_1;
+    const double Rd_3_1 = state[3] * d_3_1 + state[4] * d_3_0;
     const double a_1_0 = state[1] - points[0]; /* S_i to B_i */
     const double a_1_1 = state[2] - points[1];
     const double a_2_0 = state[1] + Rd_2_0 - points[2];
@@ -760,8 +761,16 @@ KRHPR_STATIC void krhpr_platform_planar_a_newton_pose(
     const double u_2_1 = state[3] * a_2_1 - state[4] * a_2_0;
     const double u_3_0 = state[3] * a_3_0 + state[4] * a_3_1;
     const double u_3_1 = state[3] * a_3_1 - state[4] * a_3_0;
+    const double t1 = length[0] * length[0];
+    const double f_1 = a_1_0 * a_1_0 + a_1_1 * a_1_1 - t1;
+    const double t2 = length[1] * length[1];
+    const double f_2 = a_2_0 * a_2_0 + a_2_1 * a_2_1 - t2;
+    const double t3 = length[2] * length[2];
+    const double f_3 = a_3_0 * a_3_0 + a_3_1 * a_3_1 - t3;
+    const double size2 = t3 + (t2 + (t1 + (d_2_0 * d_2_0 + d_2_1 * d_2_1 + d_3_0 * d_3_0 + d_3_1 * d_3_1)));
     p[0] = s[0] + p_l_0;
     p[1] = s[1] + p_l_1;
+    misfit[0] = (f_1 * f_1 + f_2 * f_2 + f_3 * f_3) / (size2 * size2);
     tail_y[0] = state[4];
     tail_y[1] = anchor[1] * u_1_0 - anchor[0] * u_1_1;
     tail_y[2] = anchor[3] * u_2_0 - anchor[2] * u_2_1;

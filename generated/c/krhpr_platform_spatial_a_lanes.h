@@ -978,21 +978,22 @@ KRHPR_INLINE void krhpr_platform_spatial_a_newton_step_lanes(
     change[0] = t16 + (move_on_0 * move_on_0 + move_on_1 * move_on_1) / size;
 }
 
-/* The pose where the steps end.  Thesis: 3.2.2, (3.4) to (3.9).  (46 add, 54 multiply) */
+/* The pose where the steps end.  Thesis: 3.2.2, (3.4) to (3.9).  (60 add, 71 multiply, 1 divide) */
 KRHPR_INLINE void krhpr_platform_spatial_a_newton_pose_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at state[5], const krhpr_lanes_at anchor[6],
-    const krhpr_lanes_at points[6], const krhpr_lanes_at axes[9], krhpr_lanes_at *KRHPR_RESTRICT p,
-    krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
+    const krhpr_lanes_at length[3], const krhpr_lanes_at points[6], const krhpr_lanes_at axes[9],
+    krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
+    krhpr_lanes_at *KRHPR_RESTRICT misfit, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
     krhpr_lanes_at *KRHPR_RESTRICT tail_x)
 {
-    const krhpr_lanes t1 = anchor[2] - anchor[0];
-    const krhpr_lanes t2 = anchor[3] - anchor[1];
-    const krhpr_lanes Rd_2_0 = state[3] * t1 - state[4] * t2;
-    const krhpr_lanes Rd_2_1 = state[3] * t2 + state[4] * t1;
-    const krhpr_lanes t3 = anchor[4] - anchor[0];
-    const krhpr_lanes t4 = anchor[5] - anchor[1];
-    const krhpr_lanes Rd_3_0 = state[3] * t3 - state[4] * t4;
-    const krhpr_lanes Rd_3_1 = state[3] * t4 + state[4] * t3;
+    const krhpr_lanes d_2_0 = anchor[2] - anchor[0];
+    const krhpr_lanes d_2_1 = anchor[3] - anchor[1];
+    const krhpr_lanes Rd_2_0 = state[3] * d_2_0 - state[4] * d_2_1;
+    const krhpr_lanes Rd_2_1 = state[3] * d_2_1 + state[4] * d_2_0;
+    const krhpr_lanes d_3_0 = anchor[4] - anchor[0];
+    const krhpr_lanes d_3_1 = anchor[5] - anchor[1];
+    const krhpr_lanes Rd_3_0 = state[3] * d_3_0 - state[4] * d_3_1;
+    const krhpr_lanes Rd_3_1 = state[3] * d_3_1 + state[4] * d_3_0;
     const krhpr_lanes a_1_0 = state[1] - points[0]; /* S_i to B_i */
     const krhpr_lanes a_1_1 = state[2] - points[1];
     const krhpr_lanes a_2_0 = state[1] + Rd_2_0 - points[2];
@@ -1007,6 +1008,13 @@ KRHPR_INLINE void krhpr_platform_spatial_a_newton_pose_lanes(
     const krhpr_lanes u_2_1 = state[3] * a_2_1 - state[4] * a_2_0;
     const krhpr_lanes u_3_0 = state[3] * a_3_0 + state[4] * a_3_1;
     const krhpr_lanes u_3_1 = state[3] * a_3_1 - state[4] * a_3_0;
+    const krhpr_lanes t1 = length[0] * length[0];
+    const krhpr_lanes f_1 = a_1_0 * a_1_0 + a_1_1 * a_1_1 - t1;
+    const krhpr_lanes t2 = length[1] * length[1];
+    const krhpr_lanes f_2 = a_2_0 * a_2_0 + a_2_1 * a_2_1 - t2;
+    const krhpr_lanes t3 = length[2] * length[2];
+    const krhpr_lanes f_3 = a_3_0 * a_3_0 + a_3_1 * a_3_1 - t3;
+    const krhpr_lanes size2 = t3 + (t2 + (t1 + (d_2_0 * d_2_0 + d_2_1 * d_2_1 + d_3_0 * d_3_0 + d_3_1 * d_3_1)));
     p[0] = s[0] + axes[0] * p_l_0 + axes[1] * p_l_1;
     p[1] = s[1] + axes[3] * p_l_0 + axes[4] * p_l_1;
     p[2] = s[2] + axes[6] * p_l_0 + axes[7] * p_l_1;
@@ -1019,6 +1027,7 @@ KRHPR_INLINE void krhpr_platform_spatial_a_newton_pose_lanes(
     Q[6] = state[3] * axes[6] + state[4] * axes[7];
     Q[7] = state[3] * axes[7] - state[4] * axes[6];
     Q[8] = axes[8];
+    misfit[0] = (f_1 * f_1 + f_2 * f_2 + f_3 * f_3) / (size2 * size2);
     tail_y[0] = anchor[1] * u_1_0 - anchor[0] * u_1_1;
     tail_y[1] = anchor[3] * u_2_0 - anchor[2] * u_2_1;
     tail_y[2] = anchor[5] * u_3_0 - anchor[4] * u_3_1;

@@ -1048,6 +1048,7 @@ KRHPR_API int krhpr_spatial_prr_a_forward_newton(
     double start[5];
     double state[5];
     double change[1];
+    double misfit[1];
     if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(p_near, 3) + krhpr_taint(Q_near, 9))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
@@ -1088,7 +1089,8 @@ KRHPR_API int krhpr_spatial_prr_a_forward_newton(
     for (int k = 0; k < 5; ++k) {
         (state)[k] = state_at[k];
     }
-    krhpr_platform_spatial_a_newton_pose(s, state, anchor, points, axes, p, Q, tail_y, tail_x);
+    krhpr_platform_spatial_a_newton_pose(
+        s, state, anchor, length, points, axes, p, Q, misfit, tail_y, tail_x);
     krhpr_atan2_array(3, tail_y, tail_x, tail);
     redundant[0] = tail[0];
     redundant[1] = tail[1];
@@ -1097,6 +1099,9 @@ KRHPR_API int krhpr_spatial_prr_a_forward_newton(
         status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
     }
     if (!(change[0] <= 1e-20)) {
+        status = status == KRHPR_OK ? KRHPR_NO_CONVERGENCE : status;
+    }
+    if (!(misfit[0] <= 1e-12)) {
         status = status == KRHPR_OK ? KRHPR_NO_CONVERGENCE : status;
     }
     if (status != KRHPR_OK) {

@@ -2753,6 +2753,7 @@ KRHPR_OUTLINE void krhpr_spatial_r_fivebar_a_forward_newton_lanes(
     krhpr_lanes start[5];
     krhpr_lanes state[5];
     krhpr_lanes change[1];
+    krhpr_lanes misfit[1];
     krhpr_lanes tail_y[3];
     krhpr_lanes tail_x[3];
     krhpr_lanes tail[3];
@@ -2786,7 +2787,8 @@ KRHPR_OUTLINE void krhpr_spatial_r_fivebar_a_forward_newton_lanes(
     for (int k = 0; k < 5; ++k) {
         (state)[k] = state_at[k];
     }
-    krhpr_platform_spatial_a_newton_pose_lanes(s, state, anchor, points, axes, p, Q, tail_y, tail_x);
+    krhpr_platform_spatial_a_newton_pose_lanes(
+        s, state, anchor, length, points, axes, p, Q, misfit, tail_y, tail_x);
     krhpr_lanes_atan2_each(3, tail_y, tail_x, tail);
     redundant[0] = tail[0];
     redundant[1] = tail[1];
@@ -2794,6 +2796,7 @@ KRHPR_OUTLINE void krhpr_spatial_r_fivebar_a_forward_newton_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     fine &= krhpr_at_most(krhpr_all(1e-24), flatness[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-20));
+    fine &= krhpr_at_most(misfit[0], krhpr_all(1e-12));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
         return;
@@ -2802,6 +2805,7 @@ KRHPR_OUTLINE void krhpr_spatial_r_fivebar_a_forward_newton_lanes(
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), flatness[0]), status, KRHPR_SINGULAR_NORMAL);
     status = krhpr_expect(krhpr_at_most(change[0], krhpr_all(1e-20)), status, KRHPR_NO_CONVERGENCE);
+    status = krhpr_expect(krhpr_at_most(misfit[0], krhpr_all(1e-12)), status, KRHPR_NO_CONVERGENCE);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, p, 3);
     krhpr_poses_keep(valid, Q, 9);

@@ -816,21 +816,22 @@ def newton_step(state: Any, centre: Any, anchor: Any, length: Any, points: Any) 
     )
 
 
-def newton_pose(s: Any, state: Any, anchor: Any, points: Any) -> tuple[Any, ...]:
-    """The pose where the steps end.  Thesis: 3.2.2, (3.4) to (3.9).  (36 add, 36 multiply, 4
+def newton_pose(s: Any, state: Any, anchor: Any, length: Any, points: Any) -> tuple[Any, ...]:
+    """The pose where the steps end.  Thesis: 3.2.2, (3.4) to (3.9).  (50 add, 53 multiply, 1 divide, 4
     arctangent)"""
     s_00, s_01, _s_10, _s_11, _s_20, _s_21 = s
     _state_0, state_1, state_2, state_3, state_4 = state
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
+    length_0, length_1, length_2 = length
     points_00, points_01, points_10, points_11, points_20, points_21 = points
-    t1 = anchor_10 - anchor_00
-    t2 = anchor_11 - anchor_01
-    Rd_2_0 = state_3 * t1 - state_4 * t2
-    Rd_2_1 = state_3 * t2 + state_4 * t1
-    t3 = anchor_20 - anchor_00
-    t4 = anchor_21 - anchor_01
-    Rd_3_0 = state_3 * t3 - state_4 * t4
-    Rd_3_1 = state_3 * t4 + state_4 * t3
+    d_2_0 = anchor_10 - anchor_00
+    d_2_1 = anchor_11 - anchor_01
+    Rd_2_0 = state_3 * d_2_0 - state_4 * d_2_1
+    Rd_2_1 = state_3 * d_2_1 + state_4 * d_2_0
+    d_3_0 = anchor_20 - anchor_00
+    d_3_1 = anchor_21 - anchor_01
+    Rd_3_0 = state_3 * d_3_0 - state_4 * d_3_1
+    Rd_3_1 = state_3 * d_3_1 + state_4 * d_3_0
     a_1_0 = state_1 - points_00  # S_i to B_i
     a_1_1 = state_2 - points_01
     a_2_0 = state_1 + Rd_2_0 - points_10
@@ -848,6 +849,13 @@ def newton_pose(s: Any, state: Any, anchor: Any, points: Any) -> tuple[Any, ...]
     redundant_0 = ca.atan2(anchor_01 * u_1_0 - anchor_00 * u_1_1, anchor_00 * u_1_0 + anchor_01 * u_1_1)
     redundant_1 = ca.atan2(anchor_11 * u_2_0 - anchor_10 * u_2_1, anchor_10 * u_2_0 + anchor_11 * u_2_1)
     redundant_2 = ca.atan2(anchor_21 * u_3_0 - anchor_20 * u_3_1, anchor_20 * u_3_0 + anchor_21 * u_3_1)
+    t1 = length_0 * length_0
+    f_1 = a_1_0 * a_1_0 + a_1_1 * a_1_1 - t1
+    t2 = length_1 * length_1
+    f_2 = a_2_0 * a_2_0 + a_2_1 * a_2_1 - t2
+    t3 = length_2 * length_2
+    f_3 = a_3_0 * a_3_0 + a_3_1 * a_3_1 - t3
+    size2 = t3 + (t2 + (t1 + (d_2_0 * d_2_0 + d_2_1 * d_2_1 + d_3_0 * d_3_0 + d_3_1 * d_3_1)))
     return (
         (  # p
             s_00 + p_l_0,
@@ -860,6 +868,9 @@ def newton_pose(s: Any, state: Any, anchor: Any, points: Any) -> tuple[Any, ...]
             redundant_0,
             redundant_1,
             redundant_2,
+        ),
+        (  # misfit
+            (f_1 * f_1 + f_2 * f_2 + f_3 * f_3) / (size2 * size2),
         ),
     )
 

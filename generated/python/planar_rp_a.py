@@ -1615,7 +1615,8 @@ def forward_newton(
         state, change = rt.repeat(
             lambda at: platform.newton_step(at, centre, rt.legs(anchor), rt.legs(length), points), start,
             1e-20, 25)
-        p, phi, redundant = platform.newton_pose(arguments.whole("s"), state, rt.legs(anchor), points)
+        p, phi, redundant, misfit = platform.newton_pose(
+            arguments.whole("s"), state, rt.legs(anchor), rt.legs(length), points)
         results = arguments.finish(
             {
                 "p": p,
@@ -1625,6 +1626,7 @@ def forward_newton(
             },
             (
                 rt.Guard(change[0], False, 1e-20, Status.NO_CONVERGENCE, False, ("p", "phi", "redundant", "kantorovich", )),
+                rt.Guard(misfit[0], False, 1e-12, Status.NO_CONVERGENCE, False, ("p", "phi", "redundant", "kantorovich", )),
             ),
         )
     answer = ForwardNewton(*results[:-1])

@@ -1803,7 +1803,8 @@ def forward_newton(
         state, change = rt.repeat(
             lambda at: platform.newton_step(at, centre, rt.legs(anchor), rt.legs(length), points), start,
             1e-20, 25)
-        p, Q, redundant = platform.newton_pose(arguments.whole("s"), state, rt.legs(anchor), points, axes)
+        p, Q, redundant, misfit = platform.newton_pose(
+            arguments.whole("s"), state, rt.legs(anchor), rt.legs(length), points, axes)
         results = arguments.finish(
             {
                 "p": p,
@@ -1814,6 +1815,7 @@ def forward_newton(
             (
                 rt.Guard(flatness[0], True, 1e-24, Status.SINGULAR_NORMAL, False, ("p", "Q", "redundant", "kantorovich", )),
                 rt.Guard(change[0], False, 1e-20, Status.NO_CONVERGENCE, False, ("p", "Q", "redundant", "kantorovich", )),
+                rt.Guard(misfit[0], False, 1e-12, Status.NO_CONVERGENCE, False, ("p", "Q", "redundant", "kantorovich", )),
             ),
         )
     answer = ForwardNewton(*results[:-1])

@@ -1352,19 +1352,20 @@ KRHPR_STATIC void krhpr_platform_planar_a_newton_step_tangent(
 }
 
 /* `newton_pose` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.2, (3.4)
- * to (3.9).  (116 add, 128 multiply, 4 divide, 4 arctangent) */
+ * to (3.9).  (162 add, 164 multiply, 6 divide, 4 arctangent) */
 KRHPR_STATIC void krhpr_platform_planar_a_newton_pose_tangent(
-    const krhpr_dual *s, const krhpr_dual *state, const krhpr_dual *anchor, const krhpr_dual *points,
-    krhpr_dual *KRHPR_RESTRICT p, krhpr_dual *KRHPR_RESTRICT phi, krhpr_dual *KRHPR_RESTRICT redundant)
+    const krhpr_dual *s, const krhpr_dual *state, const krhpr_dual *anchor, const krhpr_dual *length,
+    const krhpr_dual *points, krhpr_dual *KRHPR_RESTRICT p, krhpr_dual *KRHPR_RESTRICT phi,
+    krhpr_dual *KRHPR_RESTRICT redundant, krhpr_dual *KRHPR_RESTRICT misfit)
 {
-    const double h1 = anchor[2].v - anchor[0].v;
-    const double h2 = anchor[3].v - anchor[1].v;
-    const double Rd_2_0 = state[3].v * h1 - state[4].v * h2;
-    const double Rd_2_1 = state[3].v * h2 + state[4].v * h1;
-    const double h3 = anchor[4].v - anchor[0].v;
-    const double h4 = anchor[5].v - anchor[1].v;
-    const double Rd_3_0 = state[3].v * h3 - state[4].v * h4;
-    const double Rd_3_1 = state[3].v * h4 + state[4].v * h3;
+    const double d_2_0 = anchor[2].v - anchor[0].v;
+    const double d_2_1 = anchor[3].v - anchor[1].v;
+    const double Rd_2_0 = state[3].v * d_2_0 - state[4].v * d_2_1;
+    const double Rd_2_1 = state[3].v * d_2_1 + state[4].v * d_2_0;
+    const double d_3_0 = anchor[4].v - anchor[0].v;
+    const double d_3_1 = anchor[5].v - anchor[1].v;
+    const double Rd_3_0 = state[3].v * d_3_0 - state[4].v * d_3_1;
+    const double Rd_3_1 = state[3].v * d_3_1 + state[4].v * d_3_0;
     const double a_1_0 = state[1].v - points[0].v;
     const double a_1_1 = state[2].v - points[1].v;
     const double a_2_0 = state[1].v + Rd_2_0 - points[2].v;
@@ -1379,57 +1380,89 @@ KRHPR_STATIC void krhpr_platform_planar_a_newton_pose_tangent(
     const double u_2_1 = state[3].v * a_2_1 - state[4].v * a_2_0;
     const double u_3_0 = state[3].v * a_3_0 + state[4].v * a_3_1;
     const double u_3_1 = state[3].v * a_3_1 - state[4].v * a_3_0;
-    const double h6 = anchor[1].v * u_1_0 - anchor[0].v * u_1_1;
-    const double h5 = anchor[0].v * u_1_0 + anchor[1].v * u_1_1;
-    const double h9 = anchor[3].v * u_2_0 - anchor[2].v * u_2_1;
-    const double h8 = anchor[2].v * u_2_0 + anchor[3].v * u_2_1;
-    const double h12 = anchor[5].v * u_3_0 - anchor[4].v * u_3_1;
-    const double h11 = anchor[4].v * u_3_0 + anchor[5].v * u_3_1;
-    const double h7 = 1.0 / (h5 * h5 + h6 * h6);
-    const double h10 = 1.0 / (h8 * h8 + h9 * h9);
-    const double h13 = 1.0 / (h11 * h11 + h12 * h12);
-    const double h14 = 1.0 / (state[3].v * state[3].v + state[4].v * state[4].v);
+    const double h2 = anchor[1].v * u_1_0 - anchor[0].v * u_1_1;
+    const double h1 = anchor[0].v * u_1_0 + anchor[1].v * u_1_1;
+    const double h5 = anchor[3].v * u_2_0 - anchor[2].v * u_2_1;
+    const double h4 = anchor[2].v * u_2_0 + anchor[3].v * u_2_1;
+    const double h8 = anchor[5].v * u_3_0 - anchor[4].v * u_3_1;
+    const double h7 = anchor[4].v * u_3_0 + anchor[5].v * u_3_1;
+    const double t1 = length[0].v * length[0].v;
+    const double f_1 = a_1_0 * a_1_0 + a_1_1 * a_1_1 - t1;
+    const double t2 = length[1].v * length[1].v;
+    const double f_2 = a_2_0 * a_2_0 + a_2_1 * a_2_1 - t2;
+    const double t3 = length[2].v * length[2].v;
+    const double f_3 = a_3_0 * a_3_0 + a_3_1 * a_3_1 - t3;
+    const double size2 = t3 + (t2 + (t1 + (d_2_0 * d_2_0 + d_2_1 * d_2_1 + d_3_0 * d_3_0 + d_3_1 * d_3_1)));
+    const double t4 = size2 * size2;
+    const double misfit_0 = (f_1 * f_1 + f_2 * f_2 + f_3 * f_3) / t4;
+    const double h3 = 1.0 / (h1 * h1 + h2 * h2);
+    const double h6 = 1.0 / (h4 * h4 + h5 * h5);
+    const double h9 = 1.0 / (h7 * h7 + h8 * h8);
+    const double h10 = 1.0 / (state[3].v * state[3].v + state[4].v * state[4].v);
+    const double h11 = 1.0 / t4;
     p[0].v = s[0].v + p_l_0;
     p[1].v = s[1].v + p_l_1;
     phi[0].v = krhpr_atan2(state[4].v, state[3].v);
-    redundant[0].v = krhpr_atan2(h6, h5);
-    redundant[1].v = krhpr_atan2(h9, h8);
-    redundant[2].v = krhpr_atan2(h12, h11);
+    redundant[0].v = krhpr_atan2(h2, h1);
+    redundant[1].v = krhpr_atan2(h5, h4);
+    redundant[2].v = krhpr_atan2(h8, h7);
+    misfit[0].v = misfit_0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = anchor[2].t[k] - anchor[0].t[k];
-        const double t2 = anchor[3].t[k] - anchor[1].t[k];
-        const double t3 = anchor[4].t[k] - anchor[0].t[k];
-        const double t4 = anchor[5].t[k] - anchor[1].t[k];
-        const double t5 = state[1].t[k] - points[0].t[k];
-        const double t6 = state[2].t[k] - points[1].t[k];
-        const double t7 = state[1].t[k] + (h1 * state[3].t[k] + state[3].v * t1 - (h2 * state[4].t[k] + state[4].v * t2));
-        const double t8 = t7 - points[2].t[k];
-        const double t9 = state[2].t[k] + (h2 * state[3].t[k] + state[3].v * t2 + (h1 * state[4].t[k] + state[4].v * t1));
-        const double t10 = t9 - points[3].t[k];
-        const double t11 = state[1].t[k] + (h3 * state[3].t[k] + state[3].v * t3 - (h4 * state[4].t[k] + state[4].v * t4));
-        const double t12 = t11 - points[4].t[k];
-        const double t13 = state[2].t[k] + (h4 * state[3].t[k] + state[3].v * t4 + (h3 * state[4].t[k] + state[4].v * t3));
-        const double t14 = t13 - points[5].t[k];
-        const double t15 = state[1].t[k] + (anchor[1].v * state[4].t[k] + state[4].v * anchor[1].t[k]) - (anchor[0].v * state[3].t[k] + state[3].v * anchor[0].t[k]);
-        const double t16 = state[2].t[k] - (anchor[0].v * state[4].t[k] + state[4].v * anchor[0].t[k]) - (anchor[1].v * state[3].t[k] + state[3].v * anchor[1].t[k]);
-        const double t17 = a_1_0 * state[3].t[k] + state[3].v * t5 + (a_1_1 * state[4].t[k] + state[4].v * t6);
-        const double t18 = a_1_1 * state[3].t[k] + state[3].v * t6 - (a_1_0 * state[4].t[k] + state[4].v * t5);
-        const double t19 = a_2_0 * state[3].t[k] + state[3].v * t8 + (a_2_1 * state[4].t[k] + state[4].v * t10);
-        const double t20 = a_2_1 * state[3].t[k] + state[3].v * t10 - (a_2_0 * state[4].t[k] + state[4].v * t8);
-        const double t21 = a_3_0 * state[3].t[k] + state[3].v * t12 + (a_3_1 * state[4].t[k] + state[4].v * t14);
-        const double t22 = a_3_1 * state[3].t[k] + state[3].v * t14 - (a_3_0 * state[4].t[k] + state[4].v * t12);
-        const double t23 = u_1_0 * anchor[1].t[k] + anchor[1].v * t17 - (u_1_1 * anchor[0].t[k] + anchor[0].v * t18);
-        const double t24 = u_1_0 * anchor[0].t[k] + anchor[0].v * t17 + (u_1_1 * anchor[1].t[k] + anchor[1].v * t18);
-        const double t25 = u_2_0 * anchor[3].t[k] + anchor[3].v * t19 - (u_2_1 * anchor[2].t[k] + anchor[2].v * t20);
-        const double t26 = u_2_0 * anchor[2].t[k] + anchor[2].v * t19 + (u_2_1 * anchor[3].t[k] + anchor[3].v * t20);
-        const double t27 = u_3_0 * anchor[5].t[k] + anchor[5].v * t21 - (u_3_1 * anchor[4].t[k] + anchor[4].v * t22);
-        const double t28 = u_3_0 * anchor[4].t[k] + anchor[4].v * t21 + (u_3_1 * anchor[5].t[k] + anchor[5].v * t22);
-        p[0].t[k] = s[0].t[k] + t15;
-        p[1].t[k] = s[1].t[k] + t16;
-        phi[0].t[k] = h14 * (state[3].v * state[4].t[k] - state[4].v * state[3].t[k]);
-        redundant[0].t[k] = h7 * (h5 * t23 - h6 * t24);
-        redundant[1].t[k] = h10 * (h8 * t25 - h9 * t26);
-        redundant[2].t[k] = h13 * (h11 * t27 - h12 * t28);
+        const double t5 = anchor[2].t[k] - anchor[0].t[k];
+        const double t6 = anchor[3].t[k] - anchor[1].t[k];
+        const double t7 = d_2_0 * state[3].t[k] + state[3].v * t5 - (d_2_1 * state[4].t[k] + state[4].v * t6);
+        const double t8 = d_2_1 * state[3].t[k] + state[3].v * t6 + (d_2_0 * state[4].t[k] + state[4].v * t5);
+        const double t9 = anchor[4].t[k] - anchor[0].t[k];
+        const double t10 = anchor[5].t[k] - anchor[1].t[k];
+        const double t11 = d_3_0 * state[3].t[k] + state[3].v * t9 - (d_3_1 * state[4].t[k] + state[4].v * t10);
+        const double t12 = d_3_1 * state[3].t[k] + state[3].v * t10 + (d_3_0 * state[4].t[k] + state[4].v * t9);
+        const double t13 = state[1].t[k] - points[0].t[k];
+        const double t14 = state[2].t[k] - points[1].t[k];
+        const double t15 = state[1].t[k] + t7 - points[2].t[k];
+        const double t16 = state[2].t[k] + t8 - points[3].t[k];
+        const double t17 = state[1].t[k] + t11 - points[4].t[k];
+        const double t18 = state[2].t[k] + t12 - points[5].t[k];
+        const double t19 = state[1].t[k] + (anchor[1].v * state[4].t[k] + state[4].v * anchor[1].t[k]) - (anchor[0].v * state[3].t[k] + state[3].v * anchor[0].t[k]);
+        const double t20 = state[2].t[k] - (anchor[0].v * state[4].t[k] + state[4].v * anchor[0].t[k]) - (anchor[1].v * state[3].t[k] + state[3].v * anchor[1].t[k]);
+        const double t21 = a_1_0 * state[3].t[k] + state[3].v * t13 + (a_1_1 * state[4].t[k] + state[4].v * t14);
+        const double t22 = a_1_1 * state[3].t[k] + state[3].v * t14 - (a_1_0 * state[4].t[k] + state[4].v * t13);
+        const double t23 = a_2_0 * state[3].t[k] + state[3].v * t15 + (a_2_1 * state[4].t[k] + state[4].v * t16);
+        const double t24 = a_2_1 * state[3].t[k] + state[3].v * t16 - (a_2_0 * state[4].t[k] + state[4].v * t15);
+        const double t25 = a_3_0 * state[3].t[k] + state[3].v * t17 + (a_3_1 * state[4].t[k] + state[4].v * t18);
+        const double t26 = a_3_1 * state[3].t[k] + state[3].v * t18 - (a_3_0 * state[4].t[k] + state[4].v * t17);
+        const double t27 = u_1_0 * anchor[1].t[k] + anchor[1].v * t21 - (u_1_1 * anchor[0].t[k] + anchor[0].v * t22);
+        const double t28 = u_1_0 * anchor[0].t[k] + anchor[0].v * t21 + (u_1_1 * anchor[1].t[k] + anchor[1].v * t22);
+        const double t29 = u_2_0 * anchor[3].t[k] + anchor[3].v * t23 - (u_2_1 * anchor[2].t[k] + anchor[2].v * t24);
+        const double t30 = u_2_0 * anchor[2].t[k] + anchor[2].v * t23 + (u_2_1 * anchor[3].t[k] + anchor[3].v * t24);
+        const double t31 = u_3_0 * anchor[5].t[k] + anchor[5].v * t25 - (u_3_1 * anchor[4].t[k] + anchor[4].v * t26);
+        const double t32 = u_3_0 * anchor[4].t[k] + anchor[4].v * t25 + (u_3_1 * anchor[5].t[k] + anchor[5].v * t26);
+        const double t33 = a_1_0 * t13;
+        const double t34 = a_1_1 * t14;
+        const double t35 = length[0].v * length[0].t[k];
+        const double t36 = t35 + t35;
+        const double t37 = a_2_0 * t15;
+        const double t38 = a_2_1 * t16;
+        const double t39 = length[1].v * length[1].t[k];
+        const double t40 = t39 + t39;
+        const double t41 = a_3_0 * t17;
+        const double t42 = a_3_1 * t18;
+        const double t43 = length[2].v * length[2].t[k];
+        const double t44 = t43 + t43;
+        const double t45 = d_2_0 * t5;
+        const double t46 = d_2_1 * t6;
+        const double t47 = d_3_0 * t9;
+        const double t48 = d_3_1 * t10;
+        const double t49 = f_1 * (t33 + t33 + (t34 + t34) - t36);
+        const double t50 = f_2 * (t37 + t37 + (t38 + t38) - t40);
+        const double t51 = f_3 * (t41 + t41 + (t42 + t42) - t44);
+        const double t52 = size2 * (t44 + (t40 + (t36 + (t45 + t45 + (t46 + t46) + (t47 + t47) + (t48 + t48)))));
+        p[0].t[k] = s[0].t[k] + t19;
+        p[1].t[k] = s[1].t[k] + t20;
+        phi[0].t[k] = h10 * (state[3].v * state[4].t[k] - state[4].v * state[3].t[k]);
+        redundant[0].t[k] = h3 * (h1 * t27 - h2 * t28);
+        redundant[1].t[k] = h6 * (h4 * t29 - h5 * t30);
+        redundant[2].t[k] = h9 * (h7 * t31 - h8 * t32);
+        misfit[0].t[k] = h11 * (t49 + t49 + (t50 + t50) + (t51 + t51) - misfit_0 * (t52 + t52));
     }
 }
 

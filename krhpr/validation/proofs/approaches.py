@@ -30,6 +30,7 @@ def newton(subject: Subject, check: Check, count: int) -> Measured:
             pose = _platform(here, "newton_pose", state=state, **start)
             for name in ("p", "phi" if subject.planar else "Q", "redundant"):
                 found.equal(pose[name], here.values[name], f"{name} where steps end")
+            found.equal(pose["misfit"], [Ball(0)], "misfit where steps end")
             small = Ball(Fraction(1, 10**15))
             for index in range(3):
                 moved = [x + (small if i == index else Ball(0)) for i, x in enumerate(state)]
