@@ -34,8 +34,9 @@ from krhpr.derivations.roots import COEFFICIENT_ERROR, MISS_TOLERANCE
 from krhpr.derivations.sublegs.forward import ForwardRoots
 
 FITS = 1e-6
-"""Newton steps end at a pose where the links' squared lengths misfit by less than this, relative to theirs and the
-platform's: far above rounding wherever a robot works."""
+"""Newton steps end at a pose where the links' squared lengths misfit by less than this, relative to theirs
+and the platform's: far above rounding wherever a robot works.
+"""
 
 ENCODERS = {2: "two", 3: "three"}
 
