@@ -49,6 +49,9 @@ THOROUGH = (
 arrangements.
 """
 
+SOME = ("spatial_rrr_a", "spatial_r_fivebar_a", "spatial_cpr3_c", "planar_rrr_c")
+"""Those of them that small samples compile."""
+
 
 def large(robot: str, full: bool) -> bool:
     """Whether this robot is tested on large samples; the others always have small ones."""

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import krhpr
 from krhpr.generated.python.runtime import at_roots
 from krhpr.validation.sampling import rotations
-from tests.support import ROOT
+from tests.support import ROOT, with_cover
 
 REFERENCE = ROOT / "tests" / "reference"
 CASES = json.loads((REFERENCE / "platforms.json").read_text("utf-8"))["forward"]
@@ -183,7 +183,7 @@ def random_poses(
 
 
 @pytest.mark.compiler
-@pytest.mark.parametrize("identifier", krhpr.catalogue())
+@pytest.mark.parametrize("identifier", with_cover(krhpr.catalogue()))
 def test_the_joints_give_the_pose_back(identifier: str, full: bool) -> None:
     """No guess and no extra encoder: not one pose is missed, in every working mode."""
     robot = krhpr.load(identifier, backend="compiled")

@@ -179,7 +179,7 @@ def _identity(robot: RobotCode) -> Iterator[Check]:
                 function.name,
                 target,
                 _closeness(balls),
-                FEW if balls else Samples(3, 20),
+                Samples(1, 12) if balls else Samples(1, 20),
                 _identity_statement(function),
                 "printed text",
                 same_text=_only_platform(robot, function),

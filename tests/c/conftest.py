@@ -6,20 +6,22 @@ from pathlib import Path
 import pytest
 
 from tests.c.support import COMPILERS, COVER, HERE, KINDS, ROBOTS, SOURCES, program, run, table
-from tests.support import THOROUGH
+from tests.support import SOME, THOROUGH
 
 Build = Callable[..., Path]
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    """Some robots of all kinds, or one of each sub-leg with --full, for robots share kernels; where a test is
-    marked `every_robot`, one of each sub-leg, or every robot with --full.
+    """Some robots, or with --full those of large samples and one of each sub-leg, for robots share kernels;
+    where a test is marked `every_robot`, one of each sub-leg, or every robot with --full.
     """
     own = any("robot" in mark.args[0] for mark in metafunc.definition.iter_markers("parametrize"))
     if "robot" in metafunc.fixturenames and not own:
-        steps = [THOROUGH, COVER, ROBOTS]
-        marked = metafunc.definition.get_closest_marker("every_robot") is not None
-        metafunc.parametrize("robot", steps[marked + metafunc.config.getoption("--full")])
+        if metafunc.definition.get_closest_marker("every_robot") is None:
+            small, large = SOME, tuple(dict.fromkeys((*THOROUGH, *COVER)))
+        else:
+            small, large = COVER, ROBOTS
+        metafunc.parametrize("robot", large if metafunc.config.getoption("--full") else small)
 
 
 @pytest.fixture(params=COMPILERS)
@@ -32,7 +34,7 @@ def compiler(request: pytest.FixtureRequest) -> str:
 @pytest.fixture
 def in_turns(robot: str, compiler: str, full: bool) -> None:
     """In small samples one compiler for each robot, in turns, and both for the first."""
-    if not full and COMPILERS[len(robot) % 2] != compiler and robot != THOROUGH[0]:
+    if not full and COMPILERS[len(robot) % 2] != compiler and robot != SOME[0]:
         pytest.skip("small samples: one compiler for each robot, in turns; both for the first")
 
 

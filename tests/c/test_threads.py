@@ -8,7 +8,7 @@ import pytest
 
 from tests.c.conftest import Build
 from tests.c.support import run
-from tests.support import THOROUGH, large
+from tests.support import SOME, large
 
 
 @pytest.mark.usefixtures("in_turns")
@@ -17,7 +17,7 @@ def test_threads_agree_bit_by_bit(robot: str, compiler: str, build: Build, full:
 
 
 def test_no_data_race(robot: str, compiler: str, build: Build, full: bool) -> None:
-    if robot != THOROUGH[0] and not large(robot, full):
+    if robot != SOME[0] and not large(robot, full):
         pytest.skip("small samples: the first robot only")
     binary = build("threads.c", robot, compiler, "-O1", "-g", "-pthread", "-fsanitize=thread")
     done = subprocess.run([binary], capture_output=True, text=True, check=False)

@@ -35,7 +35,7 @@ from krhpr.validation.sampling import Batch, draw
 from krhpr.validation.scale import relative, worst_of
 from tests.c.support import COMPILERS, CONFORMANCE, CPP, CPP_CONFORMANCE
 from tests.files.support import EXAMPLE
-from tests.support import THOROUGH, contents, run_python
+from tests.support import SOME, THOROUGH, contents, run_python
 from tests.validation.support import subject
 
 ROBOTS = krhpr.catalogue()
@@ -102,8 +102,15 @@ class Gathered:
 
 @pytest.fixture(
     scope="module",
-    params=[(name, baked) for name in THOROUGH for baked in (True, False)],
-    ids=lambda p: f"{p[0]}-{'baked' if p[1] else 'free'}",
+    params=[
+        pytest.param(
+            (name, baked),
+            id=f"{name}-{'baked' if baked else 'free'}",
+            marks=() if name in SOME else pytest.mark.full,
+        )
+        for name in THOROUGH
+        for baked in (True, False)
+    ],
 )
 def gathered(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Gathered]:
     identifier, baked = request.param

@@ -42,7 +42,7 @@ class Preprocessor:
         """The text without directives, each line in its place."""
         text = _COMMENT.sub(_strip_comment, text)
         text = re.sub(r"(?:[^\n]*\\\n)+[^\n]*", _join_continued, text)
-        output = [f'# 1 "{name}"']
+        output = []
         conditions: list[tuple[bool, bool]] = []  # (this branch is read, some branch was read)
         for number, line in enumerate(text.split("\n"), 1):
             directive = _DIRECTIVE.match(line) if line.lstrip().startswith("#") else None

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from pycparser import c_ast, c_parser
+from pycparser import c_ast
 
 from krhpr.validation.c_interpreter.compiled import Function
 from krhpr.validation.c_interpreter.declarations import PRELUDE, Types
@@ -16,18 +15,10 @@ from krhpr.validation.c_interpreter.errors import Unsupported, unsupported
 from krhpr.validation.c_interpreter.memory import Block, Struct, from_python
 from krhpr.validation.c_interpreter.preprocessor import Preprocessor
 from krhpr.validation.c_interpreter.scope import Environment
+from krhpr.validation.c_interpreter.source import Definition, parsed, take_apart
 from krhpr.validation.c_interpreter.statements import compile_function, constant_table
 from krhpr.validation.c_interpreter.types import CType, Record, Void
 from krhpr.validation.numbers import EXACT, Arithmetic
-
-
-@lru_cache(maxsize=8)
-def _parsed(text: str) -> c_ast.FileAST:
-    """The tree of a text, which programs of several arithmetics share; nothing changes it."""
-    try:
-        return c_parser.CParser().parse(text, "prelude")
-    except c_parser.ParseError as error:
-        raise Unsupported(f"the text does not parse as C99: {error}") from error
 
 
 class CProgram:
@@ -56,14 +47,21 @@ class CProgram:
         for name, value in (constants or {}).items():
             values[name] = value if callable(value) else _constantly(arithmetic.lift(value))
         self._types = Types()
-        self._definitions: dict[str, c_ast.FuncDef] = {}
+        self._definitions: dict[str, Definition] = {}
         self._functions: dict[str, Function] = {}
         self._tables: dict[str, tuple[CType, Block]] = {}
         self._environment = Environment(arithmetic, self._types, values, self._tables, self._function)
         preprocessor = Preprocessor([*values, "NULL", "true", "false"])
         preprocessor.macros |= macros or {}
-        text = "\n".join([PRELUDE, *(preprocessor.process(source, name) for name, source in sources)])
-        for node in _parsed(text).ext:
+        texts = [PRELUDE]
+        for name, source in sources:
+            between, functions = take_apart(preprocessor.process(source, name), name)
+            texts.append(between)
+            for function in functions:
+                if function.name in self._definitions:
+                    raise Unsupported(f"{name}: {function.name} is defined twice")
+                self._definitions[function.name] = function
+        for node in parsed("\n".join(texts)).ext:
             self._external(node)
 
     @classmethod
@@ -142,7 +140,7 @@ class CProgram:
     def _function(self, name: str) -> Function | None:
         """A function, compiled when it is first asked for."""
         if name in self._definitions and name not in self._functions:
-            node = self._definitions[name]
+            node = self._definitions[name].parsed(tuple(self._types.typedefs))
             function = self._functions[name] = self._head(node)  # its body may name it
             try:
                 compile_function(function, node.body, self._environment)
@@ -166,10 +164,6 @@ class CProgram:
         match node:
             case c_ast.Typedef():
                 self._types.typedefs[node.name] = self._types.resolve(node.type, node.name)
-            case c_ast.FuncDef():
-                if node.decl.name in self._definitions:
-                    raise unsupported(node, f"{node.decl.name} is defined twice")
-                self._definitions[node.decl.name] = node
             case c_ast.Decl() if isinstance(node.type, c_ast.Struct | c_ast.Enum):
                 self._types.resolve(node.type)
             case c_ast.Decl() if isinstance(node.type, c_ast.FuncDecl):

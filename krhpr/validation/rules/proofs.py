@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from krhpr.validation.check import BALL, EXACT, Samples
 from krhpr.validation.rules.known import FIRST_PRINCIPLES, THESIS_ROWS, THESIS_VELOCITY
 
-MANY = Samples(4, 40)
+MANY = Samples(2, 40)
 FEW = Samples(2, 12)
 
 
