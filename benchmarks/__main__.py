@@ -11,7 +11,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks import from_python, machine, report, summary
+from benchmarks import every_robot, from_python, machine, pictures, report, scaling, summary
 from benchmarks.build import BuildError, Built, Tools, build_contender, build_library
 from benchmarks.contender import Contender, Manifest, Missing
 from benchmarks.measure import Bench, Row
@@ -19,18 +19,24 @@ from benchmarks.ours import c_contenders
 from benchmarks.peers import PEER_PYTHON, PEERS, ROOT, generate
 from benchmarks.workloads import WORKLOADS, Workload
 
+PARTS = ("c", "python", "scaling", "robots")
+
 
 def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     """The command line."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("--workloads", nargs="+", choices=list(WORKLOADS), default=list(WORKLOADS))
-    parser.add_argument("--only", choices=("c", "python"), help="measure one of the two parts")
+    parser.add_argument("--only", choices=PARTS, nargs="+", default=PARTS, help="measure some of the parts")
     parser.add_argument("--rounds", type=int, default=300, help="rounds in C (default %(default)s)")
     parser.add_argument(
         "--python-rounds", type=int, default=60, help="rounds in Python (default %(default)s)"
     )
     parser.add_argument("--out", type=Path, default=ROOT / "build" / "benchmarks")
     parser.add_argument("--page", type=Path, help="a page whose tables to replace, docs/performance.md say")
+    parser.add_argument(
+        "--robot-rounds", type=int, default=30, help="rounds of every robot (default %(default)s)"
+    )
+    parser.add_argument("--pictures", type=Path, help="a folder for pictures, docs/pictures say")
     parser.add_argument("--cc", default="gcc")
     parser.add_argument("--cxx", default="g++")
     parser.add_argument(
@@ -108,16 +114,24 @@ def main(argv: Sequence[str] | None = None) -> int:
     python: list[from_python.PythonResult] = []
     manifest = Manifest()
     absent: list[Missing] = []
-    if options.only != "python":
+    if "c" in options.only:
         manifest, absent = gather(options.workloads, options.out, options.peer_python)
+    points = []
+    if "scaling" in options.only:  # before this process keeps to one core
+        print("scaling", file=sys.stderr)
+        points = scaling.measure(options.python_rounds)
     machine.pin_to_one_core()
-    if options.only != "python":
+    if "c" in options.only:
         results = [measure_c(w, manifest, absent, options, tools) for w in workloads]
-    if options.only != "c":
+    if "python" in options.only:
         for workload in (w for w in workloads if w.key in from_python.KEYS):
             print(f"from Python: {workload.key}", file=sys.stderr)
             folder = options.out / "generated" / "python"
             python.append(from_python.measure(workload, folder, tools, options.python_rounds))
+    robots = []
+    if "robots" in options.only:
+        print("every robot", file=sys.stderr)
+        robots = every_robot.measure(options.out / "objects", tools, options.robot_rounds)
     rows: list[Row | from_python.PythonRow] = [row for result in results for row in result.rows]
     rows += [row for result in python for row in result.rows]
     spreads = [series.spread for row in rows for series in row.series.values()]
@@ -131,8 +145,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         "versions": versions | manifest.versions,
         "warnings": warnings,
         "rows": report.as_json(results, python),
+        "scaling": [point.as_json() for point in points],
+        "every robot": [row.as_json() for row in robots],
     }
     (options.out / "results.json").write_text(json.dumps(data, indent=1, ensure_ascii=False) + "\n")
+    if options.pictures is not None:
+        for path in pictures.draw(data, options.pictures):
+            print(f"wrote {path}", file=sys.stderr)
     if options.page is not None:
         summary.update(options.page, data)
     return 0 if all(row.correct for row in rows) else 1

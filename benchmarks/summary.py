@@ -22,11 +22,18 @@ TITLES = {"w1": "W1", "w2": "W2", "w3": "W3", "w4": "W4", "w5": "W5"}
 STRAIGHT = ("w1", "w2", "w5")
 """Workloads without iterations."""
 
+TIMES = "tenth_percentile_ns"
+"""What code takes when nobody disturbs: other processes slow code that keeps the vector units busy more than
+code that waits for the C library.  The medians are in results.md.
+"""
+
 
 def update(page: Path, results: Results) -> None:
     """Put the tables of a run into a page."""
     text = page.read_text()
     for name, table in TABLES.items():
+        if name in MEASURED_APART and not results[name]:
+            continue
         mark = f"<!-- measured: {name} -->\n"
         pattern = re.compile(f"{re.escape(mark)}.*?<!-- end -->", re.DOTALL)
         if not pattern.search(text):
@@ -83,7 +90,7 @@ def batches(results: Results) -> str:
             if own is None:
                 continue
             vector = _best([row for row in _of(results, key, LANES) if row.get("layout") == layout], "batch")
-            ns = own["median_ns"]["batch"]
+            ns = own[TIMES]["batch"]
             slower = f"{scalar['median_ns']['throughput'] / ns:.1f}" if scalar else ""
             lines.append([TITLES[key], words, _ns(own, "batch"), _times(vector, own, "batch"), slower])
     return _table(head, lines)
@@ -137,13 +144,57 @@ def from_python(results: Results) -> str:
     return _table(head, lines)
 
 
+def every_robot(results: Results) -> str:
+    """Each robot of the catalogue."""
+    head = ["", "W1", "W1, batch", "W2", "W2, batch", "`.text`", "batches", "s to compile"]
+    lines = []
+    for row in results["every robot"]:
+        times, sizes, seconds = row["undisturbed"], row["text_bytes"], row["seconds"]
+        cells = [f"{times[f'{key} {mode}']:.0f}" for key in ("w1", "w2") for mode in ("single", "batch")]
+        cells += [f"{sizes[kind] / 1024:.0f}" for kind in ("single", "batch")]
+        lines.append([f"`{row['robot']}`", *cells, f"{sum(seconds.values()):.1f}"])
+    return _table(head, lines)
+
+
+def scaling(results: Results) -> str:
+    """How time grows with poses and threads."""
+    points = results["scaling"]
+    threads = sorted({point["threads"] for point in points})
+    head = ["poses", *(f"{count} thread{'s' if count > 1 else ''}" for count in threads)]
+    lines = []
+    for poses in sorted({point["poses"] for point in points}):
+        found = {point["threads"]: point["undisturbed"] for point in points if point["poses"] == poses}
+        lines.append([f"{poses:,}", *(f"{found[count]:,.0f}" for count in threads)])
+    return _table(head, lines)
+
+
+def slower(results: Results, mode: str) -> dict[str, dict[str, float]]:
+    """How many times slower than ours every peer's best form is, by workload."""
+    names = sorted({row["contender"] for row in _rows(results, "C")} - {OURS})
+    found: dict[str, dict[str, float]] = {}
+    for name in names:
+        ratios = {}
+        for key in STRAIGHT:
+            theirs, own = (_best(_of(results, key, who), mode) for who in (name, OURS))
+            if theirs is not None and own is not None:
+                ratios[key] = theirs[TIMES][mode] / own[TIMES][mode]
+        if len(ratios) == len(STRAIGHT):
+            found[name] = ratios
+    return found
+
+
 TABLES: Mapping[str, Callable[[Results], str]] = {
     "machine": machine,
     "one pose": one_pose,
     "batches": batches,
     "forward": forward,
     "from Python": from_python,
+    "scaling": scaling,
+    "every robot": every_robot,
 }
+
+MEASURED_APART = ("scaling", "every robot")
+"""Tables that keep what they show where a run leaves them out."""
 
 
 def _rows(results: Results, language: str) -> list[Row]:
@@ -155,13 +206,13 @@ def _of(results: Results, key: str, name: str, language: str = "C") -> list[Row]
 
 
 def _times_of(row: Row) -> Mapping[str, float]:
-    found: Mapping[str, float] = row.get("median_ns") or {}
+    found: Mapping[str, float] = row.get(TIMES) or {}
     return found
 
 
 def _best(rows: Iterable[Row], mode: str) -> Row | None:
     timed = [row for row in rows if mode in _times_of(row)]
-    return min(timed, key=lambda row: float(row["median_ns"][mode]), default=None)
+    return min(timed, key=lambda row: float(row[TIMES][mode]), default=None)
 
 
 def _text(row: Row | None) -> int:

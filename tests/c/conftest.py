@@ -12,13 +12,13 @@ Build = Callable[..., Path]
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    """Some robots, or with --full those of large samples and one of each sub-leg, for robots share kernels;
-    where a test is marked `every_robot`, one of each sub-leg, or every robot with --full.
+    """Some robots, or with --full those of large samples, for robots share kernels; where a test is marked
+    `every_robot`, one of each sub-leg, or every robot with --full.
     """
     own = any("robot" in mark.args[0] for mark in metafunc.definition.iter_markers("parametrize"))
     if "robot" in metafunc.fixturenames and not own:
         if metafunc.definition.get_closest_marker("every_robot") is None:
-            small, large = SOME, tuple(dict.fromkeys((*THOROUGH, *COVER)))
+            small, large = SOME, THOROUGH
         else:
             small, large = COVER, ROBOTS
         metafunc.parametrize("robot", large if metafunc.config.getoption("--full") else small)

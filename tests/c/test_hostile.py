@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from tests.c.conftest import Build
-from tests.c.support import SOURCES, program, run
-from tests.support import large
+from tests.c.support import COMPILERS, COVER, SOURCES, program, run
+from tests.support import THOROUGH, large
 
 SANITIZE = ("-fsanitize=address,undefined", "-fsanitize=float-cast-overflow", "-fno-sanitize-recover=all")
 
@@ -38,10 +38,12 @@ def test_every_function_keeps_its_promises(robot: str, compiler: str, build: Bui
     run([binary, "20000" if large(robot, full) else "600", *may_be_nan(robot)])
 
 
-def test_without_sanitizers_at_full_speed(robot: str, compiler: str, build: Build, full: bool) -> None:
+@pytest.mark.full
+@pytest.mark.parametrize("robot", tuple(dict.fromkeys((*THOROUGH, *COVER))))
+def test_without_sanitizers_at_full_speed(robot: str, compiler: str, build: Build) -> None:
     """The same promises hold for the flags that a controller is compiled with."""
-    if not large(robot, full):
-        pytest.skip("large samples only")
+    if robot not in THOROUGH and COMPILERS[len(robot) % 2] != compiler:
+        pytest.skip("one compiler for each robot, in turns; both for some")
     flags = ("-O3", "-march=native", "-ffp-contract=fast", "-fno-math-errno", "-DTOLERANCE=1e-9")
     flags += ("-fno-tree-slp-vectorize",)
     known = flags if compiler == "gcc" else flags[:-1]
