@@ -21,6 +21,7 @@ from krhpr.codegen.composition import (
 from krhpr.codegen.kernel import Frame, Layout, Port, Unit
 from krhpr.derivations.platforms.base import Platform
 from krhpr.derivations.robot_forward import ForwardFunctions
+from krhpr.derivations.robot_statics import StaticsFunctions
 from krhpr.derivations.sublegs.base import SubLeg
 from krhpr.derivations.terms import Space
 
@@ -60,7 +61,7 @@ class Robot:
         return tuple(_Functions(self).all())
 
 
-class _Functions(ForwardFunctions):
+class _Functions(ForwardFunctions, StaticsFunctions):
     """Every function of one robot."""
 
     def all(self) -> Iterable[RobotFunction]:
@@ -90,6 +91,8 @@ class _Functions(ForwardFunctions):
         yield self._joint_rates()
         yield self._platform_acceleration()
         yield self._joint_accelerations()
+        yield self._inverse_statics()
+        yield self._forward_statics()
         yield self._passive_joints()
         yield self._link_points()
         yield self._singularity()

@@ -39,6 +39,8 @@
 #define krhpr_planar_pr_b_joint_rates plain_joint_rates
 #define krhpr_planar_pr_b_platform_acceleration plain_platform_acceleration
 #define krhpr_planar_pr_b_joint_accelerations plain_joint_accelerations
+#define krhpr_planar_pr_b_inverse_statics plain_inverse_statics
+#define krhpr_planar_pr_b_forward_statics plain_forward_statics
 #define krhpr_planar_pr_b_passive_joints plain_passive_joints
 #define krhpr_planar_pr_b_link_points plain_link_points
 #define krhpr_planar_pr_b_singularity plain_singularity
@@ -63,6 +65,8 @@
 #undef krhpr_planar_pr_b_joint_rates
 #undef krhpr_planar_pr_b_platform_acceleration
 #undef krhpr_planar_pr_b_joint_accelerations
+#undef krhpr_planar_pr_b_inverse_statics
+#undef krhpr_planar_pr_b_forward_statics
 #undef krhpr_planar_pr_b_passive_joints
 #undef krhpr_planar_pr_b_link_points
 #undef krhpr_planar_pr_b_singularity
@@ -160,32 +164,35 @@ static const casadi_int P49[3] = {3, 6, 1};
 static const casadi_int P50[18] = {3, 6, 0, 0, 0, 0, 3, 6, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
 static const casadi_int P51[15] = {6, 6, 0, 0, 0, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
 static const casadi_int P52[3] = {6, 3, 1};
-static const casadi_int P53[12] = {3, 6, 0, 0, 0, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P54[5] = {6, 2, 0, 0, 0};
-static const casadi_int P55[4] = {6, 1, 0, 0};
-static const casadi_int P56[13] = {6, 6, 0, 2, 2, 2, 4, 4, 4, 1, 2, 4, 5};
-static const casadi_int P57[11] = {6, 6, 0, 0, 0, 0, 2, 2, 2, 1, 4};
-static const casadi_int P58[13] = {6, 6, 0, 0, 2, 2, 2, 4, 4, 1, 2, 4, 5};
-static const casadi_int P59[11] = {6, 6, 0, 0, 0, 0, 0, 2, 2, 1, 4};
-static const casadi_int P60[13] = {6, 6, 0, 0, 0, 2, 2, 2, 4, 1, 2, 4, 5};
-static const casadi_int P61[11] = {6, 6, 0, 0, 0, 0, 0, 0, 2, 1, 4};
-static const casadi_int P62[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P63[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P64[3] = {1, 6, 1};
-static const casadi_int P65[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P66[3] = {1, 3, 1};
-static const casadi_int P67[3] = {4, 6, 1};
-static const casadi_int P68[3] = {2, 6, 1};
-static const casadi_int P69[3] = {6, 6, 1};
-static const casadi_int P70[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P71[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
-static const casadi_int P72[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P73[4] = {4, 1, 0, 0};
-static const casadi_int P74[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
-static const casadi_int P75[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
-static const casadi_int P76[3] = {4, 3, 1};
-static const casadi_int P77[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
-static const casadi_int P78[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P53[3] = {6, 6, 1};
+static const casadi_int P54[12] = {6, 6, 0, 0, 0, 0, 1, 2, 3, 3, 4, 5};
+static const casadi_int P55[7] = {3, 2, 0, 1, 2, 2, 2};
+static const casadi_int P56[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 2, 2, 2, 2, 2, 2};
+static const casadi_int P57[12] = {3, 6, 0, 0, 0, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P58[5] = {6, 2, 0, 0, 0};
+static const casadi_int P59[4] = {6, 1, 0, 0};
+static const casadi_int P60[13] = {6, 6, 0, 2, 2, 2, 4, 4, 4, 1, 2, 4, 5};
+static const casadi_int P61[11] = {6, 6, 0, 0, 0, 0, 2, 2, 2, 1, 4};
+static const casadi_int P62[13] = {6, 6, 0, 0, 2, 2, 2, 4, 4, 1, 2, 4, 5};
+static const casadi_int P63[11] = {6, 6, 0, 0, 0, 0, 0, 2, 2, 1, 4};
+static const casadi_int P64[13] = {6, 6, 0, 0, 0, 2, 2, 2, 4, 1, 2, 4, 5};
+static const casadi_int P65[11] = {6, 6, 0, 0, 0, 0, 0, 0, 2, 1, 4};
+static const casadi_int P66[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P67[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P68[3] = {1, 6, 1};
+static const casadi_int P69[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P70[3] = {1, 3, 1};
+static const casadi_int P71[3] = {4, 6, 1};
+static const casadi_int P72[3] = {2, 6, 1};
+static const casadi_int P73[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P74[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
+static const casadi_int P75[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P76[4] = {4, 1, 0, 0};
+static const casadi_int P77[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
+static const casadi_int P78[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
+static const casadi_int P79[3] = {4, 3, 1};
+static const casadi_int P80[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P81[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- end_points -- */
 
@@ -877,6 +884,127 @@ static const krhpr_casadi_function function_joint_accelerations = {
 KRHPR_CASADI_FUNCTION(NAME(joint_accelerations), function_joint_accelerations)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(joint_accelerations), function_joint_accelerations)
 
+/* -- inverse_statics -- */
+
+static int value_inverse_statics(const double *x, double *y)
+{
+    return plain_inverse_statics(&geometry, x, x[2], x + 3, x + 9, x + 15, x + 18, y);
+}
+
+static void tangent_inverse_statics(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const phi = given + 2;
+    const krhpr_dual *const s = given + 3;
+    const krhpr_dual *const theta = given + 9;
+    const krhpr_dual *const wrench = given + 15;
+    const krhpr_dual *const redundant_forces = given + 18;
+    krhpr_dual *const actuator_forces = found;
+    krhpr_dual Q[4];
+    krhpr_dual line[9];
+    krhpr_dual point[6];
+    krhpr_dual redundant_line[9];
+    krhpr_dual K_n[12];
+    krhpr_dual line_forces[3];
+    krhpr_dual det_regularity[1];
+    krhpr_algebra_planar_rotation_tangent(phi, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[2];
+        krhpr_dual scale[2];
+        krhpr_dual along[2];
+        krhpr_dual u[2];
+        krhpr_platform_planar_b_line_tangent(
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_platform_planar_b_redundant_line_tangent(
+            &geometry.platform, i, p, Q, s + 2 * i, along, redundant_line + 3 * i);
+        krhpr_subleg_planar_pr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, u);
+        krhpr_subleg_planar_pr_transmission_tangent(&geometry.subleg, i, u, N, along, K_n + 4 * i);
+    }
+    krhpr_platform_planar_b_balance_tangent(
+        Q, line, point, redundant_line, redundant_forces, wrench, line_forces, det_regularity);
+    krhpr_subleg_planar_pr_torques_tangent(K_n, line_forces, redundant_forces, actuator_forces);
+}
+
+static const krhpr_casadi_slot in_inverse_statics[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+    {"out_wrench", 3, 1, 1, NULL, P4, P5},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_inverse_statics[] = {
+    {"out_actuator_forces", 3, 2, 1, NULL, P6, P7},
+};
+static const casadi_int *const structure_inverse_statics[] = {
+    P42, P19, P53, P54, P52, P52
+};
+static const char *const names_inverse_statics[] = {
+    "jac_actuator_forces_p", "jac_actuator_forces_phi", "jac_actuator_forces_s", "jac_actuator_forces_theta",
+    "jac_actuator_forces_wrench", "jac_actuator_forces_redundant_forces"
+};
+static const krhpr_casadi_function function_inverse_statics = {
+    6, in_inverse_statics, 1, out_inverse_statics, value_inverse_statics, tangent_inverse_statics, structure_inverse_statics, names_inverse_statics
+};
+KRHPR_CASADI_FUNCTION(NAME(inverse_statics), function_inverse_statics)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(inverse_statics), function_inverse_statics)
+
+/* -- forward_statics -- */
+
+static int value_forward_statics(const double *x, double *y)
+{
+    return plain_forward_statics(&geometry, x, x[2], x + 3, x + 9, x + 15, y, y + 3);
+}
+
+static void tangent_forward_statics(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const phi = given + 2;
+    const krhpr_dual *const s = given + 3;
+    const krhpr_dual *const theta = given + 9;
+    const krhpr_dual *const actuator_forces = given + 15;
+    krhpr_dual *const wrench = found;
+    krhpr_dual *const redundant_forces = found + 3;
+    krhpr_dual Q[4];
+    krhpr_dual end_force[6];
+    krhpr_dual moment[3];
+    krhpr_algebra_planar_rotation_tangent(phi, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual u[2];
+        krhpr_subleg_planar_pr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, u);
+        krhpr_subleg_planar_pr_end_force_tangent(
+            &geometry.subleg, i, u, actuator_forces + 2 * i, end_force + 2 * i);
+        krhpr_platform_planar_b_reaction_tangent(
+            &geometry.platform, i, p, Q, s + 2 * i, end_force + 2 * i, moment + i, redundant_forces + i);
+    }
+    krhpr_algebra_planar_total_tangent(end_force, moment, wrench);
+}
+
+static const krhpr_casadi_slot in_forward_statics[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+    {"out_actuator_forces", 3, 2, 1, NULL, P6, P7},
+};
+static const krhpr_casadi_slot out_forward_statics[] = {
+    {"out_wrench", 3, 1, 1, NULL, P4, P5},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_forward_statics[] = {
+    P55, P5, P56, P50, P49, P7, P4, P13, P57, P21
+};
+static const char *const names_forward_statics[] = {
+    "jac_wrench_p", "jac_wrench_phi", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
+    "jac_redundant_forces_p", "jac_redundant_forces_phi", "jac_redundant_forces_s", "jac_redundant_forces_theta",
+    "jac_redundant_forces_actuator_forces"
+};
+static const krhpr_casadi_function function_forward_statics = {
+    5, in_forward_statics, 2, out_forward_statics, value_forward_statics, tangent_forward_statics, structure_forward_statics, names_forward_statics
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_statics), function_forward_statics)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_statics), function_forward_statics)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -917,7 +1045,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P7, P4, P13, P53, P6, P4, P21, P13
+    P7, P4, P13, P57, P6, P4, P21, P13
 };
 static const char *const names_passive_joints[] = {
     "jac_wrist_p", "jac_wrist_phi", "jac_wrist_s", "jac_wrist_theta", "jac_platform_joint_p", "jac_platform_joint_phi",
@@ -966,7 +1094,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_link_points[] = {
-    P54, P55, P56, P57, P54, P55, P58, P59, P54, P55, P60, P61, P54, P19, P62, P63
+    P58, P59, P60, P61, P58, P59, P62, P63, P58, P59, P64, P65, P58, P19, P66, P67
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_phi", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_phi",
@@ -1025,7 +1153,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_singularity[] = {
-    P7, P5, P13, P53, P7, P5, P13, P53, P14, P2, P64, P65, P14, P2, P64, P65
+    P7, P5, P13, P57, P7, P5, P13, P57, P14, P2, P68, P69, P14, P2, P68, P69
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_phi", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_phi",
@@ -1068,7 +1196,7 @@ static const krhpr_casadi_slot out_type_2_of_redundant[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
-    P66, P66
+    P70, P70
 };
 static const char *const names_type_2_of_redundant[] = {
     "jac_type_2_redundant", "jac_margins_redundant"
@@ -1117,7 +1245,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P67, P68, P69, P68, P65
+    P71, P72, P53, P72, P69
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_phi_s", "jac_redundant_s", "jac_det_J_s", "jac_count_s"
@@ -1172,7 +1300,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P68, P0, P64, P2, P49, P4, P65, P3, P65, P3
+    P72, P0, P68, P2, P49, P4, P69, P3, P69, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_side", "jac_phi_theta", "jac_phi_side", "jac_redundant_theta", "jac_redundant_side",
@@ -1228,7 +1356,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P70, P8, P1, P71, P14, P3, P72, P44, P73, P71, P14, P3
+    P73, P8, P1, P74, P14, P3, P75, P44, P76, P74, P14, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",
@@ -1284,7 +1412,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P74, P16, P1, P64, P66, P3, P75, P76, P73, P77, P78, P5
+    P77, P16, P1, P68, P70, P3, P78, P79, P76, P80, P81, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",

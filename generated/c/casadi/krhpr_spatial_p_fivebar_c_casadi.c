@@ -41,6 +41,8 @@
 #define krhpr_spatial_p_fivebar_c_joint_rates plain_joint_rates
 #define krhpr_spatial_p_fivebar_c_platform_acceleration plain_platform_acceleration
 #define krhpr_spatial_p_fivebar_c_joint_accelerations plain_joint_accelerations
+#define krhpr_spatial_p_fivebar_c_inverse_statics plain_inverse_statics
+#define krhpr_spatial_p_fivebar_c_forward_statics plain_forward_statics
 #define krhpr_spatial_p_fivebar_c_passive_joints plain_passive_joints
 #define krhpr_spatial_p_fivebar_c_link_points plain_link_points
 #define krhpr_spatial_p_fivebar_c_singularity plain_singularity
@@ -67,6 +69,8 @@
 #undef krhpr_spatial_p_fivebar_c_joint_rates
 #undef krhpr_spatial_p_fivebar_c_platform_acceleration
 #undef krhpr_spatial_p_fivebar_c_joint_accelerations
+#undef krhpr_spatial_p_fivebar_c_inverse_statics
+#undef krhpr_spatial_p_fivebar_c_forward_statics
 #undef krhpr_spatial_p_fivebar_c_passive_joints
 #undef krhpr_spatial_p_fivebar_c_link_points
 #undef krhpr_spatial_p_fivebar_c_singularity
@@ -227,51 +231,56 @@ static const casadi_int P74[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0
 static const casadi_int P75[30] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4,
     7, 2, 5, 8};
 static const casadi_int P76[3] = {9, 6, 1};
-static const casadi_int P77[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P78[27] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 11, 13, 15, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7, 5,
+static const casadi_int P77[3] = {9, 9, 1};
+static const casadi_int P78[24] = {9, 9, 0, 0, 0, 0, 2, 4, 6, 8, 10, 12, 3, 6, 4, 7, 5, 8, 3, 6, 4, 7, 5, 8};
+static const casadi_int P79[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
+static const casadi_int P80[63] = {6, 9, 0, 5, 10, 15, 21, 27, 33, 39, 45, 51, 0, 1, 3, 4, 5, 0, 1, 3, 4, 5, 0, 1,
+    3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4,
+    5};
+static const casadi_int P81[18] = {3, 9, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P82[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P83[27] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 11, 13, 15, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7, 5,
     8};
-static const casadi_int P79[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P84[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P80[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P85[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P81[18] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P82[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P86[18] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P87[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P83[18] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P84[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
+static const casadi_int P88[18] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P89[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
     3, 4, 6, 7};
-static const casadi_int P85[18] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P86[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P87[6] = {21, 3, 0, 0, 0, 0};
-static const casadi_int P88[12] = {21, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P89[51] = {21, 9, 0, 13, 13, 13, 26, 26, 26, 39, 39, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
+static const casadi_int P90[18] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P91[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P92[6] = {21, 3, 0, 0, 0, 0};
+static const casadi_int P93[12] = {21, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P94[51] = {21, 9, 0, 13, 13, 13, 26, 26, 26, 39, 39, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
     17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 13, 16, 17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 16, 17, 18, 19, 20};
-static const casadi_int P90[21] = {21, 9, 0, 0, 0, 0, 6, 6, 6, 9, 9, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
-static const casadi_int P91[51] = {21, 9, 0, 0, 13, 13, 13, 26, 26, 26, 39, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
+static const casadi_int P95[21] = {21, 9, 0, 0, 0, 0, 6, 6, 6, 9, 9, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
+static const casadi_int P96[51] = {21, 9, 0, 0, 13, 13, 13, 26, 26, 26, 39, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
     17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 13, 16, 17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 16, 17, 18, 19, 20};
-static const casadi_int P92[21] = {21, 9, 0, 0, 0, 0, 0, 6, 6, 6, 9, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
-static const casadi_int P93[51] = {21, 9, 0, 0, 0, 13, 13, 13, 26, 26, 26, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16, 17,
+static const casadi_int P97[21] = {21, 9, 0, 0, 0, 0, 0, 6, 6, 6, 9, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
+static const casadi_int P98[51] = {21, 9, 0, 0, 0, 13, 13, 13, 26, 26, 26, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16, 17,
     18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 13, 16, 17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 16, 17, 18, 19, 20};
-static const casadi_int P94[21] = {21, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
-static const casadi_int P95[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P96[18] = {3, 9, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P97[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P98[3] = {2, 9, 1};
-static const casadi_int P99[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P100[3] = {9, 9, 1};
-static const casadi_int P101[3] = {9, 1, 1};
-static const casadi_int P102[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P103[3] = {3, 9, 1};
-static const casadi_int P104[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P105[6] = {1, 3, 0, 0, 0, 0};
-static const casadi_int P106[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P107[4] = {9, 1, 0, 0};
-static const casadi_int P108[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P109[3] = {1, 2, 1};
-static const casadi_int P110[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P111[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P99[21] = {21, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
+static const casadi_int P100[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P101[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P102[3] = {2, 9, 1};
+static const casadi_int P103[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P104[3] = {9, 1, 1};
+static const casadi_int P105[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P106[3] = {3, 9, 1};
+static const casadi_int P107[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P108[6] = {1, 3, 0, 0, 0, 0};
+static const casadi_int P109[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P110[4] = {9, 1, 0, 0};
+static const casadi_int P111[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P112[3] = {1, 2, 1};
+static const casadi_int P113[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P114[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P112[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P115[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -1012,6 +1021,127 @@ static const krhpr_casadi_function function_joint_accelerations = {
 KRHPR_CASADI_FUNCTION(NAME(joint_accelerations), function_joint_accelerations)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(joint_accelerations), function_joint_accelerations)
 
+/* -- inverse_statics -- */
+
+static int value_inverse_statics(const double *x, double *y)
+{
+    return plain_inverse_statics(&geometry, x, x + 3, x + 12, x + 21, x + 30, x + 36, y);
+}
+
+static void tangent_inverse_statics(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const Q = given + 3;
+    const krhpr_dual *const s = given + 12;
+    const krhpr_dual *const theta = given + 21;
+    const krhpr_dual *const wrench = given + 30;
+    const krhpr_dual *const redundant_forces = given + 36;
+    krhpr_dual *const actuator_forces = found;
+    krhpr_dual line[18];
+    krhpr_dual point[6];
+    krhpr_dual redundant_line[18];
+    krhpr_dual K_n[27];
+    krhpr_dual line_forces[6];
+    krhpr_dual det_regularity[2];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[6];
+        krhpr_dual scale[2];
+        krhpr_dual along[3];
+        krhpr_dual d[2];
+        krhpr_dual u_1[2];
+        krhpr_dual u_2[2];
+        krhpr_platform_spatial_c_line_tangent(
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_platform_spatial_c_redundant_line_tangent(
+            &geometry.platform, i, p, Q, s + 3 * i, along, redundant_line + 6 * i);
+        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_transmission_tangent(&geometry.subleg, i, d, u_1, u_2, N, along, K_n + 9 * i);
+    }
+    krhpr_platform_spatial_c_balance_tangent(
+        Q, line, point, redundant_line, redundant_forces, wrench, line_forces, det_regularity);
+    krhpr_subleg_p_fivebar_torques_tangent(K_n, line_forces, redundant_forces, actuator_forces);
+}
+
+static const krhpr_casadi_slot in_inverse_statics[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+    {"out_wrench", 6, 1, 1, NULL, P10, P11},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_inverse_statics[] = {
+    {"out_actuator_forces", 3, 3, 1, NULL, P0, P1},
+};
+static const casadi_int *const structure_inverse_statics[] = {
+    P70, P77, P77, P78, P76, P70
+};
+static const char *const names_inverse_statics[] = {
+    "jac_actuator_forces_p", "jac_actuator_forces_Q", "jac_actuator_forces_s", "jac_actuator_forces_theta",
+    "jac_actuator_forces_wrench", "jac_actuator_forces_redundant_forces"
+};
+static const krhpr_casadi_function function_inverse_statics = {
+    6, in_inverse_statics, 1, out_inverse_statics, value_inverse_statics, tangent_inverse_statics, structure_inverse_statics, names_inverse_statics
+};
+KRHPR_CASADI_FUNCTION(NAME(inverse_statics), function_inverse_statics)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(inverse_statics), function_inverse_statics)
+
+/* -- forward_statics -- */
+
+static int value_forward_statics(const double *x, double *y)
+{
+    return plain_forward_statics(&geometry, x, x + 3, x + 12, x + 21, x + 30, y, y + 6);
+}
+
+static void tangent_forward_statics(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const Q = given + 3;
+    const krhpr_dual *const s = given + 12;
+    const krhpr_dual *const theta = given + 21;
+    const krhpr_dual *const actuator_forces = given + 30;
+    krhpr_dual *const wrench = found;
+    krhpr_dual *const redundant_forces = found + 6;
+    krhpr_dual end_force[9];
+    krhpr_dual moment[9];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual d[2];
+        krhpr_dual u_1[2];
+        krhpr_dual u_2[2];
+        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_end_force_tangent(
+            &geometry.subleg, i, d, u_1, u_2, actuator_forces + 3 * i, end_force + 3 * i);
+        krhpr_platform_spatial_c_reaction_tangent(
+            &geometry.platform, i, p, Q, s + 3 * i, end_force + 3 * i, moment + 3 * i, redundant_forces + i);
+    }
+    krhpr_algebra_spatial_total_tangent(end_force, moment, wrench);
+}
+
+static const krhpr_casadi_slot in_forward_statics[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+    {"out_actuator_forces", 3, 3, 1, NULL, P0, P1},
+};
+static const krhpr_casadi_slot out_forward_statics[] = {
+    {"out_wrench", 6, 1, 1, NULL, P10, P11},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_forward_statics[] = {
+    P79, P15, P68, P69, P80, P1, P25, P26, P81, P26
+};
+static const char *const names_forward_statics[] = {
+    "jac_wrench_p", "jac_wrench_Q", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
+    "jac_redundant_forces_p", "jac_redundant_forces_Q", "jac_redundant_forces_s", "jac_redundant_forces_theta",
+    "jac_redundant_forces_actuator_forces"
+};
+static const krhpr_casadi_function function_forward_statics = {
+    5, in_forward_statics, 2, out_forward_statics, value_forward_statics, tangent_forward_statics, structure_forward_statics, names_forward_statics
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_statics), function_forward_statics)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_statics), function_forward_statics)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -1056,7 +1186,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P28, P77, P71, P78, P28, P79, P80, P81, P28, P79, P82, P83, P28, P79, P84, P85, P0, P25, P26, P86
+    P28, P82, P71, P83, P28, P84, P85, P86, P28, P84, P87, P88, P28, P84, P89, P90, P0, P25, P26, P91
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -1106,7 +1236,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P87, P88, P89, P90, P87, P88, P91, P92, P87, P88, P93, P94, P28, P77, P95, P77
+    P92, P93, P94, P95, P92, P93, P96, P97, P92, P93, P98, P99, P28, P82, P100, P82
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1166,7 +1296,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 2, 1, 1, NULL, P20, P21},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P86, P26, P96, P28, P77, P71, P78, P6, P97, P98, P99, P6, P97, P98, P99
+    P1, P91, P26, P81, P28, P82, P71, P83, P6, P101, P102, P103, P6, P101, P102, P103
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1261,7 +1391,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P68, P10, P100, P101, P100, P101, P68, P10, P98, P20, P102, P3
+    P68, P10, P77, P104, P77, P104, P68, P10, P102, P20, P105, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1320,7 +1450,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P103, P1, P4, P100, P28, P104, P103, P1, P4, P102, P105, P3, P102, P105, P3
+    P106, P1, P4, P77, P28, P107, P106, P1, P4, P105, P108, P3, P105, P108, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_assembly", "jac_p_side", "jac_Q_theta", "jac_Q_assembly", "jac_Q_side", "jac_redundant_theta",
@@ -1377,7 +1507,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P103, P16, P5, P100, P106, P107, P100, P106, P107, P108, P109, P3
+    P106, P16, P5, P77, P109, P110, P77, P109, P110, P111, P112, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1433,7 +1563,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P103, P0, P5, P100, P110, P107, P100, P110, P107, P111, P112, P5
+    P106, P0, P5, P77, P113, P110, P77, P113, P110, P114, P115, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

@@ -40,6 +40,8 @@
 #define krhpr_spatial_prr_parallel_b_joint_rates plain_joint_rates
 #define krhpr_spatial_prr_parallel_b_platform_acceleration plain_platform_acceleration
 #define krhpr_spatial_prr_parallel_b_joint_accelerations plain_joint_accelerations
+#define krhpr_spatial_prr_parallel_b_inverse_statics plain_inverse_statics
+#define krhpr_spatial_prr_parallel_b_forward_statics plain_forward_statics
 #define krhpr_spatial_prr_parallel_b_passive_joints plain_passive_joints
 #define krhpr_spatial_prr_parallel_b_link_points plain_link_points
 #define krhpr_spatial_prr_parallel_b_singularity plain_singularity
@@ -65,6 +67,8 @@
 #undef krhpr_spatial_prr_parallel_b_joint_rates
 #undef krhpr_spatial_prr_parallel_b_platform_acceleration
 #undef krhpr_spatial_prr_parallel_b_joint_accelerations
+#undef krhpr_spatial_prr_parallel_b_inverse_statics
+#undef krhpr_spatial_prr_parallel_b_forward_statics
 #undef krhpr_spatial_prr_parallel_b_passive_joints
 #undef krhpr_spatial_prr_parallel_b_link_points
 #undef krhpr_spatial_prr_parallel_b_singularity
@@ -212,49 +216,54 @@ static const casadi_int P66[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0
     6, 7, 8};
 static const casadi_int P67[21] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 9, 9, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
 static const casadi_int P68[3] = {9, 6, 1};
-static const casadi_int P69[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P69[3] = {9, 9, 1};
+static const casadi_int P70[15] = {9, 9, 0, 0, 0, 0, 1, 2, 3, 3, 3, 3, 6, 7, 8};
+static const casadi_int P71[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
+static const casadi_int P72[63] = {6, 9, 0, 5, 10, 15, 21, 27, 33, 39, 45, 51, 0, 1, 3, 4, 5, 0, 1, 3, 4, 5, 0, 1,
+    3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4,
+    5};
+static const casadi_int P73[15] = {3, 9, 0, 0, 0, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
+static const casadi_int P74[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P70[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P75[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P71[18] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P72[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P76[18] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P77[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P73[18] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P74[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
+static const casadi_int P78[18] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P79[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
     3, 4, 6, 7};
-static const casadi_int P75[18] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P76[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P77[6] = {15, 3, 0, 0, 0, 0};
-static const casadi_int P78[12] = {15, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P79[33] = {15, 9, 0, 7, 7, 7, 14, 14, 14, 21, 21, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
+static const casadi_int P80[18] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P81[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P82[6] = {15, 3, 0, 0, 0, 0};
+static const casadi_int P83[12] = {15, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P84[33] = {15, 9, 0, 7, 7, 7, 14, 14, 14, 21, 21, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
     12, 13, 2, 3, 7, 8, 12, 13, 14};
-static const casadi_int P80[15] = {15, 9, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 3, 8, 13};
-static const casadi_int P81[33] = {15, 9, 0, 0, 7, 7, 7, 14, 14, 14, 21, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
+static const casadi_int P85[15] = {15, 9, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 3, 8, 13};
+static const casadi_int P86[33] = {15, 9, 0, 0, 7, 7, 7, 14, 14, 14, 21, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
     12, 13, 2, 3, 7, 8, 12, 13, 14};
-static const casadi_int P82[15] = {15, 9, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 8, 13};
-static const casadi_int P83[33] = {15, 9, 0, 0, 0, 7, 7, 7, 14, 14, 14, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
+static const casadi_int P87[15] = {15, 9, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 8, 13};
+static const casadi_int P88[33] = {15, 9, 0, 0, 0, 7, 7, 7, 14, 14, 14, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
     12, 13, 2, 3, 7, 8, 12, 13, 14};
-static const casadi_int P84[15] = {15, 9, 0, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 8, 13};
-static const casadi_int P85[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P86[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P87[15] = {3, 9, 0, 0, 0, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
-static const casadi_int P88[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P89[3] = {2, 9, 1};
-static const casadi_int P90[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P91[3] = {9, 9, 1};
-static const casadi_int P92[3] = {9, 1, 1};
-static const casadi_int P93[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P94[3] = {3, 9, 1};
-static const casadi_int P95[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P96[3] = {3, 2, 1};
-static const casadi_int P97[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P98[4] = {9, 1, 0, 0};
-static const casadi_int P99[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P100[3] = {1, 2, 1};
-static const casadi_int P101[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P102[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P89[15] = {15, 9, 0, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 8, 13};
+static const casadi_int P90[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P91[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P92[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P93[3] = {2, 9, 1};
+static const casadi_int P94[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P95[3] = {9, 1, 1};
+static const casadi_int P96[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P97[3] = {3, 9, 1};
+static const casadi_int P98[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P99[3] = {3, 2, 1};
+static const casadi_int P100[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P101[4] = {9, 1, 0, 0};
+static const casadi_int P102[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P103[3] = {1, 2, 1};
+static const casadi_int P104[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P105[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P103[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P106[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -950,6 +959,125 @@ static const krhpr_casadi_function function_joint_accelerations = {
 KRHPR_CASADI_FUNCTION(NAME(joint_accelerations), function_joint_accelerations)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(joint_accelerations), function_joint_accelerations)
 
+/* -- inverse_statics -- */
+
+static int value_inverse_statics(const double *x, double *y)
+{
+    return plain_inverse_statics(&geometry, x, x + 3, x + 12, x + 21, x + 30, x + 36, y);
+}
+
+static void tangent_inverse_statics(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const Q = given + 3;
+    const krhpr_dual *const s = given + 12;
+    const krhpr_dual *const theta = given + 21;
+    const krhpr_dual *const wrench = given + 30;
+    const krhpr_dual *const redundant_forces = given + 36;
+    krhpr_dual *const actuator_forces = found;
+    krhpr_dual line[18];
+    krhpr_dual point[6];
+    krhpr_dual redundant_line[18];
+    krhpr_dual K_n[27];
+    krhpr_dual line_forces[6];
+    krhpr_dual det_regularity[2];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[6];
+        krhpr_dual scale[2];
+        krhpr_dual along[3];
+        krhpr_dual d[2];
+        krhpr_dual v_1[2];
+        krhpr_platform_spatial_b_line_tangent(
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_platform_spatial_b_redundant_line_tangent(
+            &geometry.platform, i, p, Q, s + 3 * i, along, redundant_line + 6 * i);
+        krhpr_subleg_prr_parallel_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, v_1);
+        krhpr_subleg_prr_parallel_transmission_tangent(&geometry.subleg, i, d, v_1, N, along, K_n + 9 * i);
+    }
+    krhpr_platform_spatial_b_balance_tangent(
+        Q, line, point, redundant_line, redundant_forces, wrench, line_forces, det_regularity);
+    krhpr_subleg_prr_parallel_torques_tangent(K_n, line_forces, redundant_forces, actuator_forces);
+}
+
+static const krhpr_casadi_slot in_inverse_statics[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+    {"out_wrench", 6, 1, 1, NULL, P8, P9},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_inverse_statics[] = {
+    {"out_actuator_forces", 3, 3, 1, NULL, P0, P1},
+};
+static const casadi_int *const structure_inverse_statics[] = {
+    P62, P69, P69, P70, P68, P62
+};
+static const char *const names_inverse_statics[] = {
+    "jac_actuator_forces_p", "jac_actuator_forces_Q", "jac_actuator_forces_s", "jac_actuator_forces_theta",
+    "jac_actuator_forces_wrench", "jac_actuator_forces_redundant_forces"
+};
+static const krhpr_casadi_function function_inverse_statics = {
+    6, in_inverse_statics, 1, out_inverse_statics, value_inverse_statics, tangent_inverse_statics, structure_inverse_statics, names_inverse_statics
+};
+KRHPR_CASADI_FUNCTION(NAME(inverse_statics), function_inverse_statics)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(inverse_statics), function_inverse_statics)
+
+/* -- forward_statics -- */
+
+static int value_forward_statics(const double *x, double *y)
+{
+    return plain_forward_statics(&geometry, x, x + 3, x + 12, x + 21, x + 30, y, y + 6);
+}
+
+static void tangent_forward_statics(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const Q = given + 3;
+    const krhpr_dual *const s = given + 12;
+    const krhpr_dual *const theta = given + 21;
+    const krhpr_dual *const actuator_forces = given + 30;
+    krhpr_dual *const wrench = found;
+    krhpr_dual *const redundant_forces = found + 6;
+    krhpr_dual end_force[9];
+    krhpr_dual moment[9];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual d[2];
+        krhpr_dual v_1[2];
+        krhpr_subleg_prr_parallel_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, v_1);
+        krhpr_subleg_prr_parallel_end_force_tangent(
+            &geometry.subleg, i, d, v_1, actuator_forces + 3 * i, end_force + 3 * i);
+        krhpr_platform_spatial_b_reaction_tangent(
+            &geometry.platform, i, p, Q, s + 3 * i, end_force + 3 * i, moment + 3 * i, redundant_forces + i);
+    }
+    krhpr_algebra_spatial_total_tangent(end_force, moment, wrench);
+}
+
+static const krhpr_casadi_slot in_forward_statics[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+    {"out_actuator_forces", 3, 3, 1, NULL, P0, P1},
+};
+static const krhpr_casadi_slot out_forward_statics[] = {
+    {"out_wrench", 6, 1, 1, NULL, P8, P9},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_forward_statics[] = {
+    P71, P13, P60, P61, P72, P1, P21, P22, P73, P22
+};
+static const char *const names_forward_statics[] = {
+    "jac_wrench_p", "jac_wrench_Q", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
+    "jac_redundant_forces_p", "jac_redundant_forces_Q", "jac_redundant_forces_s", "jac_redundant_forces_theta",
+    "jac_redundant_forces_actuator_forces"
+};
+static const krhpr_casadi_function function_forward_statics = {
+    5, in_forward_statics, 2, out_forward_statics, value_forward_statics, tangent_forward_statics, structure_forward_statics, names_forward_statics
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_statics), function_forward_statics)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_statics), function_forward_statics)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -991,7 +1119,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P54, P69, P70, P71, P54, P69, P72, P73, P54, P69, P74, P75, P0, P21, P22, P76
+    P54, P74, P75, P76, P54, P74, P77, P78, P54, P74, P79, P80, P0, P21, P22, P81
 };
 static const char *const names_passive_joints[] = {
     "jac_spherical1_p", "jac_spherical1_Q", "jac_spherical1_s", "jac_spherical1_theta", "jac_spherical2_p",
@@ -1041,7 +1169,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P77, P78, P79, P80, P77, P78, P81, P82, P77, P78, P83, P84, P54, P19, P85, P86
+    P82, P83, P84, P85, P82, P83, P86, P87, P82, P83, P88, P89, P54, P19, P90, P91
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1099,7 +1227,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 2, 1, 1, NULL, P16, P17},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P76, P22, P87, P1, P76, P22, P87, P6, P88, P89, P90, P6, P88, P89, P90
+    P1, P81, P22, P73, P1, P81, P22, P73, P6, P92, P93, P94, P6, P92, P93, P94
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1196,7 +1324,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P60, P8, P91, P92, P91, P92, P60, P8, P89, P16, P93, P3
+    P60, P8, P69, P95, P69, P95, P60, P8, P93, P16, P96, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1253,7 +1381,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P94, P4, P91, P95, P94, P4, P93, P3, P93, P3
+    P97, P4, P69, P98, P97, P4, P96, P3, P96, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_side", "jac_Q_theta", "jac_Q_side", "jac_redundant_theta", "jac_redundant_side",
@@ -1312,7 +1440,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P94, P96, P5, P91, P97, P98, P91, P97, P98, P99, P100, P3
+    P97, P99, P5, P69, P100, P101, P69, P100, P101, P102, P103, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1371,7 +1499,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P94, P0, P5, P91, P101, P98, P91, P101, P98, P102, P103, P5
+    P97, P0, P5, P69, P104, P101, P69, P104, P101, P105, P106, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

@@ -40,6 +40,8 @@
 #define krhpr_spatial_tripteron_c_joint_rates plain_joint_rates
 #define krhpr_spatial_tripteron_c_platform_acceleration plain_platform_acceleration
 #define krhpr_spatial_tripteron_c_joint_accelerations plain_joint_accelerations
+#define krhpr_spatial_tripteron_c_inverse_statics plain_inverse_statics
+#define krhpr_spatial_tripteron_c_forward_statics plain_forward_statics
 #define krhpr_spatial_tripteron_c_passive_joints plain_passive_joints
 #define krhpr_spatial_tripteron_c_link_points plain_link_points
 #define krhpr_spatial_tripteron_c_singularity plain_singularity
@@ -65,6 +67,8 @@
 #undef krhpr_spatial_tripteron_c_joint_rates
 #undef krhpr_spatial_tripteron_c_platform_acceleration
 #undef krhpr_spatial_tripteron_c_joint_accelerations
+#undef krhpr_spatial_tripteron_c_inverse_statics
+#undef krhpr_spatial_tripteron_c_forward_statics
 #undef krhpr_spatial_tripteron_c_passive_joints
 #undef krhpr_spatial_tripteron_c_link_points
 #undef krhpr_spatial_tripteron_c_singularity
@@ -186,45 +190,51 @@ static const casadi_int P55[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0
     3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5,
     6, 7, 8};
 static const casadi_int P56[3] = {9, 6, 1};
-static const casadi_int P57[6] = {18, 3, 0, 0, 0, 0};
-static const casadi_int P58[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P59[48] = {18, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 6, 9, 12, 15, 7, 10, 13, 16, 8, 11,
+static const casadi_int P57[3] = {9, 9, 1};
+static const casadi_int P58[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
+static const casadi_int P59[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 4, 5, 4, 5, 4, 5, 3, 5, 3, 5, 3, 5, 3,
+    4, 3, 4, 3, 4};
+static const casadi_int P60[63] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 41, 46, 51, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+    0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 3, 4, 5, 0, 1, 3, 4, 5, 0, 1, 3, 4,
+    5};
+static const casadi_int P61[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P62[6] = {18, 3, 0, 0, 0, 0};
+static const casadi_int P63[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P64[48] = {18, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 6, 9, 12, 15, 7, 10, 13, 16, 8, 11,
     14, 17, 0, 3, 12, 15, 1, 4, 13, 16, 2, 5, 14, 17, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11};
-static const casadi_int P60[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P61[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P65[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P66[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P62[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P63[6] = {24, 3, 0, 0, 0, 0};
-static const casadi_int P64[12] = {24, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P65[15] = {24, 9, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 7, 15, 23};
-static const casadi_int P66[46] = {24, 9, 0, 12, 12, 12, 24, 24, 24, 34, 34, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
+static const casadi_int P67[6] = {24, 3, 0, 0, 0, 0};
+static const casadi_int P68[12] = {24, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P69[15] = {24, 9, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 7, 15, 23};
+static const casadi_int P70[46] = {24, 9, 0, 12, 12, 12, 24, 24, 24, 34, 34, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
     20, 22, 2, 3, 4, 6, 10, 11, 12, 14, 18, 19, 20, 22, 2, 4, 5, 6, 10, 12, 13, 14, 18, 20};
-static const casadi_int P67[15] = {24, 9, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 7, 15, 23};
-static const casadi_int P68[46] = {24, 9, 0, 0, 12, 12, 12, 24, 24, 24, 34, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
+static const casadi_int P71[15] = {24, 9, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 7, 15, 23};
+static const casadi_int P72[46] = {24, 9, 0, 0, 12, 12, 12, 24, 24, 24, 34, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
     20, 22, 2, 3, 4, 6, 10, 11, 12, 14, 18, 19, 20, 22, 2, 4, 5, 6, 10, 12, 13, 14, 18, 20};
-static const casadi_int P69[15] = {24, 9, 0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 7, 15, 23};
-static const casadi_int P70[46] = {24, 9, 0, 0, 0, 12, 12, 12, 24, 24, 24, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
+static const casadi_int P73[15] = {24, 9, 0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 7, 15, 23};
+static const casadi_int P74[46] = {24, 9, 0, 0, 0, 12, 12, 12, 24, 24, 24, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
     20, 22, 2, 3, 4, 6, 10, 11, 12, 14, 18, 19, 20, 22, 2, 4, 5, 6, 10, 12, 13, 14, 18, 20};
-static const casadi_int P71[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P72[30] = {9, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 3, 6, 4, 7, 5, 8, 0, 6, 1, 7, 2, 8, 0,
+static const casadi_int P75[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P76[30] = {9, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 3, 6, 4, 7, 5, 8, 0, 6, 1, 7, 2, 8, 0,
     3, 1, 4, 2, 5};
-static const casadi_int P73[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P74[3] = {2, 9, 1};
-static const casadi_int P75[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P76[3] = {9, 9, 1};
-static const casadi_int P77[3] = {9, 1, 1};
-static const casadi_int P78[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P79[3] = {3, 9, 1};
-static const casadi_int P80[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P81[3] = {3, 2, 1};
-static const casadi_int P82[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P83[4] = {9, 1, 0, 0};
-static const casadi_int P84[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P85[3] = {1, 2, 1};
-static const casadi_int P86[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P87[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P77[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P78[3] = {2, 9, 1};
+static const casadi_int P79[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P80[3] = {9, 1, 1};
+static const casadi_int P81[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P82[3] = {3, 9, 1};
+static const casadi_int P83[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P84[3] = {3, 2, 1};
+static const casadi_int P85[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P86[4] = {9, 1, 0, 0};
+static const casadi_int P87[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P88[3] = {1, 2, 1};
+static const casadi_int P89[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P90[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P88[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P91[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -870,6 +880,117 @@ static const krhpr_casadi_function function_joint_accelerations = {
 KRHPR_CASADI_FUNCTION(NAME(joint_accelerations), function_joint_accelerations)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(joint_accelerations), function_joint_accelerations)
 
+/* -- inverse_statics -- */
+
+static int value_inverse_statics(const double *x, double *y)
+{
+    return plain_inverse_statics(&geometry, x, x + 3, x + 12, x + 21, x + 30, x + 36, y);
+}
+
+static void tangent_inverse_statics(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const Q = given + 3;
+    const krhpr_dual *const s = given + 12;
+    const krhpr_dual *const wrench = given + 30;
+    const krhpr_dual *const redundant_forces = given + 36;
+    krhpr_dual *const actuator_forces = found;
+    krhpr_dual line[18];
+    krhpr_dual point[6];
+    krhpr_dual redundant_line[18];
+    krhpr_dual K_n[27];
+    krhpr_dual line_forces[6];
+    krhpr_dual det_regularity[2];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[6];
+        krhpr_dual scale[2];
+        krhpr_dual along[3];
+        krhpr_platform_spatial_c_line_tangent(
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_platform_spatial_c_redundant_line_tangent(
+            &geometry.platform, i, p, Q, s + 3 * i, along, redundant_line + 6 * i);
+        krhpr_subleg_tripteron_transmission_tangent(&geometry.subleg, i, N, along, K_n + 9 * i);
+    }
+    krhpr_platform_spatial_c_balance_tangent(
+        Q, line, point, redundant_line, redundant_forces, wrench, line_forces, det_regularity);
+    krhpr_subleg_tripteron_torques_tangent(K_n, line_forces, redundant_forces, actuator_forces);
+}
+
+static const krhpr_casadi_slot in_inverse_statics[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+    {"out_wrench", 6, 1, 1, NULL, P8, P9},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_inverse_statics[] = {
+    {"out_actuator_forces", 3, 3, 1, NULL, P0, P1},
+};
+static const casadi_int *const structure_inverse_statics[] = {
+    P51, P57, P57, P53, P56, P51
+};
+static const char *const names_inverse_statics[] = {
+    "jac_actuator_forces_p", "jac_actuator_forces_Q", "jac_actuator_forces_s", "jac_actuator_forces_theta",
+    "jac_actuator_forces_wrench", "jac_actuator_forces_redundant_forces"
+};
+static const krhpr_casadi_function function_inverse_statics = {
+    6, in_inverse_statics, 1, out_inverse_statics, value_inverse_statics, tangent_inverse_statics, structure_inverse_statics, names_inverse_statics
+};
+KRHPR_CASADI_FUNCTION(NAME(inverse_statics), function_inverse_statics)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(inverse_statics), function_inverse_statics)
+
+/* -- forward_statics -- */
+
+static int value_forward_statics(const double *x, double *y)
+{
+    return plain_forward_statics(&geometry, x, x + 3, x + 12, x + 21, x + 30, y, y + 6);
+}
+
+static void tangent_forward_statics(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const Q = given + 3;
+    const krhpr_dual *const s = given + 12;
+    const krhpr_dual *const actuator_forces = given + 30;
+    krhpr_dual *const wrench = found;
+    krhpr_dual *const redundant_forces = found + 6;
+    krhpr_dual end_force[9];
+    krhpr_dual moment[9];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_tripteron_end_force_tangent(
+            &geometry.subleg, i, actuator_forces + 3 * i, end_force + 3 * i);
+        krhpr_platform_spatial_c_reaction_tangent(
+            &geometry.platform, i, p, Q, s + 3 * i, end_force + 3 * i, moment + 3 * i, redundant_forces + i);
+    }
+    krhpr_algebra_spatial_total_tangent(end_force, moment, wrench);
+}
+
+static const krhpr_casadi_slot in_forward_statics[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+    {"out_actuator_forces", 3, 3, 1, NULL, P0, P1},
+};
+static const krhpr_casadi_slot out_forward_statics[] = {
+    {"out_wrench", 6, 1, 1, NULL, P8, P9},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_forward_statics[] = {
+    P58, P13, P59, P13, P60, P1, P25, P61, P61, P26
+};
+static const char *const names_forward_statics[] = {
+    "jac_wrench_p", "jac_wrench_Q", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
+    "jac_redundant_forces_p", "jac_redundant_forces_Q", "jac_redundant_forces_s", "jac_redundant_forces_theta",
+    "jac_redundant_forces_actuator_forces"
+};
+static const krhpr_casadi_function function_forward_statics = {
+    5, in_forward_statics, 2, out_forward_statics, value_forward_statics, tangent_forward_statics, structure_forward_statics, names_forward_statics
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_statics), function_forward_statics)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_statics), function_forward_statics)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -912,7 +1033,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P57, P58, P58, P59, P60, P61, P53, P53, P60, P61, P53, P53, P60, P61, P53, P53, P0, P25, P26, P62
+    P62, P63, P63, P64, P65, P66, P53, P53, P65, P66, P53, P53, P65, P66, P53, P53, P0, P25, P26, P61
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -960,7 +1081,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P63, P64, P65, P66, P63, P64, P67, P68, P63, P64, P69, P70, P60, P53, P71, P53
+    P67, P68, P69, P70, P67, P68, P71, P72, P67, P68, P73, P74, P65, P53, P75, P53
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1017,7 +1138,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 2, 1, 1, NULL, P20, P21},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P62, P62, P62, P60, P53, P53, P72, P14, P73, P74, P75, P14, P73, P74, P75
+    P1, P61, P61, P61, P65, P53, P53, P76, P14, P77, P78, P79, P14, P77, P78, P79
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1112,7 +1233,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P50, P8, P76, P77, P76, P77, P50, P8, P74, P20, P78, P3
+    P50, P8, P57, P80, P57, P80, P50, P8, P78, P20, P81, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1166,7 +1287,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P79, P4, P76, P80, P79, P4, P78, P3, P78, P3
+    P82, P4, P57, P83, P82, P4, P81, P3, P81, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_side", "jac_Q_theta", "jac_Q_side", "jac_redundant_theta", "jac_redundant_side",
@@ -1222,7 +1343,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P79, P81, P5, P76, P82, P83, P76, P82, P83, P84, P85, P3
+    P82, P84, P5, P57, P85, P86, P57, P85, P86, P87, P88, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1278,7 +1399,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P79, P0, P5, P76, P86, P83, P76, P86, P83, P87, P88, P5
+    P82, P0, P5, P57, P89, P86, P57, P89, P86, P90, P91, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
