@@ -21,6 +21,7 @@ from krhpr.codegen.composition import (
 from krhpr.codegen.kernel import Frame, Layout, Port, Unit
 from krhpr.derivations.platforms.base import Platform
 from krhpr.derivations.robot_forward import ForwardFunctions
+from krhpr.derivations.robot_gripper import GripperFunctions
 from krhpr.derivations.robot_statics import StaticsFunctions
 from krhpr.derivations.sublegs.base import SubLeg
 from krhpr.derivations.terms import Space
@@ -61,7 +62,7 @@ class Robot:
         return tuple(_Functions(self).all())
 
 
-class _Functions(ForwardFunctions, StaticsFunctions):
+class _Functions(ForwardFunctions, StaticsFunctions, GripperFunctions):
     """Every function of one robot."""
 
     def all(self) -> Iterable[RobotFunction]:
@@ -93,6 +94,9 @@ class _Functions(ForwardFunctions, StaticsFunctions):
         yield self._joint_accelerations()
         yield self._inverse_statics()
         yield self._forward_statics()
+        if self.robot.platform.carries_gripper:
+            yield self._opening()
+            yield self._redundant_of_opening()
         yield self._passive_joints()
         yield self._link_points()
         yield self._singularity()

@@ -280,6 +280,28 @@ class Robot(ForwardKinematics):
         """
         return self._answer("forward_statics", (p, Q, s, theta, actuator_forces), options)
 
+    # -- gripper of arrangements (b) and (c) ----------------------------------------------------------------
+
+    def opening(self, redundant: ArrayLike, jaws: ArrayLike = 0.0, **options: Unpack[Options]) -> Any:
+        """(opening (...), centre (..., 2), shares (..., 3)) of a gripper with a flat jaw on each slide,
+        normal to it at the distance `jaws` (..., 3) from S_i towards where slides close: the diameter of the
+        round object that touches all three, its centre in the platform's plane, and the shares in which the
+        jaws press on it in equilibrium.
+        """
+        return self._answer("opening", (redundant, self._per_leg(jaws)), options)
+
+    def redundant_of_opening(
+        self,
+        opening: ArrayLike,
+        centre: ArrayLike = (0.0, 0.0),
+        jaws: ArrayLike = 0.0,
+        **options: Unpack[Options],
+    ) -> Any:
+        """redundant (..., 3): slides at which the jaws touch a round object of the diameter `opening` with
+        its `centre` in the platform's plane, at O' unless given.
+        """
+        return self._answer("redundant_of_opening", (opening, centre, self._per_leg(jaws)), options)
+
     # -- passive joints and singularities -------------------------------------------------------------------
 
     def passive_joints(

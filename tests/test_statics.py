@@ -184,6 +184,39 @@ def test_what_the_redundant_coordinates_hold_is_the_null_space() -> None:
     np.testing.assert_allclose(U @ f, [1.0, 2.0, 3.0, 0.1, 0.2, 0.3], rtol=0, atol=1e-11)
 
 
+@pytest.mark.parametrize("identifier", ["planar_rr_b", "spatial_rrr_b", "planar_pp_c", "spatial_delta_c"])
+def test_jaws_touch_a_round_object(identifier: str) -> None:
+    """Distances in the platform frame from where the end points are, and a grip without friction."""
+    robot = krhpr.load(identifier, backend="numpy")
+    p, Q, _ = robot.home
+    centre, jaws = np.array([0.004, -0.003]), np.array([0.01, 0.02, 0.03])
+    d = robot.redundant_of_opening(0.12, centre, jaws)
+    ends = robot.end_points(p, Q, d) - p
+    slides = robot.end_points(p, Q, d + 1.0) - p - ends
+    faces = (ends - jaws[:, None] * slides)[:, :2] - centre
+    np.testing.assert_allclose(np.sum(faces * slides[:, :2], axis=1), 0.06, rtol=0, atol=1e-15)
+    opening, middle, shares = robot.opening(d, jaws)
+    assert opening == pytest.approx(0.12, abs=1e-15) and np.allclose(middle, centre, atol=1e-15)
+    # every jaw presses with its share of 3 N: the platform bears nothing but what the centre's offset asks
+    s, force = robot.end_points(p, Q, d), 3.0 * shares
+    theta = robot.inverse(p, Q, d)
+    around = sum(f * (centre[0] * -t[1] - centre[1] * -t[0]) for f, t in zip(force, slides, strict=True))
+    assert abs(around) < 1e-15
+    f = robot.inverse_statics(p, Q, s, theta, np.zeros(3 if robot.planar else 6), -force)
+    wrench, along = robot.forward_statics(p, Q, s, theta, f)
+    assert np.abs(wrench).max() < 1e-13
+    np.testing.assert_allclose(along, -force, rtol=0, atol=1e-13)
+
+
+def test_jaws_on_one_side_hold_nothing() -> None:
+    robot = krhpr.load("planar_rr_c", backend="numpy").with_geometry(platform_azimuth=[0.0, 1.0, 2.0])
+    result, status = robot.opening([0.1, 0.1, 0.1], status=True)
+    assert status == Status.NO_GRASP and np.isnan(result.opening) and np.isnan(result.centre).all()
+    assert result.shares.min() < 0
+    with pytest.raises(krhpr.NoGrasp, match="surround"):
+        robot.opening([0.1, 0.1, 0.1], check=True)
+
+
 def test_singular_configurations_have_a_status() -> None:
     robot = krhpr.load("planar_rr_a", backend="numpy")
     p, phi = np.zeros(2), 0.0

@@ -49,6 +49,8 @@ class Platform(ABC):
     """Whether the forward kinematics has a closed form, kernels `tie`, `assembly_modes` and `assembly_mode`;
     else it is a polynomial's roots, kernels `tie`, `sextic` and `assembly`.
     """
+    carries_gripper: bool = False
+    """Whether jaws on its redundant links make a gripper, kernels `opening` and `redundant_of_opening`."""
 
     # -- what an arrangement's file states ------------------------------------------------------------------
 

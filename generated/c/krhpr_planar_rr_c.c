@@ -822,6 +822,62 @@ KRHPR_API int krhpr_planar_rr_c_forward_statics(
     return status;
 }
 
+KRHPR_API int krhpr_planar_rr_c_opening(
+    const krhpr_planar_rr_c_geometry *g, const double redundant[3], const double jaws[3],
+    double *KRHPR_RESTRICT opening, double *KRHPR_RESTRICT centre, double *KRHPR_RESTRICT shares)
+{
+    int status = KRHPR_OK;
+    double slide[6];
+    if (!krhpr_is_clean(krhpr_taint(redundant, 3) + krhpr_taint(jaws, 3))) {
+        krhpr_fill_nan(opening, 1);
+        krhpr_fill_nan(centre, 2);
+        krhpr_fill_nan(shares, 3);
+        return KRHPR_INVALID_INPUT;
+    }
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    }
+    krhpr_platform_planar_c_opening(slide, redundant, jaws, opening, centre, shares);
+    if (!(shares[0] >= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_NO_GRASP : status;
+    }
+    if (!(shares[1] >= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_NO_GRASP : status;
+    }
+    if (!(shares[2] >= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_NO_GRASP : status;
+    }
+    if (status != KRHPR_OK) {
+        krhpr_fill_nan(opening, 1);
+        krhpr_fill_nan(centre, 2);
+        krhpr_fill_nan(shares, 3);
+    }
+    return status;
+}
+
+KRHPR_API int krhpr_planar_rr_c_redundant_of_opening(
+    const krhpr_planar_rr_c_geometry *g, double opening, const double centre[2], const double jaws[3],
+    double *KRHPR_RESTRICT redundant)
+{
+    int status = KRHPR_OK;
+    if (!krhpr_is_clean(krhpr_taint(&opening, 1) + krhpr_taint(centre, 2) + krhpr_taint(jaws, 3))) {
+        krhpr_fill_nan(redundant, 3);
+        return KRHPR_INVALID_INPUT;
+    }
+    krhpr_lanes opening_legs[1]; krhpr_legs_spread(opening_legs, &opening, 1);
+    krhpr_lanes centre_legs[2]; krhpr_legs_spread(centre_legs, centre, 2);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes jaws_legs[1]; krhpr_legs_load(jaws_legs, jaws, 1, i);
+        krhpr_lanes redundant_legs[1];
+        krhpr_platform_planar_c_redundant_of_opening_lanes(
+            &g->platform, i, opening_legs[0], centre_legs, jaws_legs[0], redundant_legs);
+        krhpr_legs_store(redundant, 1, redundant_legs, 1, i);
+    }
+    return status;
+}
+
 KRHPR_API int krhpr_planar_rr_c_passive_joints(
     const krhpr_planar_rr_c_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT wrist, double *KRHPR_RESTRICT platform_joint)

@@ -1177,4 +1177,44 @@ KRHPR_STATIC void krhpr_platform_spatial_b_reaction(
     *redundant_forces = end_force[0] * Qt_0 + end_force[1] * Qt_1 + end_force[2] * Qt_2;
 }
 
+/* The opening of the gripper, and where its centre is.  Thesis: 5.1, 5.3.  (28 add, 36 multiply, 2 divide) */
+KRHPR_STATIC void krhpr_platform_spatial_b_opening(
+    const double slide[6], const double redundant[3], const double jaws[3], const double start[3],
+    double *KRHPR_RESTRICT opening, double *KRHPR_RESTRICT centre, double *KRHPR_RESTRICT shares)
+{
+    const double delta_1 = redundant[0] + start[0] - jaws[0]; /* the jaw's face along t_i */
+    const double delta_2 = redundant[1] + start[1] - jaws[1];
+    const double delta_3 = redundant[2] + start[2] - jaws[2];
+    const double lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
+    const double lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
+    const double lambda_3 = slide[0] * slide[3] - slide[1] * slide[2];
+    const double total = lambda_3 + (lambda_1 + lambda_2);
+    const double t1 = 1.0 / total;
+    const double share_1 = lambda_1 * t1;
+    const double share_2 = lambda_2 * t1;
+    const double share_3 = lambda_3 * t1;
+    const double r = delta_1 * share_1 + delta_2 * share_2 + delta_3 * share_3; /* half the opening */
+    const double t2 = delta_2 - r;
+    const double t3 = delta_3 - r;
+    const double t4 = delta_1 - r;
+    const double t5 = lambda_1 * (slide[5] * t2 - slide[3] * t3) + lambda_2 * (slide[1] * t3 - slide[5] * t4);
+    const double t6 = 1.0 / (lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3);
+    const double t7 = lambda_1 * (slide[2] * t3 - slide[4] * t2) + lambda_2 * (slide[4] * t4 - slide[0] * t3);
+    *opening = r * 2.0;
+    centre[0] = (t5 + lambda_3 * (slide[3] * t4 - slide[1] * t2)) * t6;
+    centre[1] = t6 * (t7 + lambda_3 * (slide[0] * t2 - slide[2] * t4));
+    shares[0] = share_1;
+    shares[1] = share_2;
+    shares[2] = share_3;
+}
+
+/* The slide at which a jaw touches a round object.  Thesis: 5.1, 5.3.  (5 add, 3 multiply) */
+KRHPR_STATIC void krhpr_platform_spatial_b_redundant_of_opening(
+    const krhpr_platform_spatial_b_geometry *g, int i, double opening, const double centre[2], double jaws,
+    double *KRHPR_RESTRICT redundant)
+{
+    const double t1 = jaws + opening * 0.5 + g->t[0][i] * centre[0] + g->t[1][i] * centre[1] - g->k[0][i];
+    *redundant = t1 - g->k[1][i];
+}
+
 #endif

@@ -1166,4 +1166,46 @@ KRHPR_INLINE void krhpr_platform_spatial_c_reaction_lanes(
     *redundant_forces = end_force[0] * Qt_0 + end_force[1] * Qt_1 + end_force[2] * Qt_2;
 }
 
+/* The opening of the gripper, and where its centre is.  Thesis: 5.1, 5.3.  (25 add, 36 multiply, 2 divide) */
+KRHPR_INLINE void krhpr_platform_spatial_c_opening_lanes(
+    const krhpr_lanes_at slide[6], const krhpr_lanes_at redundant[3], const krhpr_lanes_at jaws[3],
+    krhpr_lanes_at *KRHPR_RESTRICT opening, krhpr_lanes_at *KRHPR_RESTRICT centre,
+    krhpr_lanes_at *KRHPR_RESTRICT shares)
+{
+    const krhpr_lanes delta_1 = redundant[0] - jaws[0]; /* the jaw's face along t_i */
+    const krhpr_lanes delta_2 = redundant[1] - jaws[1];
+    const krhpr_lanes delta_3 = redundant[2] - jaws[2];
+    const krhpr_lanes lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
+    const krhpr_lanes lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
+    const krhpr_lanes lambda_3 = slide[0] * slide[3] - slide[1] * slide[2];
+    const krhpr_lanes total = lambda_3 + (lambda_1 + lambda_2);
+    const krhpr_lanes t1 = 1.0 / total;
+    const krhpr_lanes share_1 = lambda_1 * t1;
+    const krhpr_lanes share_2 = lambda_2 * t1;
+    const krhpr_lanes share_3 = lambda_3 * t1;
+    const krhpr_lanes r = delta_1 * share_1 + delta_2 * share_2 + delta_3 * share_3; /* half the opening */
+    const krhpr_lanes t2 = delta_2 - r;
+    const krhpr_lanes t3 = delta_3 - r;
+    const krhpr_lanes t4 = delta_1 - r;
+    const krhpr_lanes t5 = lambda_1 * (slide[5] * t2 - slide[3] * t3) + lambda_2 * (slide[1] * t3 - slide[5] * t4);
+    const krhpr_lanes t6 = 1.0 / (lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3);
+    const krhpr_lanes t7 = lambda_1 * (slide[2] * t3 - slide[4] * t2) + lambda_2 * (slide[4] * t4 - slide[0] * t3);
+    *opening = r * 2.0;
+    centre[0] = (t5 + lambda_3 * (slide[3] * t4 - slide[1] * t2)) * t6;
+    centre[1] = t6 * (t7 + lambda_3 * (slide[0] * t2 - slide[2] * t4));
+    shares[0] = share_1;
+    shares[1] = share_2;
+    shares[2] = share_3;
+}
+
+/* The slide at which a jaw touches a round object.  Thesis: 5.1, 5.3.  (3 add, 3 multiply) */
+KRHPR_INLINE void krhpr_platform_spatial_c_redundant_of_opening_lanes(
+    const krhpr_platform_spatial_c_geometry *g, int i, krhpr_lanes opening, const krhpr_lanes_at centre[2],
+    krhpr_lanes jaws, krhpr_lanes_at *KRHPR_RESTRICT redundant)
+{
+    const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
+    const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
+    *redundant = jaws + opening * 0.5 + g_t_0 * centre[0] + g_t_1 * centre[1];
+}
+
 #endif

@@ -310,6 +310,32 @@ KRHPR_API int krhpr_spatial_r_fivebar_b_forward_statics(
     const double theta[9], const double actuator_forces[9], double *KRHPR_RESTRICT wrench,
     double *KRHPR_RESTRICT redundant_forces);
 
+/* The opening of a gripper with a jaw on each slide: diameter and centre of the round object that touches
+ * all three, and the shares in which they press on it.  Thesis: 5.1, 5.3.
+ *   in     redundant (3, m, joint frame): slide d_i of S_i along t_i = e_t, signed
+ *   in     jaws (3, m, joint frame): how far the jaw's face is from S_i, against the slide's direction t_i
+ *   out    opening (scalar, m, platform frame): diameter of the round object that touches all three jaws;
+ *          negative where they overlap
+ *   out    centre (2, m, platform frame): its centre in the platform's plane
+ *   out    shares (3): shares of the legs in forces that press on it in equilibrium; all positive where
+ *          jaws surround it
+ */
+KRHPR_API int krhpr_spatial_r_fivebar_b_opening(
+    const krhpr_spatial_r_fivebar_b_geometry *g, const double redundant[3], const double jaws[3],
+    double *KRHPR_RESTRICT opening, double *KRHPR_RESTRICT centre, double *KRHPR_RESTRICT shares);
+
+/* Redundant coordinates at which the jaws touch a round object with given diameter and centre.  Thesis:
+ * 5.1, 5.3.
+ *   in     opening (scalar, m, platform frame): diameter of the round object that touches all three jaws;
+ *          negative where they overlap
+ *   in     centre (2, m, platform frame): its centre in the platform's plane
+ *   in     jaws (3, m, joint frame): how far the jaw's face is from S_i, against the slide's direction t_i
+ *   out    redundant (3, m, joint frame): slide d_i of S_i along t_i = e_t, signed
+ */
+KRHPR_API int krhpr_spatial_r_fivebar_b_redundant_of_opening(
+    const krhpr_spatial_r_fivebar_b_geometry *g, double opening, const double centre[2],
+    const double jaws[3], double *KRHPR_RESTRICT redundant);
+
 /* Every passive joint, from the base to the platform.
  *   in     p (3, m, base frame): position of O'
  *   in     Q (3 x 3, base frame): orientation, base from platform
@@ -642,6 +668,22 @@ KRHPR_API int krhpr_spatial_r_fivebar_b_forward_statics_batch(
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
 KRHPR_API int krhpr_spatial_r_fivebar_b_forward_statics_soa(
+    const krhpr_spatial_r_fivebar_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* opening: in = redundant (3), jaws (3); out = opening (1), centre (2), shares (3). */
+KRHPR_API int krhpr_spatial_r_fivebar_b_opening_batch(
+    const krhpr_spatial_r_fivebar_b_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_r_fivebar_b_opening_soa(
+    const krhpr_spatial_r_fivebar_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* redundant_of_opening: in = opening (1), centre (2), jaws (3); out = redundant (3). */
+KRHPR_API int krhpr_spatial_r_fivebar_b_redundant_of_opening_batch(
+    const krhpr_spatial_r_fivebar_b_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_r_fivebar_b_redundant_of_opening_soa(
     const krhpr_spatial_r_fivebar_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 /* passive_joints: in = p (3), Q (9), s (9), theta (9); out = passive (9), spherical (27), platform_joint (3). */

@@ -2131,6 +2131,210 @@ KRHPR_API int krhpr_spatial_upu3_c_forward_statics_soa(
 }
 #endif
 
+/* opening of KRHPR_LANES poses side by side. */
+KRHPR_OUTLINE void krhpr_spatial_upu3_c_opening_lanes(
+    const krhpr_spatial_upu3_c_geometry *g, const krhpr_lanes_at redundant[3], const krhpr_lanes_at jaws[3],
+    krhpr_lanes_at *KRHPR_RESTRICT opening, krhpr_lanes_at *KRHPR_RESTRICT centre,
+    krhpr_lanes_at *KRHPR_RESTRICT shares, krhpr_ints *answer)
+{
+    const krhpr_lanes taint = krhpr_poses_taint(redundant, 3) + krhpr_poses_taint(jaws, 3);
+    krhpr_lanes slide[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide + 2 * i);
+    }
+    krhpr_platform_spatial_c_opening_lanes(slide, redundant, jaws, opening, centre, shares);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(0.0), shares[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), shares[1]);
+    fine &= krhpr_at_most(krhpr_all(0.0), shares[2]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), shares[0]), status, KRHPR_NO_GRASP);
+    status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), shares[1]), status, KRHPR_NO_GRASP);
+    status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), shares[2]), status, KRHPR_NO_GRASP);
+    const krhpr_ints valid = krhpr_is_ok(status);
+    krhpr_poses_keep(valid, opening, 1);
+    krhpr_poses_keep(valid, centre, 2);
+    krhpr_poses_keep(valid, shares, 3);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, opening, 1);
+    krhpr_poses_keep(finite, centre, 2);
+    krhpr_poses_keep(finite, shares, 3);
+}
+
+KRHPR_API int krhpr_spatial_upu3_c_opening_batch(
+    const krhpr_spatial_upu3_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+        const int here = krhpr_poses_here(count - (size_t)k);
+        krhpr_ints answer;
+        krhpr_lanes redundant_lanes[3];
+        krhpr_poses_load(redundant_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes jaws_lanes[3];
+        krhpr_poses_load(jaws_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_lanes opening_lanes[1];
+        krhpr_lanes centre_lanes[2];
+        krhpr_lanes shares_lanes[3];
+        krhpr_spatial_upu3_c_opening_lanes(
+            g, redundant_lanes, jaws_lanes, opening_lanes, centre_lanes, shares_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], opening_lanes, 1, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], centre_lanes, 2, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], shares_lanes, 3, here);
+        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+    }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_upu3_c_opening(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0],
+            out[1] + k * out_step[1], out[2] + k * out_step[2]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+#ifndef KRHPR_WITHOUT_SOA
+KRHPR_API int krhpr_spatial_upu3_c_opening_soa(
+    const krhpr_spatial_upu3_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes redundant_room[3];
+            const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes jaws_room[3];
+            const krhpr_lanes_at *const jaws_lanes = krhpr_poses_in(jaws_room, in[1] + b * in_step[1] + k, row, 3, here);
+            krhpr_lanes opening_room[1];
+            double *const opening_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const opening_lanes = krhpr_poses_out(opening_room, opening_at, row, here);
+            krhpr_lanes centre_room[2];
+            double *const centre_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const centre_lanes = krhpr_poses_out(centre_room, centre_at, row, here);
+            krhpr_lanes shares_room[3];
+            double *const shares_at = out[2] + b * out_step[2] + k;
+            krhpr_lanes_at *const shares_lanes = krhpr_poses_out(shares_room, shares_at, row, here);
+            krhpr_spatial_upu3_c_opening_lanes(
+                g, redundant_lanes, jaws_lanes, opening_lanes, centre_lanes, shares_lanes, &answer);
+            krhpr_poses_done(opening_room, opening_at, row, 1, here);
+            krhpr_poses_done(centre_room, centre_at, row, 2, here);
+            krhpr_poses_done(shares_room, shares_at, row, 3, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+#endif
+
+/* redundant_of_opening of KRHPR_LANES poses side by side. */
+KRHPR_OUTLINE void krhpr_spatial_upu3_c_redundant_of_opening_lanes(
+    const krhpr_spatial_upu3_c_geometry *g, const krhpr_lanes_at opening[1], const krhpr_lanes_at centre[2],
+    const krhpr_lanes_at jaws[3], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
+{
+    const krhpr_lanes taint = krhpr_poses_taint(opening, 1) + krhpr_poses_taint(centre, 2) + krhpr_poses_taint(jaws, 3);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_redundant_of_opening_lanes(
+            &g->platform, i, opening[0], centre, jaws[i], &redundant[i]);
+    }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, redundant, 3);
+}
+
+KRHPR_API int krhpr_spatial_upu3_c_redundant_of_opening_batch(
+    const krhpr_spatial_upu3_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+        const int here = krhpr_poses_here(count - (size_t)k);
+        krhpr_ints answer;
+        krhpr_lanes opening_lanes[1];
+        krhpr_poses_load(opening_lanes, in[0] + k * in_step[0], in_step[0], 1, here);
+        krhpr_lanes centre_lanes[2];
+        krhpr_poses_load(centre_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_lanes jaws_lanes[3];
+        krhpr_poses_load(jaws_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_lanes redundant_lanes[3];
+        krhpr_spatial_upu3_c_redundant_of_opening_lanes(
+            g, opening_lanes, centre_lanes, jaws_lanes, redundant_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
+        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+    }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_upu3_c_redundant_of_opening(
+            g, *(in[0] + k * in_step[0]), in[1] + k * in_step[1], in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+#ifndef KRHPR_WITHOUT_SOA
+KRHPR_API int krhpr_spatial_upu3_c_redundant_of_opening_soa(
+    const krhpr_spatial_upu3_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes opening_room[1];
+            const krhpr_lanes_at *const opening_lanes = krhpr_poses_in(opening_room, in[0] + b * in_step[0] + k, row, 1, here);
+            krhpr_lanes centre_room[2];
+            const krhpr_lanes_at *const centre_lanes = krhpr_poses_in(centre_room, in[1] + b * in_step[1] + k, row, 2, here);
+            krhpr_lanes jaws_room[3];
+            const krhpr_lanes_at *const jaws_lanes = krhpr_poses_in(jaws_room, in[2] + b * in_step[2] + k, row, 3, here);
+            krhpr_lanes redundant_room[3];
+            double *const redundant_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const redundant_lanes = krhpr_poses_out(redundant_room, redundant_at, row, here);
+            krhpr_spatial_upu3_c_redundant_of_opening_lanes(
+                g, opening_lanes, centre_lanes, jaws_lanes, redundant_lanes, &answer);
+            krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+#endif
+
 /* passive_joints of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_upu3_c_passive_joints_lanes(
     const krhpr_spatial_upu3_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],

@@ -533,6 +533,56 @@ def forward_statics(geometry: Any) -> Any:
     return call.function({"wrench": wrench, "redundant_forces": redundant_forces})
 
 
+def opening(geometry: Any) -> Any:
+    """The opening of a gripper with a jaw on each slide: diameter and centre of the round object that
+    touches all three, and the shares in which they press on it."""
+    call = rt.Call(
+        "opening",
+        (
+            rt.Port("redundant", (3,), "stacked"),
+            rt.Port("jaws", (3,), "stacked"),
+        ),
+        (
+            rt.Port("opening", (), "shared"),
+            rt.Port("centre", (2,), "shared"),
+            rt.Port("shares", (3,), "shared"),
+        ),
+        geometry,
+    )
+    slide: list[Any] = []
+    start: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        slide_i, _distance, start_i = platform.tie(platform.prepare(fields))
+        slide += slide_i
+        start += start_i
+    opening, centre, shares = platform.opening(slide, call.whole("redundant"), call.whole("jaws"), start)
+    return call.function({"opening": opening, "centre": centre, "shares": shares})
+
+
+def redundant_of_opening(geometry: Any) -> Any:
+    """Redundant coordinates at which the jaws touch a round object with given diameter and centre."""
+    call = rt.Call(
+        "redundant_of_opening",
+        (
+            rt.Port("opening", (), "shared"),
+            rt.Port("centre", (2,), "shared"),
+            rt.Port("jaws", (3,), "stacked"),
+        ),
+        (
+            rt.Port("redundant", (3,), "stacked"),
+        ),
+        geometry,
+    )
+    redundant: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        redundant_i = platform.redundant_of_opening(
+            platform.prepare(fields), call.leg("opening", i), call.leg("centre", i), call.leg("jaws", i))
+        redundant += redundant_i
+    return call.function({"redundant": redundant})
+
+
 def passive_joints(geometry: Any) -> Any:
     """Every passive joint, from the base to the platform."""
     call = rt.Call(
@@ -819,6 +869,8 @@ FUNCTIONS = {
     "joint_accelerations": joint_accelerations,
     "inverse_statics": inverse_statics,
     "forward_statics": forward_statics,
+    "opening": opening,
+    "redundant_of_opening": redundant_of_opening,
     "passive_joints": passive_joints,
     "link_points": link_points,
     "singularity": singularity,

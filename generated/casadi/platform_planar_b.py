@@ -1032,3 +1032,54 @@ def reaction(g: Any, p: Any, Q: Any, s: Any, end_force: Any) -> tuple[Any, ...]:
             end_force_0 * Qt_0 + end_force_1 * Qt_1,
         ),
     )
+
+
+def opening(slide: Any, redundant: Any, jaws: Any, start: Any) -> tuple[Any, ...]:
+    """The opening of the gripper, and where its centre is.  Thesis: 5.1, 5.3.  (28 add, 36 multiply, 2
+    divide)"""
+    slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
+    redundant_0, redundant_1, redundant_2 = redundant
+    jaws_0, jaws_1, jaws_2 = jaws
+    start_0, start_1, start_2 = start
+    delta_1 = redundant_0 + start_0 - jaws_0  # the jaw's face along t_i
+    delta_2 = redundant_1 + start_1 - jaws_1
+    delta_3 = redundant_2 + start_2 - jaws_2
+    lambda_1 = slide_10 * slide_21 - slide_11 * slide_20
+    lambda_2 = slide_01 * slide_20 - slide_00 * slide_21
+    lambda_3 = slide_00 * slide_11 - slide_01 * slide_10
+    total = lambda_3 + (lambda_1 + lambda_2)
+    t1 = 1 / total
+    share_1 = lambda_1 * t1
+    share_2 = lambda_2 * t1
+    share_3 = lambda_3 * t1
+    r = delta_1 * share_1 + delta_2 * share_2 + delta_3 * share_3  # half the opening
+    t2 = delta_2 - r
+    t3 = delta_3 - r
+    t4 = delta_1 - r
+    t5 = lambda_1 * (slide_21 * t2 - slide_11 * t3) + lambda_2 * (slide_01 * t3 - slide_21 * t4)
+    t6 = 1 / (lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3)
+    t7 = lambda_1 * (slide_10 * t3 - slide_20 * t2) + lambda_2 * (slide_20 * t4 - slide_00 * t3)
+    return (
+        (  # opening
+            r * 2,
+        ),
+        (  # centre
+            (t5 + lambda_3 * (slide_11 * t4 - slide_01 * t2)) * t6,
+            t6 * (t7 + lambda_3 * (slide_00 * t2 - slide_10 * t4)),
+        ),
+        (  # shares
+            share_1,
+            share_2,
+            share_3,
+        ),
+    )
+
+
+def redundant_of_opening(g: Any, opening: Any, centre: Any, jaws: Any) -> tuple[Any, ...]:
+    """The slide at which a jaw touches a round object.  Thesis: 5.1, 5.3.  (5 add, 3 multiply)"""
+    opening, = opening
+    centre_0, centre_1 = centre
+    jaws, = jaws
+    return (
+        jaws + opening * 0.5 + g.t[0] * centre_0 + g.t[1] * centre_1 - g.k[0] - g.k[1],
+    )

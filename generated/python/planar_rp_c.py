@@ -48,10 +48,12 @@ __all__ = [
     "joint_accelerations",
     "joint_rates",
     "link_points",
+    "opening",
     "passive_joints",
     "passive_joints_of_theta",
     "platform_acceleration",
     "redundant_coordinates",
+    "redundant_of_opening",
     "singularity",
     "subleg_forward",
     "subleg_inverse",
@@ -426,6 +428,35 @@ SIGNATURES = {
         ),
         "(2),(),(3,2),(3,2),(3,2)->(3),(3),()",
     ),
+    "opening": rt.Signature(
+        "opening",
+        "The opening of a gripper with a jaw on each slide: diameter and centre of the round object that touches all three, and the shares in which they press on it.",
+        "5.1, 5.3",
+        (
+            rt.Port("redundant", (3,), "m", "joint", "slide delta_i along t_i, from O', signed", "stacked", ()),
+            rt.Port("jaws", (3,), "m", "joint", "how far the jaw's face is from S_i, against the slide's direction t_i", "stacked", ()),
+        ),
+        (
+            rt.Port("opening", (), "m", "platform", "diameter of the round object that touches all three jaws; negative where they overlap", "shared", ()),
+            rt.Port("centre", (2,), "m", "platform", "its centre in the platform's plane", "shared", ()),
+            rt.Port("shares", (3,), "1", "-", "shares of the legs in forces that press on it in equilibrium; all positive where jaws surround it", "shared", ()),
+        ),
+        "(3),(3)->(),(2),(3),()",
+    ),
+    "redundant_of_opening": rt.Signature(
+        "redundant_of_opening",
+        "Redundant coordinates at which the jaws touch a round object with given diameter and centre.",
+        "5.1, 5.3",
+        (
+            rt.Port("opening", (), "m", "platform", "diameter of the round object that touches all three jaws; negative where they overlap", "shared", ()),
+            rt.Port("centre", (2,), "m", "platform", "its centre in the platform's plane", "shared", ()),
+            rt.Port("jaws", (3,), "m", "joint", "how far the jaw's face is from S_i, against the slide's direction t_i", "stacked", ()),
+        ),
+        (
+            rt.Port("redundant", (3,), "m", "joint", "slide delta_i along t_i, from O', signed", "stacked", ()),
+        ),
+        "(),(2),(3)->(3),()",
+    ),
     "passive_joints": rt.Signature(
         "passive_joints",
         "Every passive joint, from the base to the platform.",
@@ -631,6 +662,14 @@ class ForwardStatics(NamedTuple):
 
     wrench: Any
     redundant_forces: Any
+
+
+class Opening(NamedTuple):
+    """Results of `opening`."""
+
+    opening: Any
+    centre: Any
+    shares: Any
 
 
 class PassiveJoints(NamedTuple):
@@ -1399,6 +1438,79 @@ def forward_statics(
             ),
         )
     answer = ForwardStatics(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def opening(redundant: Any, jaws: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """The opening of a gripper with a jaw on each slide: diameter and centre of the round object that
+    touches all three, and the shares in which they press on it.
+
+    Thesis: 5.1, 5.3.
+
+    Args:
+        redundant (..., 3) [m]: slide delta_i along t_i, from O', signed
+        jaws (..., 3) [m]: how far the jaw's face is from S_i, against the slide's direction t_i
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        opening (...) [m] in the platform frame: diameter of the round object that touches all
+            three jaws; negative where they overlap
+        centre (..., 2) [m] in the platform frame: its centre in the platform's plane
+        shares (..., 3): shares of the legs in forces that press on it in equilibrium; all
+            positive where jaws surround it
+    """
+    arguments = rt.Arguments(SIGNATURES["opening"], (redundant, jaws,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        slide = platform.tie(g.platform)
+        opening, centre, shares = platform.opening(
+            rt.legs(slide), arguments.whole("redundant"), arguments.whole("jaws"))
+        results = arguments.finish(
+            {
+                "opening": opening,
+                "centre": centre,
+                "shares": shares,
+            },
+            (
+                rt.Guard(shares[0], True, 0.0, Status.NO_GRASP, False, ("opening", "centre", )),
+                rt.Guard(shares[1], True, 0.0, Status.NO_GRASP, False, ("opening", "centre", )),
+                rt.Guard(shares[2], True, 0.0, Status.NO_GRASP, False, ("opening", "centre", )),
+            ),
+        )
+    answer = Opening(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def redundant_of_opening(
+    opening: Any, centre: Any, jaws: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
+    """Redundant coordinates at which the jaws touch a round object with given diameter and centre.
+
+    Thesis: 5.1, 5.3.
+
+    Args:
+        opening (...) [m] in the platform frame: diameter of the round object that touches all
+            three jaws; negative where they overlap
+        centre (..., 2) [m] in the platform frame: its centre in the platform's plane
+        jaws (..., 3) [m]: how far the jaw's face is from S_i, against the slide's direction t_i
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        redundant (..., 3) [m]: slide delta_i along t_i, from O', signed
+    """
+    arguments = rt.Arguments(SIGNATURES["redundant_of_opening"], (opening, centre, jaws,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        redundant = platform.redundant_of_opening(
+            g.platform, arguments.leg("opening"), arguments.leg("centre"), arguments.leg("jaws"))
+        results = arguments.finish(
+            {
+                "redundant": redundant,
+            },
+        )
+    answer = results[0]
     return (answer, results[-1]) if status else answer
 
 

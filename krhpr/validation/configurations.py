@@ -77,16 +77,19 @@ def configuration(subject: Subject, source: Draw) -> Configuration:
         "theta_dot": LEGS * n,
         "theta_ddot": LEGS * n,
     }
-    forces = {
+    of_statics = {
         "wrench": freedom,
         "redundant_forces": LEGS,
         "swivel_forces": LEGS,
         "actuator_forces": LEGS * n,
+        "jaws": LEGS,
     }
     rates = {name: [kind(source.nonzero().fraction) for _ in range(size)] for name, size in sizes.items()}
     # statics are linear in forces: any will do at every configuration
     given = Draw(freedom)
-    rates |= {name: [kind(given.nonzero().fraction) for _ in range(size)] for name, size in forces.items()}
+    rates |= {
+        name: [kind(given.nonzero().fraction) for _ in range(size)] for name, size in of_statics.items()
+    }
     return Configuration(subject, found.arithmetic, found.geometry, {**found.values, **rates})
 
 

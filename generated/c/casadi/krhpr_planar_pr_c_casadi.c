@@ -41,6 +41,8 @@
 #define krhpr_planar_pr_c_joint_accelerations plain_joint_accelerations
 #define krhpr_planar_pr_c_inverse_statics plain_inverse_statics
 #define krhpr_planar_pr_c_forward_statics plain_forward_statics
+#define krhpr_planar_pr_c_opening plain_opening
+#define krhpr_planar_pr_c_redundant_of_opening plain_redundant_of_opening
 #define krhpr_planar_pr_c_passive_joints plain_passive_joints
 #define krhpr_planar_pr_c_link_points plain_link_points
 #define krhpr_planar_pr_c_singularity plain_singularity
@@ -67,6 +69,8 @@
 #undef krhpr_planar_pr_c_joint_accelerations
 #undef krhpr_planar_pr_c_inverse_statics
 #undef krhpr_planar_pr_c_forward_statics
+#undef krhpr_planar_pr_c_opening
+#undef krhpr_planar_pr_c_redundant_of_opening
 #undef krhpr_planar_pr_c_passive_joints
 #undef krhpr_planar_pr_c_link_points
 #undef krhpr_planar_pr_c_singularity
@@ -164,30 +168,31 @@ static const casadi_int P54[12] = {6, 6, 0, 0, 0, 0, 1, 2, 3, 3, 4, 5};
 static const casadi_int P55[7] = {3, 2, 0, 1, 2, 2, 2};
 static const casadi_int P56[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 2, 2, 2, 2, 2, 2};
 static const casadi_int P57[12] = {3, 6, 0, 0, 0, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P58[5] = {6, 2, 0, 0, 0};
-static const casadi_int P59[4] = {6, 1, 0, 0};
-static const casadi_int P60[13] = {6, 6, 0, 2, 2, 2, 4, 4, 4, 1, 2, 4, 5};
-static const casadi_int P61[11] = {6, 6, 0, 0, 0, 0, 2, 2, 2, 1, 4};
-static const casadi_int P62[13] = {6, 6, 0, 0, 2, 2, 2, 4, 4, 1, 2, 4, 5};
-static const casadi_int P63[11] = {6, 6, 0, 0, 0, 0, 0, 2, 2, 1, 4};
-static const casadi_int P64[13] = {6, 6, 0, 0, 0, 2, 2, 2, 4, 1, 2, 4, 5};
-static const casadi_int P65[11] = {6, 6, 0, 0, 0, 0, 0, 0, 2, 1, 4};
-static const casadi_int P66[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P67[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P68[3] = {1, 6, 1};
-static const casadi_int P69[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P70[3] = {1, 3, 1};
-static const casadi_int P71[3] = {4, 6, 1};
-static const casadi_int P72[3] = {2, 6, 1};
-static const casadi_int P73[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P74[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
-static const casadi_int P75[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P76[4] = {4, 1, 0, 0};
-static const casadi_int P77[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
-static const casadi_int P78[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
-static const casadi_int P79[3] = {4, 3, 1};
-static const casadi_int P80[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
-static const casadi_int P81[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P58[3] = {1, 3, 1};
+static const casadi_int P59[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P60[5] = {6, 2, 0, 0, 0};
+static const casadi_int P61[4] = {6, 1, 0, 0};
+static const casadi_int P62[13] = {6, 6, 0, 2, 2, 2, 4, 4, 4, 1, 2, 4, 5};
+static const casadi_int P63[11] = {6, 6, 0, 0, 0, 0, 2, 2, 2, 1, 4};
+static const casadi_int P64[13] = {6, 6, 0, 0, 2, 2, 2, 4, 4, 1, 2, 4, 5};
+static const casadi_int P65[11] = {6, 6, 0, 0, 0, 0, 0, 2, 2, 1, 4};
+static const casadi_int P66[13] = {6, 6, 0, 0, 0, 2, 2, 2, 4, 1, 2, 4, 5};
+static const casadi_int P67[11] = {6, 6, 0, 0, 0, 0, 0, 0, 2, 1, 4};
+static const casadi_int P68[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P69[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P70[3] = {1, 6, 1};
+static const casadi_int P71[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P72[3] = {4, 6, 1};
+static const casadi_int P73[3] = {2, 6, 1};
+static const casadi_int P74[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P75[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
+static const casadi_int P76[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P77[4] = {4, 1, 0, 0};
+static const casadi_int P78[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
+static const casadi_int P79[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
+static const casadi_int P80[3] = {4, 3, 1};
+static const casadi_int P81[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P82[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- end_points -- */
 
@@ -1000,6 +1005,88 @@ static const krhpr_casadi_function function_forward_statics = {
 KRHPR_CASADI_FUNCTION(NAME(forward_statics), function_forward_statics)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_statics), function_forward_statics)
 
+/* -- opening -- */
+
+static int value_opening(const double *x, double *y)
+{
+    return plain_opening(&geometry, x, x + 3, y, y + 1, y + 3);
+}
+
+static void tangent_opening(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const redundant = given;
+    const krhpr_dual *const jaws = given + 3;
+    krhpr_dual *const opening = found;
+    krhpr_dual *const centre = found + 1;
+    krhpr_dual *const shares = found + 3;
+    krhpr_dual slide[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
+    }
+    krhpr_platform_planar_c_opening_tangent(slide, redundant, jaws, opening, centre, shares);
+}
+
+static const krhpr_casadi_slot in_opening[] = {
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+    {"out_jaws", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_opening[] = {
+    {"out_opening", 1, 1, 1, NULL, P2, P3},
+    {"out_centre", 2, 1, 1, NULL, P0, P1},
+    {"out_shares", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_opening[] = {
+    P58, P58, P16, P16, P11, P11
+};
+static const char *const names_opening[] = {
+    "jac_opening_redundant", "jac_opening_jaws", "jac_centre_redundant", "jac_centre_jaws", "jac_shares_redundant",
+    "jac_shares_jaws"
+};
+static const krhpr_casadi_function function_opening = {
+    2, in_opening, 3, out_opening, value_opening, tangent_opening, structure_opening, names_opening
+};
+KRHPR_CASADI_FUNCTION(NAME(opening), function_opening)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(opening), function_opening)
+
+/* -- redundant_of_opening -- */
+
+static int value_redundant_of_opening(const double *x, double *y)
+{
+    return plain_redundant_of_opening(&geometry, x[0], x + 1, x + 3, y);
+}
+
+static void tangent_redundant_of_opening(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const opening = given;
+    const krhpr_dual *const centre = given + 1;
+    const krhpr_dual *const jaws = given + 3;
+    krhpr_dual *const redundant = found;
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_c_redundant_of_opening_tangent(
+            &geometry.platform, i, opening, centre, jaws + i, redundant + i);
+    }
+}
+
+static const krhpr_casadi_slot in_redundant_of_opening[] = {
+    {"out_opening", 1, 1, 1, NULL, P2, P3},
+    {"out_centre", 2, 1, 1, NULL, P0, P1},
+    {"out_jaws", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_redundant_of_opening[] = {
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_redundant_of_opening[] = {
+    P4, P6, P59
+};
+static const char *const names_redundant_of_opening[] = {
+    "jac_redundant_opening", "jac_redundant_centre", "jac_redundant_jaws"
+};
+static const krhpr_casadi_function function_redundant_of_opening = {
+    3, in_redundant_of_opening, 1, out_redundant_of_opening, value_redundant_of_opening, tangent_redundant_of_opening, structure_redundant_of_opening, names_redundant_of_opening
+};
+KRHPR_CASADI_FUNCTION(NAME(redundant_of_opening), function_redundant_of_opening)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(redundant_of_opening), function_redundant_of_opening)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -1086,7 +1173,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_link_points[] = {
-    P58, P59, P60, P61, P58, P59, P62, P63, P58, P59, P64, P65, P58, P59, P66, P67
+    P60, P61, P62, P63, P60, P61, P64, P65, P60, P61, P66, P67, P60, P61, P68, P69
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_phi", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_phi",
@@ -1145,7 +1232,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_singularity[] = {
-    P7, P5, P13, P57, P7, P5, P13, P57, P14, P2, P68, P69, P14, P2, P68, P69
+    P7, P5, P13, P57, P7, P5, P13, P57, P14, P2, P70, P71, P14, P2, P70, P71
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_phi", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_phi",
@@ -1188,7 +1275,7 @@ static const krhpr_casadi_slot out_type_2_of_redundant[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
-    P70, P70
+    P58, P58
 };
 static const char *const names_type_2_of_redundant[] = {
     "jac_type_2_redundant", "jac_margins_redundant"
@@ -1235,7 +1322,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P71, P72, P53, P72, P69
+    P72, P73, P53, P73, P71
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_phi_s", "jac_redundant_s", "jac_det_J_s", "jac_count_s"
@@ -1287,7 +1374,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P72, P0, P68, P2, P49, P4, P69, P3, P69, P3
+    P73, P0, P70, P2, P49, P4, P71, P3, P71, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_side", "jac_phi_theta", "jac_phi_side", "jac_redundant_theta", "jac_redundant_side",
@@ -1341,7 +1428,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P73, P8, P1, P74, P14, P3, P75, P44, P76, P74, P14, P3
+    P74, P8, P1, P75, P14, P3, P76, P44, P77, P75, P14, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",
@@ -1395,7 +1482,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P77, P16, P1, P68, P70, P3, P78, P79, P76, P80, P81, P5
+    P78, P16, P1, P70, P58, P3, P79, P80, P77, P81, P82, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",

@@ -41,6 +41,8 @@
 #define krhpr_planar_rr_c_joint_accelerations plain_joint_accelerations
 #define krhpr_planar_rr_c_inverse_statics plain_inverse_statics
 #define krhpr_planar_rr_c_forward_statics plain_forward_statics
+#define krhpr_planar_rr_c_opening plain_opening
+#define krhpr_planar_rr_c_redundant_of_opening plain_redundant_of_opening
 #define krhpr_planar_rr_c_passive_joints plain_passive_joints
 #define krhpr_planar_rr_c_link_points plain_link_points
 #define krhpr_planar_rr_c_singularity plain_singularity
@@ -67,6 +69,8 @@
 #undef krhpr_planar_rr_c_joint_accelerations
 #undef krhpr_planar_rr_c_inverse_statics
 #undef krhpr_planar_rr_c_forward_statics
+#undef krhpr_planar_rr_c_opening
+#undef krhpr_planar_rr_c_redundant_of_opening
 #undef krhpr_planar_rr_c_passive_joints
 #undef krhpr_planar_rr_c_link_points
 #undef krhpr_planar_rr_c_singularity
@@ -166,30 +170,31 @@ static const casadi_int P57[3] = {6, 6, 1};
 static const casadi_int P58[12] = {6, 6, 0, 1, 2, 3, 3, 3, 3, 3, 4, 5};
 static const casadi_int P59[7] = {3, 2, 0, 1, 2, 2, 2};
 static const casadi_int P60[12] = {3, 6, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
-static const casadi_int P61[5] = {6, 2, 0, 0, 0};
-static const casadi_int P62[4] = {6, 1, 0, 0};
-static const casadi_int P63[13] = {6, 6, 0, 2, 2, 2, 4, 4, 4, 1, 2, 4, 5};
-static const casadi_int P64[11] = {6, 6, 0, 2, 2, 2, 2, 2, 2, 1, 4};
-static const casadi_int P65[13] = {6, 6, 0, 0, 2, 2, 2, 4, 4, 1, 2, 4, 5};
-static const casadi_int P66[11] = {6, 6, 0, 0, 2, 2, 2, 2, 2, 1, 4};
-static const casadi_int P67[13] = {6, 6, 0, 0, 0, 2, 2, 2, 4, 1, 2, 4, 5};
-static const casadi_int P68[11] = {6, 6, 0, 0, 0, 2, 2, 2, 2, 1, 4};
-static const casadi_int P69[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P70[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P71[3] = {1, 6, 1};
-static const casadi_int P72[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P73[3] = {1, 3, 1};
-static const casadi_int P74[3] = {4, 6, 1};
-static const casadi_int P75[3] = {2, 6, 1};
-static const casadi_int P76[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P77[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
-static const casadi_int P78[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P79[4] = {4, 1, 0, 0};
-static const casadi_int P80[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
-static const casadi_int P81[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
-static const casadi_int P82[3] = {4, 3, 1};
-static const casadi_int P83[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
-static const casadi_int P84[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P61[3] = {1, 3, 1};
+static const casadi_int P62[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P63[5] = {6, 2, 0, 0, 0};
+static const casadi_int P64[4] = {6, 1, 0, 0};
+static const casadi_int P65[13] = {6, 6, 0, 2, 2, 2, 4, 4, 4, 1, 2, 4, 5};
+static const casadi_int P66[11] = {6, 6, 0, 2, 2, 2, 2, 2, 2, 1, 4};
+static const casadi_int P67[13] = {6, 6, 0, 0, 2, 2, 2, 4, 4, 1, 2, 4, 5};
+static const casadi_int P68[11] = {6, 6, 0, 0, 2, 2, 2, 2, 2, 1, 4};
+static const casadi_int P69[13] = {6, 6, 0, 0, 0, 2, 2, 2, 4, 1, 2, 4, 5};
+static const casadi_int P70[11] = {6, 6, 0, 0, 0, 2, 2, 2, 2, 1, 4};
+static const casadi_int P71[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P72[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P73[3] = {1, 6, 1};
+static const casadi_int P74[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P75[3] = {4, 6, 1};
+static const casadi_int P76[3] = {2, 6, 1};
+static const casadi_int P77[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P78[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
+static const casadi_int P79[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P80[4] = {4, 1, 0, 0};
+static const casadi_int P81[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
+static const casadi_int P82[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
+static const casadi_int P83[3] = {4, 3, 1};
+static const casadi_int P84[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P85[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- end_points -- */
 
@@ -1011,6 +1016,88 @@ static const krhpr_casadi_function function_forward_statics = {
 KRHPR_CASADI_FUNCTION(NAME(forward_statics), function_forward_statics)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_statics), function_forward_statics)
 
+/* -- opening -- */
+
+static int value_opening(const double *x, double *y)
+{
+    return plain_opening(&geometry, x, x + 3, y, y + 1, y + 3);
+}
+
+static void tangent_opening(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const redundant = given;
+    const krhpr_dual *const jaws = given + 3;
+    krhpr_dual *const opening = found;
+    krhpr_dual *const centre = found + 1;
+    krhpr_dual *const shares = found + 3;
+    krhpr_dual slide[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
+    }
+    krhpr_platform_planar_c_opening_tangent(slide, redundant, jaws, opening, centre, shares);
+}
+
+static const krhpr_casadi_slot in_opening[] = {
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+    {"out_jaws", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_opening[] = {
+    {"out_opening", 1, 1, 1, NULL, P2, P3},
+    {"out_centre", 2, 1, 1, NULL, P0, P1},
+    {"out_shares", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_opening[] = {
+    P61, P61, P16, P16, P11, P11
+};
+static const char *const names_opening[] = {
+    "jac_opening_redundant", "jac_opening_jaws", "jac_centre_redundant", "jac_centre_jaws", "jac_shares_redundant",
+    "jac_shares_jaws"
+};
+static const krhpr_casadi_function function_opening = {
+    2, in_opening, 3, out_opening, value_opening, tangent_opening, structure_opening, names_opening
+};
+KRHPR_CASADI_FUNCTION(NAME(opening), function_opening)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(opening), function_opening)
+
+/* -- redundant_of_opening -- */
+
+static int value_redundant_of_opening(const double *x, double *y)
+{
+    return plain_redundant_of_opening(&geometry, x[0], x + 1, x + 3, y);
+}
+
+static void tangent_redundant_of_opening(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const opening = given;
+    const krhpr_dual *const centre = given + 1;
+    const krhpr_dual *const jaws = given + 3;
+    krhpr_dual *const redundant = found;
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_c_redundant_of_opening_tangent(
+            &geometry.platform, i, opening, centre, jaws + i, redundant + i);
+    }
+}
+
+static const krhpr_casadi_slot in_redundant_of_opening[] = {
+    {"out_opening", 1, 1, 1, NULL, P2, P3},
+    {"out_centre", 2, 1, 1, NULL, P0, P1},
+    {"out_jaws", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_redundant_of_opening[] = {
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_redundant_of_opening[] = {
+    P4, P6, P62
+};
+static const char *const names_redundant_of_opening[] = {
+    "jac_redundant_opening", "jac_redundant_centre", "jac_redundant_jaws"
+};
+static const krhpr_casadi_function function_redundant_of_opening = {
+    3, in_redundant_of_opening, 1, out_redundant_of_opening, value_redundant_of_opening, tangent_redundant_of_opening, structure_redundant_of_opening, names_redundant_of_opening
+};
+KRHPR_CASADI_FUNCTION(NAME(redundant_of_opening), function_redundant_of_opening)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(redundant_of_opening), function_redundant_of_opening)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -1099,7 +1186,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_link_points[] = {
-    P61, P62, P63, P64, P61, P62, P65, P66, P61, P62, P67, P68, P61, P62, P69, P70
+    P63, P64, P65, P66, P63, P64, P67, P68, P63, P64, P69, P70, P63, P64, P71, P72
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_phi", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_phi",
@@ -1159,7 +1246,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_singularity[] = {
-    P7, P5, P21, P60, P7, P5, P21, P60, P14, P2, P71, P72, P14, P2, P71, P72
+    P7, P5, P21, P60, P7, P5, P21, P60, P14, P2, P73, P74, P14, P2, P73, P74
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_phi", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_phi",
@@ -1202,7 +1289,7 @@ static const krhpr_casadi_slot out_type_2_of_redundant[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
-    P73, P73
+    P61, P61
 };
 static const char *const names_type_2_of_redundant[] = {
     "jac_type_2_redundant", "jac_margins_redundant"
@@ -1249,7 +1336,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P74, P75, P57, P75, P72
+    P75, P76, P57, P76, P74
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_phi_s", "jac_redundant_s", "jac_det_J_s", "jac_count_s"
@@ -1301,7 +1388,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P75, P0, P71, P2, P53, P4, P72, P3, P72, P3
+    P76, P0, P73, P2, P53, P4, P74, P3, P74, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_side", "jac_phi_theta", "jac_phi_side", "jac_redundant_theta", "jac_redundant_side",
@@ -1355,7 +1442,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P76, P8, P1, P77, P14, P3, P78, P48, P79, P77, P14, P3
+    P77, P8, P1, P78, P14, P3, P79, P48, P80, P78, P14, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",
@@ -1409,7 +1496,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P80, P16, P1, P71, P73, P3, P81, P82, P79, P83, P84, P5
+    P81, P16, P1, P73, P61, P3, P82, P83, P80, P84, P85, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",

@@ -1812,4 +1812,90 @@ KRHPR_STATIC void krhpr_platform_planar_c_reaction_tangent(
     }
 }
 
+/* `opening` with the derivatives of its outputs along directions of its inputs.  Thesis: 5.1, 5.3.  (85
+ * add, 108 multiply, 2 divide) */
+KRHPR_STATIC void krhpr_platform_planar_c_opening_tangent(
+    const krhpr_dual *slide, const krhpr_dual *redundant, const krhpr_dual *jaws,
+    krhpr_dual *KRHPR_RESTRICT opening, krhpr_dual *KRHPR_RESTRICT centre, krhpr_dual *KRHPR_RESTRICT shares)
+{
+    const double delta_1 = redundant[0].v - jaws[0].v;
+    const double delta_2 = redundant[1].v - jaws[1].v;
+    const double delta_3 = redundant[2].v - jaws[2].v;
+    const double lambda_1 = slide[2].v * slide[5].v - slide[3].v * slide[4].v;
+    const double lambda_2 = slide[1].v * slide[4].v - slide[0].v * slide[5].v;
+    const double lambda_3 = slide[0].v * slide[3].v - slide[1].v * slide[2].v;
+    const double total = lambda_3 + (lambda_1 + lambda_2);
+    const double h1 = 1.0 / total;
+    const double share_1 = lambda_1 * h1;
+    const double share_2 = lambda_2 * h1;
+    const double share_3 = lambda_3 * h1;
+    const double r = delta_1 * share_1 + delta_2 * share_2 + delta_3 * share_3;
+    const double h2 = delta_2 - r;
+    const double h3 = delta_3 - r;
+    const double h4 = slide[5].v * h2 - slide[3].v * h3;
+    const double h5 = delta_1 - r;
+    const double h6 = slide[1].v * h3 - slide[5].v * h5;
+    const double h7 = slide[3].v * h5 - slide[1].v * h2;
+    const double h9 = lambda_1 * h4 + lambda_2 * h6 + lambda_3 * h7;
+    const double h8 = 1.0 / (lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3);
+    const double h10 = slide[2].v * h3 - slide[4].v * h2;
+    const double h11 = slide[4].v * h5 - slide[0].v * h3;
+    const double h12 = slide[0].v * h2 - slide[2].v * h5;
+    const double h13 = lambda_1 * h10 + lambda_2 * h11 + lambda_3 * h12;
+    opening[0].v = r * 2.0;
+    centre[0].v = h9 * h8;
+    centre[1].v = h8 * h13;
+    shares[0].v = share_1;
+    shares[1].v = share_2;
+    shares[2].v = share_3;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = redundant[0].t[k] - jaws[0].t[k];
+        const double t2 = redundant[1].t[k] - jaws[1].t[k];
+        const double t3 = redundant[2].t[k] - jaws[2].t[k];
+        const double t4 = slide[5].v * slide[2].t[k] + slide[2].v * slide[5].t[k] - (slide[4].v * slide[3].t[k] + slide[3].v * slide[4].t[k]);
+        const double t5 = slide[4].v * slide[1].t[k] + slide[1].v * slide[4].t[k] - (slide[5].v * slide[0].t[k] + slide[0].v * slide[5].t[k]);
+        const double t6 = slide[3].v * slide[0].t[k] + slide[0].v * slide[3].t[k] - (slide[2].v * slide[1].t[k] + slide[1].v * slide[2].t[k]);
+        const double t7 = h1 * (h1 * (t6 + (t4 + t5)));
+        const double t8 = h1 * t4 - lambda_1 * t7;
+        const double t9 = h1 * t5 - lambda_2 * t7;
+        const double t10 = h1 * t6 - lambda_3 * t7;
+        const double t11 = share_1 * t1 + delta_1 * t8 + (share_2 * t2 + delta_2 * t9) + (share_3 * t3 + delta_3 * t10);
+        const double t12 = t2 - t11;
+        const double t13 = t3 - t11;
+        const double t14 = h2 * slide[5].t[k] + slide[5].v * t12 - (h3 * slide[3].t[k] + slide[3].v * t13);
+        const double t15 = t1 - t11;
+        const double t16 = h3 * slide[1].t[k] + slide[1].v * t13 - (h5 * slide[5].t[k] + slide[5].v * t15);
+        const double t17 = h5 * slide[3].t[k] + slide[3].v * t15 - (h2 * slide[1].t[k] + slide[1].v * t12);
+        const double t18 = h4 * t4 + lambda_1 * t14 + (h6 * t5 + lambda_2 * t16) + (h7 * t6 + lambda_3 * t17);
+        const double t19 = lambda_1 * t4;
+        const double t20 = lambda_2 * t5;
+        const double t21 = lambda_3 * t6;
+        const double t22 = h8 * (h8 * (t19 + t19 + (t20 + t20) + (t21 + t21)));
+        const double t23 = h3 * slide[2].t[k] + slide[2].v * t13 - (h2 * slide[4].t[k] + slide[4].v * t12);
+        const double t24 = h5 * slide[4].t[k] + slide[4].v * t15 - (h3 * slide[0].t[k] + slide[0].v * t13);
+        const double t25 = h2 * slide[0].t[k] + slide[0].v * t12 - (h5 * slide[2].t[k] + slide[2].v * t15);
+        const double t26 = h10 * t4 + lambda_1 * t23 + (h11 * t5 + lambda_2 * t24) + (h12 * t6 + lambda_3 * t25);
+        opening[0].t[k] = 2.0 * t11;
+        centre[0].t[k] = h8 * t18 - h9 * t22;
+        centre[1].t[k] = h8 * t26 - h13 * t22;
+        shares[0].t[k] = t8;
+        shares[1].t[k] = t9;
+        shares[2].t[k] = t10;
+    }
+}
+
+/* `redundant_of_opening` with the derivatives of its outputs along directions of its inputs.  Thesis: 5.1,
+ * 5.3.  (6 add, 6 multiply) */
+KRHPR_STATIC void krhpr_platform_planar_c_redundant_of_opening_tangent(
+    const krhpr_platform_planar_c_geometry *g, int i, const krhpr_dual *opening, const krhpr_dual *centre,
+    const krhpr_dual *jaws, krhpr_dual *KRHPR_RESTRICT redundant)
+{
+    const double redundant_a = jaws[0].v + opening[0].v * 0.5 + g->t[0][i] * centre[0].v + g->t[1][i] * centre[1].v;
+    redundant[0].v = redundant_a;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = jaws[0].t[k] + 0.5 * opening[0].t[k] + g->t[0][i] * centre[0].t[k] + g->t[1][i] * centre[1].t[k];
+        redundant[0].t[k] = t1;
+    }
+}
+
 #endif

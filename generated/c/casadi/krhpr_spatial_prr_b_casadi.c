@@ -42,6 +42,8 @@
 #define krhpr_spatial_prr_b_joint_accelerations plain_joint_accelerations
 #define krhpr_spatial_prr_b_inverse_statics plain_inverse_statics
 #define krhpr_spatial_prr_b_forward_statics plain_forward_statics
+#define krhpr_spatial_prr_b_opening plain_opening
+#define krhpr_spatial_prr_b_redundant_of_opening plain_redundant_of_opening
 #define krhpr_spatial_prr_b_passive_joints plain_passive_joints
 #define krhpr_spatial_prr_b_link_points plain_link_points
 #define krhpr_spatial_prr_b_singularity plain_singularity
@@ -69,6 +71,8 @@
 #undef krhpr_spatial_prr_b_joint_accelerations
 #undef krhpr_spatial_prr_b_inverse_statics
 #undef krhpr_spatial_prr_b_forward_statics
+#undef krhpr_spatial_prr_b_opening
+#undef krhpr_spatial_prr_b_redundant_of_opening
 #undef krhpr_spatial_prr_b_passive_joints
 #undef krhpr_spatial_prr_b_link_points
 #undef krhpr_spatial_prr_b_singularity
@@ -131,10 +135,10 @@ static const casadi_int P11[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P12[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 0, 1, 0, 1, 2, 3, 2, 3, 2, 3, 4,
     5, 4, 5, 4, 5};
 static const casadi_int P13[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P14[3] = {5, 3, 1};
-static const casadi_int P15[6] = {5, 3, 0, 0, 0, 0};
-static const casadi_int P16[3] = {2, 1, 1};
-static const casadi_int P17[4] = {2, 1, 0, 0};
+static const casadi_int P14[3] = {2, 1, 1};
+static const casadi_int P15[4] = {2, 1, 0, 0};
+static const casadi_int P16[3] = {5, 3, 1};
+static const casadi_int P17[6] = {5, 3, 0, 0, 0, 0};
 static const casadi_int P18[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
 static const casadi_int P19[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8};
@@ -222,47 +226,49 @@ static const casadi_int P72[63] = {6, 9, 0, 5, 10, 15, 21, 27, 33, 39, 45, 51, 0
     3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4,
     5};
 static const casadi_int P73[15] = {3, 9, 0, 0, 0, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
-static const casadi_int P74[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P74[3] = {1, 3, 1};
+static const casadi_int P75[3] = {3, 2, 1};
+static const casadi_int P76[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P77[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P75[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P78[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P76[18] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P77[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P79[18] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P80[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P78[18] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P79[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
+static const casadi_int P81[18] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P82[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
     3, 4, 6, 7};
-static const casadi_int P80[18] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P81[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P82[6] = {15, 3, 0, 0, 0, 0};
-static const casadi_int P83[12] = {15, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P84[33] = {15, 9, 0, 7, 7, 7, 14, 14, 14, 21, 21, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
+static const casadi_int P83[18] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P84[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P85[6] = {15, 3, 0, 0, 0, 0};
+static const casadi_int P86[12] = {15, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P87[33] = {15, 9, 0, 7, 7, 7, 14, 14, 14, 21, 21, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
     12, 13, 2, 3, 7, 8, 12, 13, 14};
-static const casadi_int P85[15] = {15, 9, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 3, 8, 13};
-static const casadi_int P86[33] = {15, 9, 0, 0, 7, 7, 7, 14, 14, 14, 21, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
+static const casadi_int P88[15] = {15, 9, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 3, 8, 13};
+static const casadi_int P89[33] = {15, 9, 0, 0, 7, 7, 7, 14, 14, 14, 21, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
     12, 13, 2, 3, 7, 8, 12, 13, 14};
-static const casadi_int P87[15] = {15, 9, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 8, 13};
-static const casadi_int P88[33] = {15, 9, 0, 0, 0, 7, 7, 7, 14, 14, 14, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
+static const casadi_int P90[15] = {15, 9, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 8, 13};
+static const casadi_int P91[33] = {15, 9, 0, 0, 0, 7, 7, 7, 14, 14, 14, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
     12, 13, 2, 3, 7, 8, 12, 13, 14};
-static const casadi_int P89[15] = {15, 9, 0, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 8, 13};
-static const casadi_int P90[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P91[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P92[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P93[3] = {2, 9, 1};
-static const casadi_int P94[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P95[3] = {9, 1, 1};
-static const casadi_int P96[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P97[3] = {3, 9, 1};
-static const casadi_int P98[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P99[3] = {3, 2, 1};
-static const casadi_int P100[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P101[4] = {9, 1, 0, 0};
-static const casadi_int P102[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P103[3] = {1, 2, 1};
-static const casadi_int P104[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P105[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P92[15] = {15, 9, 0, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 8, 13};
+static const casadi_int P93[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P94[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P95[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P96[3] = {2, 9, 1};
+static const casadi_int P97[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P98[3] = {9, 1, 1};
+static const casadi_int P99[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P100[3] = {3, 9, 1};
+static const casadi_int P101[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P102[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P103[4] = {9, 1, 0, 0};
+static const casadi_int P104[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P105[3] = {1, 2, 1};
+static const casadi_int P106[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P107[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P106[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P108[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -1076,6 +1082,90 @@ static const krhpr_casadi_function function_forward_statics = {
 KRHPR_CASADI_FUNCTION(NAME(forward_statics), function_forward_statics)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_statics), function_forward_statics)
 
+/* -- opening -- */
+
+static int value_opening(const double *x, double *y)
+{
+    return plain_opening(&geometry, x, x + 3, y, y + 1, y + 3);
+}
+
+static void tangent_opening(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const redundant = given;
+    const krhpr_dual *const jaws = given + 3;
+    krhpr_dual *const opening = found;
+    krhpr_dual *const centre = found + 1;
+    krhpr_dual *const shares = found + 3;
+    krhpr_dual slide[6];
+    krhpr_dual start[3];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual distance[1];
+        krhpr_platform_spatial_b_tie_tangent(&geometry.platform, i, slide + 2 * i, distance, start + i);
+    }
+    krhpr_platform_spatial_b_opening_tangent(slide, redundant, jaws, start, opening, centre, shares);
+}
+
+static const krhpr_casadi_slot in_opening[] = {
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+    {"out_jaws", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_opening[] = {
+    {"out_opening", 1, 1, 1, NULL, P2, P3},
+    {"out_centre", 2, 1, 1, NULL, P14, P15},
+    {"out_shares", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_opening[] = {
+    P74, P74, P6, P6, P1, P1
+};
+static const char *const names_opening[] = {
+    "jac_opening_redundant", "jac_opening_jaws", "jac_centre_redundant", "jac_centre_jaws", "jac_shares_redundant",
+    "jac_shares_jaws"
+};
+static const krhpr_casadi_function function_opening = {
+    2, in_opening, 3, out_opening, value_opening, tangent_opening, structure_opening, names_opening
+};
+KRHPR_CASADI_FUNCTION(NAME(opening), function_opening)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(opening), function_opening)
+
+/* -- redundant_of_opening -- */
+
+static int value_redundant_of_opening(const double *x, double *y)
+{
+    return plain_redundant_of_opening(&geometry, x[0], x + 1, x + 3, y);
+}
+
+static void tangent_redundant_of_opening(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const opening = given;
+    const krhpr_dual *const centre = given + 1;
+    const krhpr_dual *const jaws = given + 3;
+    krhpr_dual *const redundant = found;
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_b_redundant_of_opening_tangent(
+            &geometry.platform, i, opening, centre, jaws + i, redundant + i);
+    }
+}
+
+static const krhpr_casadi_slot in_redundant_of_opening[] = {
+    {"out_opening", 1, 1, 1, NULL, P2, P3},
+    {"out_centre", 2, 1, 1, NULL, P14, P15},
+    {"out_jaws", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_redundant_of_opening[] = {
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_redundant_of_opening[] = {
+    P4, P75, P76
+};
+static const char *const names_redundant_of_opening[] = {
+    "jac_redundant_opening", "jac_redundant_centre", "jac_redundant_jaws"
+};
+static const krhpr_casadi_function function_redundant_of_opening = {
+    3, in_redundant_of_opening, 1, out_redundant_of_opening, value_redundant_of_opening, tangent_redundant_of_opening, structure_redundant_of_opening, names_redundant_of_opening
+};
+KRHPR_CASADI_FUNCTION(NAME(redundant_of_opening), function_redundant_of_opening)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(redundant_of_opening), function_redundant_of_opening)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -1117,7 +1207,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P54, P74, P75, P76, P54, P74, P77, P78, P54, P74, P79, P80, P0, P21, P22, P81
+    P54, P77, P78, P79, P54, P77, P80, P81, P54, P77, P82, P83, P0, P21, P22, P84
 };
 static const char *const names_passive_joints[] = {
     "jac_spherical1_p", "jac_spherical1_Q", "jac_spherical1_s", "jac_spherical1_theta", "jac_spherical2_p",
@@ -1161,13 +1251,13 @@ static const krhpr_casadi_slot in_link_points[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_link_points[] = {
-    {"out_points1", 5, 3, 1, NULL, P14, P15},
-    {"out_points2", 5, 3, 1, NULL, P14, P15},
-    {"out_points3", 5, 3, 1, NULL, P14, P15},
+    {"out_points1", 5, 3, 1, NULL, P16, P17},
+    {"out_points2", 5, 3, 1, NULL, P16, P17},
+    {"out_points3", 5, 3, 1, NULL, P16, P17},
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P82, P83, P84, P85, P82, P83, P86, P87, P82, P83, P88, P89, P54, P19, P90, P91
+    P85, P86, P87, P88, P85, P86, P89, P90, P85, P86, P91, P92, P54, P19, P93, P94
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1221,11 +1311,11 @@ static const krhpr_casadi_slot in_singularity[] = {
 static const krhpr_casadi_slot out_singularity[] = {
     {"out_type_1", 3, 1, 1, NULL, P4, P5},
     {"out_factors", 3, 1, 1, NULL, P4, P5},
-    {"out_type_2", 2, 1, 1, NULL, P16, P17},
-    {"out_margins", 2, 1, 1, NULL, P16, P17},
+    {"out_type_2", 2, 1, 1, NULL, P14, P15},
+    {"out_margins", 2, 1, 1, NULL, P14, P15},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P81, P22, P73, P1, P81, P22, P73, P6, P92, P93, P94, P6, P92, P93, P94
+    P1, P84, P22, P73, P1, P84, P22, P73, P6, P95, P96, P97, P6, P95, P96, P97
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1264,8 +1354,8 @@ static const krhpr_casadi_slot in_type_2_of_redundant[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_type_2_of_redundant[] = {
-    {"out_type_2", 2, 1, 1, NULL, P16, P17},
-    {"out_margins", 2, 1, 1, NULL, P16, P17},
+    {"out_type_2", 2, 1, 1, NULL, P14, P15},
+    {"out_margins", 2, 1, 1, NULL, P14, P15},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
     P6, P6
@@ -1318,11 +1408,11 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_Q1", 3, 3, 1, NULL, P0, P1},
     {"out_Q2", 3, 3, 1, NULL, P0, P1},
     {"out_redundant", 2, 3, 1, NULL, P6, P7},
-    {"out_det_J", 2, 1, 1, NULL, P16, P17},
+    {"out_det_J", 2, 1, 1, NULL, P14, P15},
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P60, P8, P69, P95, P69, P95, P60, P8, P93, P16, P96, P3
+    P60, P8, P69, P98, P69, P98, P60, P8, P96, P14, P99, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1379,7 +1469,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P97, P4, P69, P98, P97, P4, P96, P3, P96, P3
+    P100, P4, P69, P101, P100, P4, P99, P3, P99, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_side", "jac_Q_theta", "jac_Q_side", "jac_redundant_theta", "jac_redundant_side",
@@ -1428,7 +1518,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
 
 static const krhpr_casadi_slot in_forward_encoders_2[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
-    {"out_measured", 2, 1, 1, NULL, P16, P17},
+    {"out_measured", 2, 1, 1, NULL, P14, P15},
     {"out_tolerance", 1, 1, 1, NULL, P2, P3},
 };
 static const krhpr_casadi_slot out_forward_encoders_2[] = {
@@ -1438,7 +1528,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P97, P99, P5, P69, P100, P101, P69, P100, P101, P102, P103, P3
+    P100, P75, P5, P69, P102, P103, P69, P102, P103, P104, P105, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1497,7 +1587,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P97, P0, P5, P69, P104, P101, P69, P104, P101, P105, P106, P5
+    P100, P0, P5, P69, P106, P103, P69, P106, P103, P107, P108, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

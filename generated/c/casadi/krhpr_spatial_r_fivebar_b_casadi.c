@@ -43,6 +43,8 @@
 #define krhpr_spatial_r_fivebar_b_joint_accelerations plain_joint_accelerations
 #define krhpr_spatial_r_fivebar_b_inverse_statics plain_inverse_statics
 #define krhpr_spatial_r_fivebar_b_forward_statics plain_forward_statics
+#define krhpr_spatial_r_fivebar_b_opening plain_opening
+#define krhpr_spatial_r_fivebar_b_redundant_of_opening plain_redundant_of_opening
 #define krhpr_spatial_r_fivebar_b_passive_joints plain_passive_joints
 #define krhpr_spatial_r_fivebar_b_link_points plain_link_points
 #define krhpr_spatial_r_fivebar_b_singularity plain_singularity
@@ -71,6 +73,8 @@
 #undef krhpr_spatial_r_fivebar_b_joint_accelerations
 #undef krhpr_spatial_r_fivebar_b_inverse_statics
 #undef krhpr_spatial_r_fivebar_b_forward_statics
+#undef krhpr_spatial_r_fivebar_b_opening
+#undef krhpr_spatial_r_fivebar_b_redundant_of_opening
 #undef krhpr_spatial_r_fivebar_b_passive_joints
 #undef krhpr_spatial_r_fivebar_b_link_points
 #undef krhpr_spatial_r_fivebar_b_singularity
@@ -138,12 +142,12 @@ static const casadi_int P13[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P14[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 0, 1, 0, 1, 2, 3, 2, 3, 2, 3, 4,
     5, 4, 5, 4, 5};
 static const casadi_int P15[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P16[3] = {6, 3, 1};
-static const casadi_int P17[6] = {6, 3, 0, 0, 0, 0};
-static const casadi_int P18[3] = {3, 4, 1};
-static const casadi_int P19[7] = {3, 4, 0, 0, 0, 0, 0};
-static const casadi_int P20[3] = {2, 1, 1};
-static const casadi_int P21[4] = {2, 1, 0, 0};
+static const casadi_int P16[3] = {2, 1, 1};
+static const casadi_int P17[4] = {2, 1, 0, 0};
+static const casadi_int P18[3] = {6, 3, 1};
+static const casadi_int P19[6] = {6, 3, 0, 0, 0, 0};
+static const casadi_int P20[3] = {3, 4, 1};
+static const casadi_int P21[7] = {3, 4, 0, 0, 0, 0, 0};
 static const casadi_int P22[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
 static const casadi_int P23[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8};
@@ -237,61 +241,63 @@ static const casadi_int P65[3] = {9, 9, 1};
 static const casadi_int P66[33] = {9, 9, 0, 3, 6, 9, 11, 13, 15, 17, 19, 21, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7,
     5, 8, 3, 6, 4, 7, 5, 8};
 static const casadi_int P67[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
-static const casadi_int P68[36] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 20, 22, 24, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P68[3] = {1, 3, 1};
+static const casadi_int P69[3] = {3, 2, 1};
+static const casadi_int P70[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P71[36] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 20, 22, 24, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 3, 6, 4, 7, 5, 8};
-static const casadi_int P69[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P72[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P70[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P73[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P71[27] = {9, 9, 0, 9, 9, 9, 15, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
+static const casadi_int P74[27] = {9, 9, 0, 9, 9, 9, 15, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
     6, 7};
-static const casadi_int P72[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P75[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P73[27] = {9, 9, 0, 0, 9, 9, 9, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
+static const casadi_int P76[27] = {9, 9, 0, 0, 9, 9, 9, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
     6, 7};
-static const casadi_int P74[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
+static const casadi_int P77[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
     3, 4, 6, 7};
-static const casadi_int P75[27] = {9, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4, 6,
+static const casadi_int P78[27] = {9, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4, 6,
     7};
-static const casadi_int P76[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P77[6] = {18, 3, 0, 0, 0, 0};
-static const casadi_int P78[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P79[24] = {18, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 4, 5, 10, 16, 4, 10, 11, 16, 4, 10, 16,
+static const casadi_int P79[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P80[6] = {18, 3, 0, 0, 0, 0};
+static const casadi_int P81[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P82[24] = {18, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 4, 5, 10, 16, 4, 10, 11, 16, 4, 10, 16,
     17};
-static const casadi_int P80[30] = {18, 9, 0, 9, 9, 9, 15, 15, 15, 18, 18, 18, 2, 3, 4, 8, 9, 10, 14, 15, 16, 2, 4,
+static const casadi_int P83[30] = {18, 9, 0, 9, 9, 9, 15, 15, 15, 18, 18, 18, 2, 3, 4, 8, 9, 10, 14, 15, 16, 2, 4,
     8, 10, 14, 16, 3, 9, 15};
-static const casadi_int P81[24] = {18, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 4, 5, 10, 16, 4, 10, 11, 16, 4, 10, 16,
+static const casadi_int P84[24] = {18, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 4, 5, 10, 16, 4, 10, 11, 16, 4, 10, 16,
     17};
-static const casadi_int P82[30] = {18, 9, 0, 0, 9, 9, 9, 15, 15, 15, 18, 18, 2, 3, 4, 8, 9, 10, 14, 15, 16, 2, 4, 8,
+static const casadi_int P85[30] = {18, 9, 0, 0, 9, 9, 9, 15, 15, 15, 18, 18, 2, 3, 4, 8, 9, 10, 14, 15, 16, 2, 4, 8,
     10, 14, 16, 3, 9, 15};
-static const casadi_int P83[24] = {18, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 4, 5, 10, 16, 4, 10, 11, 16, 4, 10, 16,
+static const casadi_int P86[24] = {18, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 4, 5, 10, 16, 4, 10, 11, 16, 4, 10, 16,
     17};
-static const casadi_int P84[30] = {18, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 18, 2, 3, 4, 8, 9, 10, 14, 15, 16, 2, 4, 8,
+static const casadi_int P87[30] = {18, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 18, 2, 3, 4, 8, 9, 10, 14, 15, 16, 2, 4, 8,
     10, 14, 16, 3, 9, 15};
-static const casadi_int P85[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P86[6] = {12, 3, 0, 0, 0, 0};
-static const casadi_int P87[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P88[48] = {12, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11,
+static const casadi_int P88[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P89[6] = {12, 3, 0, 0, 0, 0};
+static const casadi_int P90[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P91[48] = {12, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11,
     0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11};
-static const casadi_int P89[39] = {12, 9, 0, 4, 8, 12, 15, 18, 21, 23, 25, 27, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11,
+static const casadi_int P92[39] = {12, 9, 0, 4, 8, 12, 15, 18, 21, 23, 25, 27, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11,
     3, 6, 9, 4, 7, 10, 5, 8, 11, 6, 9, 7, 10, 8, 11};
-static const casadi_int P90[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P91[3] = {2, 9, 1};
-static const casadi_int P92[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P93[3] = {9, 1, 1};
-static const casadi_int P94[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P95[3] = {3, 9, 1};
-static const casadi_int P96[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P97[6] = {1, 3, 0, 0, 0, 0};
-static const casadi_int P98[3] = {3, 2, 1};
-static const casadi_int P99[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P100[4] = {9, 1, 0, 0};
-static const casadi_int P101[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P102[3] = {1, 2, 1};
-static const casadi_int P103[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P104[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P93[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P94[3] = {2, 9, 1};
+static const casadi_int P95[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P96[3] = {9, 1, 1};
+static const casadi_int P97[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P98[3] = {3, 9, 1};
+static const casadi_int P99[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P100[6] = {1, 3, 0, 0, 0, 0};
+static const casadi_int P101[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P102[4] = {9, 1, 0, 0};
+static const casadi_int P103[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P104[3] = {1, 2, 1};
+static const casadi_int P105[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P106[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P105[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P107[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -571,7 +577,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_constraints[] = {
-    P16, P41, P42
+    P18, P41, P42
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_Q", "jac_residual_s"
@@ -675,7 +681,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 2, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P43, P44, P45, P46, P17, P41, P29, P51, P17, P41, P30, P52, P17, P41, P31, P53
+    P43, P44, P45, P46, P19, P41, P29, P51, P19, P41, P30, P52, P19, P41, P31, P53
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_Q", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -844,7 +850,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_twist[] = {
-    P16, P62, P62, P62, P62
+    P18, P62, P62, P62, P62
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_Q", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -974,7 +980,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P16, P62, P62, P62, P12, P62, P62
+    P18, P62, P62, P62, P12, P62, P62
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_Q", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -1185,6 +1191,90 @@ static const krhpr_casadi_function function_forward_statics = {
 KRHPR_CASADI_FUNCTION(NAME(forward_statics), function_forward_statics)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_statics), function_forward_statics)
 
+/* -- opening -- */
+
+static int value_opening(const double *x, double *y)
+{
+    return plain_opening(&geometry, x, x + 3, y, y + 1, y + 3);
+}
+
+static void tangent_opening(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const redundant = given;
+    const krhpr_dual *const jaws = given + 3;
+    krhpr_dual *const opening = found;
+    krhpr_dual *const centre = found + 1;
+    krhpr_dual *const shares = found + 3;
+    krhpr_dual slide[6];
+    krhpr_dual start[3];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual distance[1];
+        krhpr_platform_spatial_b_tie_tangent(&geometry.platform, i, slide + 2 * i, distance, start + i);
+    }
+    krhpr_platform_spatial_b_opening_tangent(slide, redundant, jaws, start, opening, centre, shares);
+}
+
+static const krhpr_casadi_slot in_opening[] = {
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+    {"out_jaws", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_opening[] = {
+    {"out_opening", 1, 1, 1, NULL, P2, P3},
+    {"out_centre", 2, 1, 1, NULL, P16, P17},
+    {"out_shares", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_opening[] = {
+    P68, P68, P6, P6, P1, P1
+};
+static const char *const names_opening[] = {
+    "jac_opening_redundant", "jac_opening_jaws", "jac_centre_redundant", "jac_centre_jaws", "jac_shares_redundant",
+    "jac_shares_jaws"
+};
+static const krhpr_casadi_function function_opening = {
+    2, in_opening, 3, out_opening, value_opening, tangent_opening, structure_opening, names_opening
+};
+KRHPR_CASADI_FUNCTION(NAME(opening), function_opening)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(opening), function_opening)
+
+/* -- redundant_of_opening -- */
+
+static int value_redundant_of_opening(const double *x, double *y)
+{
+    return plain_redundant_of_opening(&geometry, x[0], x + 1, x + 3, y);
+}
+
+static void tangent_redundant_of_opening(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const opening = given;
+    const krhpr_dual *const centre = given + 1;
+    const krhpr_dual *const jaws = given + 3;
+    krhpr_dual *const redundant = found;
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_b_redundant_of_opening_tangent(
+            &geometry.platform, i, opening, centre, jaws + i, redundant + i);
+    }
+}
+
+static const krhpr_casadi_slot in_redundant_of_opening[] = {
+    {"out_opening", 1, 1, 1, NULL, P2, P3},
+    {"out_centre", 2, 1, 1, NULL, P16, P17},
+    {"out_jaws", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_redundant_of_opening[] = {
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_redundant_of_opening[] = {
+    P4, P69, P70
+};
+static const char *const names_redundant_of_opening[] = {
+    "jac_redundant_opening", "jac_redundant_centre", "jac_redundant_jaws"
+};
+static const krhpr_casadi_function function_redundant_of_opening = {
+    3, in_redundant_of_opening, 1, out_redundant_of_opening, value_redundant_of_opening, tangent_redundant_of_opening, structure_redundant_of_opening, names_redundant_of_opening
+};
+KRHPR_CASADI_FUNCTION(NAME(redundant_of_opening), function_redundant_of_opening)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(redundant_of_opening), function_redundant_of_opening)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -1233,7 +1323,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P28, P56, P27, P68, P28, P69, P70, P71, P28, P69, P72, P73, P28, P69, P74, P75, P0, P25, P26, P76
+    P28, P56, P27, P71, P28, P72, P73, P74, P28, P72, P75, P76, P28, P72, P77, P78, P0, P25, P26, P79
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -1282,13 +1372,13 @@ static const krhpr_casadi_slot in_link_points[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_link_points[] = {
-    {"out_points1", 6, 3, 1, NULL, P16, P17},
-    {"out_points2", 6, 3, 1, NULL, P16, P17},
-    {"out_points3", 6, 3, 1, NULL, P16, P17},
+    {"out_points1", 6, 3, 1, NULL, P18, P19},
+    {"out_points2", 6, 3, 1, NULL, P18, P19},
+    {"out_points3", 6, 3, 1, NULL, P18, P19},
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P77, P78, P79, P80, P77, P78, P81, P82, P77, P78, P83, P84, P28, P23, P85, P56
+    P80, P81, P82, P83, P80, P81, P84, P85, P80, P81, P86, P87, P28, P23, P88, P56
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1346,12 +1436,12 @@ static const krhpr_casadi_slot in_singularity[] = {
 };
 static const krhpr_casadi_slot out_singularity[] = {
     {"out_type_1", 3, 1, 1, NULL, P4, P5},
-    {"out_factors", 3, 4, 1, NULL, P18, P19},
-    {"out_type_2", 2, 1, 1, NULL, P20, P21},
-    {"out_margins", 2, 1, 1, NULL, P20, P21},
+    {"out_factors", 3, 4, 1, NULL, P20, P21},
+    {"out_type_2", 2, 1, 1, NULL, P16, P17},
+    {"out_margins", 2, 1, 1, NULL, P16, P17},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P76, P26, P26, P86, P87, P88, P89, P6, P90, P91, P92, P6, P90, P91, P92
+    P1, P79, P26, P26, P89, P90, P91, P92, P6, P93, P94, P95, P6, P93, P94, P95
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1390,8 +1480,8 @@ static const krhpr_casadi_slot in_type_2_of_redundant[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_type_2_of_redundant[] = {
-    {"out_type_2", 2, 1, 1, NULL, P20, P21},
-    {"out_margins", 2, 1, 1, NULL, P20, P21},
+    {"out_type_2", 2, 1, 1, NULL, P16, P17},
+    {"out_margins", 2, 1, 1, NULL, P16, P17},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
     P6, P6
@@ -1444,11 +1534,11 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_Q1", 3, 3, 1, NULL, P0, P1},
     {"out_Q2", 3, 3, 1, NULL, P0, P1},
     {"out_redundant", 2, 3, 1, NULL, P6, P7},
-    {"out_det_J", 2, 1, 1, NULL, P20, P21},
+    {"out_det_J", 2, 1, 1, NULL, P16, P17},
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P62, P10, P65, P93, P65, P93, P62, P10, P91, P20, P94, P3
+    P62, P10, P65, P96, P65, P96, P62, P10, P94, P16, P97, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1510,7 +1600,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P95, P1, P4, P65, P28, P96, P95, P1, P4, P94, P97, P3, P94, P97, P3
+    P98, P1, P4, P65, P28, P99, P98, P1, P4, P97, P100, P3, P97, P100, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_assembly", "jac_p_side", "jac_Q_theta", "jac_Q_assembly", "jac_Q_side", "jac_redundant_theta",
@@ -1560,7 +1650,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
 
 static const krhpr_casadi_slot in_forward_encoders_2[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
-    {"out_measured", 2, 1, 1, NULL, P20, P21},
+    {"out_measured", 2, 1, 1, NULL, P16, P17},
     {"out_tolerance", 1, 1, 1, NULL, P2, P3},
 };
 static const krhpr_casadi_slot out_forward_encoders_2[] = {
@@ -1570,7 +1660,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P95, P98, P5, P65, P99, P100, P65, P99, P100, P101, P102, P3
+    P98, P69, P5, P65, P101, P102, P65, P101, P102, P103, P104, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1629,7 +1719,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P95, P0, P5, P65, P103, P100, P65, P103, P100, P104, P105, P5
+    P98, P0, P5, P65, P105, P102, P65, P105, P102, P106, P107, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

@@ -42,6 +42,8 @@
 #define krhpr_spatial_rrr_c_joint_accelerations plain_joint_accelerations
 #define krhpr_spatial_rrr_c_inverse_statics plain_inverse_statics
 #define krhpr_spatial_rrr_c_forward_statics plain_forward_statics
+#define krhpr_spatial_rrr_c_opening plain_opening
+#define krhpr_spatial_rrr_c_redundant_of_opening plain_redundant_of_opening
 #define krhpr_spatial_rrr_c_passive_joints plain_passive_joints
 #define krhpr_spatial_rrr_c_link_points plain_link_points
 #define krhpr_spatial_rrr_c_singularity plain_singularity
@@ -69,6 +71,8 @@
 #undef krhpr_spatial_rrr_c_joint_accelerations
 #undef krhpr_spatial_rrr_c_inverse_statics
 #undef krhpr_spatial_rrr_c_forward_statics
+#undef krhpr_spatial_rrr_c_opening
+#undef krhpr_spatial_rrr_c_redundant_of_opening
 #undef krhpr_spatial_rrr_c_passive_joints
 #undef krhpr_spatial_rrr_c_link_points
 #undef krhpr_spatial_rrr_c_singularity
@@ -215,50 +219,52 @@ static const casadi_int P66[3] = {9, 9, 1};
 static const casadi_int P67[24] = {9, 9, 0, 3, 6, 9, 10, 11, 12, 12, 12, 12, 0, 3, 6, 1, 4, 7, 2, 5, 8, 6, 7, 8};
 static const casadi_int P68[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
 static const casadi_int P69[18] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P70[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P71[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P70[3] = {1, 3, 1};
+static const casadi_int P71[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P72[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P73[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P72[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P74[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P73[27] = {9, 9, 0, 9, 9, 9, 15, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
+static const casadi_int P75[27] = {9, 9, 0, 9, 9, 9, 15, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
     6, 7};
-static const casadi_int P74[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P76[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P75[27] = {9, 9, 0, 0, 9, 9, 9, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
+static const casadi_int P77[27] = {9, 9, 0, 0, 9, 9, 9, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
     6, 7};
-static const casadi_int P76[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
+static const casadi_int P78[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
     3, 4, 6, 7};
-static const casadi_int P77[27] = {9, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4, 6,
+static const casadi_int P79[27] = {9, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4, 6,
     7};
-static const casadi_int P78[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P79[6] = {12, 3, 0, 0, 0, 0};
-static const casadi_int P80[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P81[24] = {12, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
-static const casadi_int P82[18] = {12, 9, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
-static const casadi_int P83[24] = {12, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
-static const casadi_int P84[18] = {12, 9, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
-static const casadi_int P85[24] = {12, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
-static const casadi_int P86[18] = {12, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
-static const casadi_int P87[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P88[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P89[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5, 0,
+static const casadi_int P80[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P81[6] = {12, 3, 0, 0, 0, 0};
+static const casadi_int P82[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P83[24] = {12, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P84[18] = {12, 9, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P85[24] = {12, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P86[18] = {12, 9, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P87[24] = {12, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P88[18] = {12, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P89[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P90[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P91[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5, 0,
     3, 1, 4, 2, 5};
-static const casadi_int P90[21] = {6, 9, 0, 2, 4, 6, 7, 8, 9, 9, 9, 9, 0, 3, 1, 4, 2, 5, 3, 4, 5};
-static const casadi_int P91[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P92[3] = {2, 9, 1};
-static const casadi_int P93[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P94[3] = {9, 1, 1};
-static const casadi_int P95[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P96[3] = {3, 9, 1};
-static const casadi_int P97[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P98[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P99[4] = {9, 1, 0, 0};
-static const casadi_int P100[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P101[3] = {1, 2, 1};
-static const casadi_int P102[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P103[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P92[21] = {6, 9, 0, 2, 4, 6, 7, 8, 9, 9, 9, 9, 0, 3, 1, 4, 2, 5, 3, 4, 5};
+static const casadi_int P93[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P94[3] = {2, 9, 1};
+static const casadi_int P95[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P96[3] = {9, 1, 1};
+static const casadi_int P97[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P98[3] = {3, 9, 1};
+static const casadi_int P99[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P100[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P101[4] = {9, 1, 0, 0};
+static const casadi_int P102[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P103[3] = {1, 2, 1};
+static const casadi_int P104[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P105[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P104[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P106[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -1090,6 +1096,88 @@ static const krhpr_casadi_function function_forward_statics = {
 KRHPR_CASADI_FUNCTION(NAME(forward_statics), function_forward_statics)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_statics), function_forward_statics)
 
+/* -- opening -- */
+
+static int value_opening(const double *x, double *y)
+{
+    return plain_opening(&geometry, x, x + 3, y, y + 1, y + 3);
+}
+
+static void tangent_opening(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const redundant = given;
+    const krhpr_dual *const jaws = given + 3;
+    krhpr_dual *const opening = found;
+    krhpr_dual *const centre = found + 1;
+    krhpr_dual *const shares = found + 3;
+    krhpr_dual slide[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
+    }
+    krhpr_platform_spatial_c_opening_tangent(slide, redundant, jaws, opening, centre, shares);
+}
+
+static const krhpr_casadi_slot in_opening[] = {
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+    {"out_jaws", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_opening[] = {
+    {"out_opening", 1, 1, 1, NULL, P2, P3},
+    {"out_centre", 2, 1, 1, NULL, P18, P19},
+    {"out_shares", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_opening[] = {
+    P70, P70, P14, P14, P1, P1
+};
+static const char *const names_opening[] = {
+    "jac_opening_redundant", "jac_opening_jaws", "jac_centre_redundant", "jac_centre_jaws", "jac_shares_redundant",
+    "jac_shares_jaws"
+};
+static const krhpr_casadi_function function_opening = {
+    2, in_opening, 3, out_opening, value_opening, tangent_opening, structure_opening, names_opening
+};
+KRHPR_CASADI_FUNCTION(NAME(opening), function_opening)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(opening), function_opening)
+
+/* -- redundant_of_opening -- */
+
+static int value_redundant_of_opening(const double *x, double *y)
+{
+    return plain_redundant_of_opening(&geometry, x[0], x + 1, x + 3, y);
+}
+
+static void tangent_redundant_of_opening(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const opening = given;
+    const krhpr_dual *const centre = given + 1;
+    const krhpr_dual *const jaws = given + 3;
+    krhpr_dual *const redundant = found;
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_redundant_of_opening_tangent(
+            &geometry.platform, i, opening, centre, jaws + i, redundant + i);
+    }
+}
+
+static const krhpr_casadi_slot in_redundant_of_opening[] = {
+    {"out_opening", 1, 1, 1, NULL, P2, P3},
+    {"out_centre", 2, 1, 1, NULL, P18, P19},
+    {"out_jaws", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_redundant_of_opening[] = {
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_redundant_of_opening[] = {
+    P4, P16, P71
+};
+static const char *const names_redundant_of_opening[] = {
+    "jac_redundant_opening", "jac_redundant_centre", "jac_redundant_jaws"
+};
+static const krhpr_casadi_function function_redundant_of_opening = {
+    3, in_redundant_of_opening, 1, out_redundant_of_opening, value_redundant_of_opening, tangent_redundant_of_opening, structure_redundant_of_opening, names_redundant_of_opening
+};
+KRHPR_CASADI_FUNCTION(NAME(redundant_of_opening), function_redundant_of_opening)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(redundant_of_opening), function_redundant_of_opening)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -1133,7 +1221,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P70, P71, P72, P73, P70, P71, P74, P75, P70, P71, P76, P77, P0, P23, P24, P78
+    P72, P73, P74, P75, P72, P73, P76, P77, P72, P73, P78, P79, P0, P23, P24, P80
 };
 static const char *const names_passive_joints[] = {
     "jac_spherical1_p", "jac_spherical1_Q", "jac_spherical1_s", "jac_spherical1_theta", "jac_spherical2_p",
@@ -1184,7 +1272,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P79, P80, P81, P82, P79, P80, P83, P84, P79, P80, P85, P86, P70, P87, P88, P87
+    P81, P82, P83, P84, P81, P82, P85, P86, P81, P82, P87, P88, P72, P89, P90, P89
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1244,7 +1332,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 2, 1, 1, NULL, P18, P19},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P78, P24, P69, P46, P13, P89, P90, P14, P91, P92, P93, P14, P91, P92, P93
+    P1, P80, P24, P69, P46, P13, P91, P92, P14, P93, P94, P95, P14, P93, P94, P95
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1339,7 +1427,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P61, P8, P66, P94, P66, P94, P61, P8, P92, P18, P95, P3
+    P61, P8, P66, P96, P66, P96, P61, P8, P94, P18, P97, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1393,7 +1481,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P96, P4, P66, P97, P96, P4, P95, P3, P95, P3
+    P98, P4, P66, P99, P98, P4, P97, P3, P97, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_side", "jac_Q_theta", "jac_Q_side", "jac_redundant_theta", "jac_redundant_side",
@@ -1449,7 +1537,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P96, P16, P5, P66, P98, P99, P66, P98, P99, P100, P101, P3
+    P98, P16, P5, P66, P100, P101, P66, P100, P101, P102, P103, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1505,7 +1593,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P96, P0, P5, P66, P102, P99, P66, P102, P99, P103, P104, P5
+    P98, P0, P5, P66, P104, P101, P66, P104, P101, P105, P106, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

@@ -43,6 +43,8 @@
 #define krhpr_spatial_rrrr_c_joint_accelerations plain_joint_accelerations
 #define krhpr_spatial_rrrr_c_inverse_statics plain_inverse_statics
 #define krhpr_spatial_rrrr_c_forward_statics plain_forward_statics
+#define krhpr_spatial_rrrr_c_opening plain_opening
+#define krhpr_spatial_rrrr_c_redundant_of_opening plain_redundant_of_opening
 #define krhpr_spatial_rrrr_c_passive_joints plain_passive_joints
 #define krhpr_spatial_rrrr_c_link_points plain_link_points
 #define krhpr_spatial_rrrr_c_singularity plain_singularity
@@ -71,6 +73,8 @@
 #undef krhpr_spatial_rrrr_c_joint_accelerations
 #undef krhpr_spatial_rrrr_c_inverse_statics
 #undef krhpr_spatial_rrrr_c_forward_statics
+#undef krhpr_spatial_rrrr_c_opening
+#undef krhpr_spatial_rrrr_c_redundant_of_opening
 #undef krhpr_spatial_rrrr_c_passive_joints
 #undef krhpr_spatial_rrrr_c_link_points
 #undef krhpr_spatial_rrrr_c_singularity
@@ -135,10 +139,10 @@ static const casadi_int P16[3] = {2, 4, 1};
 static const casadi_int P17[7] = {2, 4, 0, 0, 0, 0, 0};
 static const casadi_int P18[3] = {3, 2, 1};
 static const casadi_int P19[5] = {3, 2, 0, 0, 0};
-static const casadi_int P20[3] = {4, 3, 1};
-static const casadi_int P21[6] = {4, 3, 0, 0, 0, 0};
-static const casadi_int P22[3] = {2, 1, 1};
-static const casadi_int P23[4] = {2, 1, 0, 0};
+static const casadi_int P20[3] = {2, 1, 1};
+static const casadi_int P21[4] = {2, 1, 0, 0};
+static const casadi_int P22[3] = {4, 3, 1};
+static const casadi_int P23[6] = {4, 3, 0, 0, 0, 0};
 static const casadi_int P24[3] = {2, 3, 1};
 static const casadi_int P25[6] = {2, 3, 0, 0, 0, 0};
 static const casadi_int P26[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
@@ -254,54 +258,56 @@ static const casadi_int P85[24] = {3, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 9,
 static const casadi_int P86[27] = {3, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1,
     2};
 static const casadi_int P87[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P88[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P89[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P88[3] = {1, 3, 1};
+static const casadi_int P89[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P90[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P91[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P90[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P92[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P91[39] = {9, 12, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
+static const casadi_int P93[39] = {9, 12, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
     0, 1, 2, 3, 4, 5, 6, 7, 8, 1, 2, 4, 5, 7, 8};
-static const casadi_int P92[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P94[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P93[39] = {9, 12, 0, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
+static const casadi_int P95[39] = {9, 12, 0, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
     0, 1, 2, 3, 4, 5, 6, 7, 8, 1, 2, 4, 5, 7, 8};
-static const casadi_int P94[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
+static const casadi_int P96[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
     3, 4, 6, 7};
-static const casadi_int P95[39] = {9, 12, 0, 0, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
+static const casadi_int P97[39] = {9, 12, 0, 0, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
     0, 1, 2, 3, 4, 5, 6, 7, 8, 1, 2, 4, 5, 7, 8};
-static const casadi_int P96[15] = {3, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P97[6] = {12, 3, 0, 0, 0, 0};
-static const casadi_int P98[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P99[24] = {12, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
-static const casadi_int P100[21] = {12, 12, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
-static const casadi_int P101[24] = {12, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
-static const casadi_int P102[21] = {12, 12, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
-static const casadi_int P103[24] = {12, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
-static const casadi_int P104[21] = {12, 12, 0, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
-static const casadi_int P105[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P106[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P107[15] = {9, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P108[36] = {12, 12, 0, 4, 8, 12, 14, 16, 18, 19, 20, 21, 21, 21, 21, 0, 3, 6, 9, 1, 4, 7,
+static const casadi_int P98[15] = {3, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P99[6] = {12, 3, 0, 0, 0, 0};
+static const casadi_int P100[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P101[24] = {12, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P102[21] = {12, 12, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P103[24] = {12, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P104[21] = {12, 12, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P105[24] = {12, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P106[21] = {12, 12, 0, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P107[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P108[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P109[15] = {9, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P110[36] = {12, 12, 0, 4, 8, 12, 14, 16, 18, 19, 20, 21, 21, 21, 21, 0, 3, 6, 9, 1, 4, 7,
     10, 2, 5, 8, 11, 0, 3, 1, 4, 2, 5, 3, 4, 5};
-static const casadi_int P109[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P110[3] = {2, 9, 1};
-static const casadi_int P111[15] = {2, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P112[3] = {9, 9, 1};
-static const casadi_int P113[3] = {9, 1, 1};
-static const casadi_int P114[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P115[3] = {3, 12, 1};
-static const casadi_int P116[3] = {9, 12, 1};
-static const casadi_int P117[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P118[15] = {1, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P119[3] = {3, 9, 1};
-static const casadi_int P120[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P121[4] = {9, 1, 0, 0};
-static const casadi_int P122[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P123[3] = {1, 2, 1};
-static const casadi_int P124[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P125[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P111[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P112[3] = {2, 9, 1};
+static const casadi_int P113[15] = {2, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P114[3] = {9, 9, 1};
+static const casadi_int P115[3] = {9, 1, 1};
+static const casadi_int P116[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P117[3] = {3, 12, 1};
+static const casadi_int P118[3] = {9, 12, 1};
+static const casadi_int P119[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P120[15] = {1, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P121[3] = {3, 9, 1};
+static const casadi_int P122[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P123[4] = {9, 1, 0, 0};
+static const casadi_int P124[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P125[3] = {1, 2, 1};
+static const casadi_int P126[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P127[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P126[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P128[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -1211,6 +1217,88 @@ static const krhpr_casadi_function function_forward_statics = {
 KRHPR_CASADI_FUNCTION(NAME(forward_statics), function_forward_statics)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_statics), function_forward_statics)
 
+/* -- opening -- */
+
+static int value_opening(const double *x, double *y)
+{
+    return plain_opening(&geometry, x, x + 3, y, y + 1, y + 3);
+}
+
+static void tangent_opening(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const redundant = given;
+    const krhpr_dual *const jaws = given + 3;
+    krhpr_dual *const opening = found;
+    krhpr_dual *const centre = found + 1;
+    krhpr_dual *const shares = found + 3;
+    krhpr_dual slide[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
+    }
+    krhpr_platform_spatial_c_opening_tangent(slide, redundant, jaws, opening, centre, shares);
+}
+
+static const krhpr_casadi_slot in_opening[] = {
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+    {"out_jaws", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_opening[] = {
+    {"out_opening", 1, 1, 1, NULL, P2, P3},
+    {"out_centre", 2, 1, 1, NULL, P20, P21},
+    {"out_shares", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_opening[] = {
+    P88, P88, P24, P24, P1, P1
+};
+static const char *const names_opening[] = {
+    "jac_opening_redundant", "jac_opening_jaws", "jac_centre_redundant", "jac_centre_jaws", "jac_shares_redundant",
+    "jac_shares_jaws"
+};
+static const krhpr_casadi_function function_opening = {
+    2, in_opening, 3, out_opening, value_opening, tangent_opening, structure_opening, names_opening
+};
+KRHPR_CASADI_FUNCTION(NAME(opening), function_opening)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(opening), function_opening)
+
+/* -- redundant_of_opening -- */
+
+static int value_redundant_of_opening(const double *x, double *y)
+{
+    return plain_redundant_of_opening(&geometry, x[0], x + 1, x + 3, y);
+}
+
+static void tangent_redundant_of_opening(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const opening = given;
+    const krhpr_dual *const centre = given + 1;
+    const krhpr_dual *const jaws = given + 3;
+    krhpr_dual *const redundant = found;
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_redundant_of_opening_tangent(
+            &geometry.platform, i, opening, centre, jaws + i, redundant + i);
+    }
+}
+
+static const krhpr_casadi_slot in_redundant_of_opening[] = {
+    {"out_opening", 1, 1, 1, NULL, P2, P3},
+    {"out_centre", 2, 1, 1, NULL, P20, P21},
+    {"out_jaws", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_redundant_of_opening[] = {
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_redundant_of_opening[] = {
+    P4, P18, P89
+};
+static const char *const names_redundant_of_opening[] = {
+    "jac_redundant_opening", "jac_redundant_centre", "jac_redundant_jaws"
+};
+static const krhpr_casadi_function function_redundant_of_opening = {
+    3, in_redundant_of_opening, 1, out_redundant_of_opening, value_redundant_of_opening, tangent_redundant_of_opening, structure_redundant_of_opening, names_redundant_of_opening
+};
+KRHPR_CASADI_FUNCTION(NAME(redundant_of_opening), function_redundant_of_opening)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(redundant_of_opening), function_redundant_of_opening)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -1255,7 +1343,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P88, P89, P90, P91, P88, P89, P92, P93, P88, P89, P94, P95, P0, P29, P30, P96
+    P90, P91, P92, P93, P90, P91, P94, P95, P90, P91, P96, P97, P0, P29, P30, P98
 };
 static const char *const names_passive_joints[] = {
     "jac_spherical1_p", "jac_spherical1_Q", "jac_spherical1_s", "jac_spherical1_theta", "jac_spherical2_p",
@@ -1301,13 +1389,13 @@ static const krhpr_casadi_slot in_link_points[] = {
     {"out_theta", 3, 4, 1, NULL, P6, P7},
 };
 static const krhpr_casadi_slot out_link_points[] = {
-    {"out_points1", 4, 3, 1, NULL, P20, P21},
-    {"out_points2", 4, 3, 1, NULL, P20, P21},
-    {"out_points3", 4, 3, 1, NULL, P20, P21},
+    {"out_points1", 4, 3, 1, NULL, P22, P23},
+    {"out_points2", 4, 3, 1, NULL, P22, P23},
+    {"out_points3", 4, 3, 1, NULL, P22, P23},
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P97, P98, P99, P100, P97, P98, P101, P102, P97, P98, P103, P104, P88, P105, P106, P107
+    P99, P100, P101, P102, P99, P100, P103, P104, P99, P100, P105, P106, P90, P107, P108, P109
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1364,11 +1452,11 @@ static const krhpr_casadi_slot in_singularity[] = {
 static const krhpr_casadi_slot out_singularity[] = {
     {"out_type_1", 3, 1, 1, NULL, P4, P5},
     {"out_factors", 3, 4, 1, NULL, P6, P7},
-    {"out_type_2", 2, 1, 1, NULL, P22, P23},
-    {"out_margins", 2, 1, 1, NULL, P22, P23},
+    {"out_type_2", 2, 1, 1, NULL, P20, P21},
+    {"out_margins", 2, 1, 1, NULL, P20, P21},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P87, P30, P85, P97, P98, P77, P108, P24, P109, P110, P111, P24, P109, P110, P111
+    P1, P87, P30, P85, P99, P100, P77, P110, P24, P111, P112, P113, P24, P111, P112, P113
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1407,8 +1495,8 @@ static const krhpr_casadi_slot in_type_2_of_redundant[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_type_2_of_redundant[] = {
-    {"out_type_2", 2, 1, 1, NULL, P22, P23},
-    {"out_margins", 2, 1, 1, NULL, P22, P23},
+    {"out_type_2", 2, 1, 1, NULL, P20, P21},
+    {"out_margins", 2, 1, 1, NULL, P20, P21},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
     P24, P24
@@ -1459,11 +1547,11 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_Q1", 3, 3, 1, NULL, P0, P1},
     {"out_Q2", 3, 3, 1, NULL, P0, P1},
     {"out_redundant", 2, 3, 1, NULL, P24, P25},
-    {"out_det_J", 2, 1, 1, NULL, P22, P23},
+    {"out_det_J", 2, 1, 1, NULL, P20, P21},
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P74, P10, P112, P113, P112, P113, P74, P10, P110, P22, P114, P3
+    P74, P10, P114, P115, P114, P115, P74, P10, P112, P20, P116, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1517,7 +1605,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P115, P4, P116, P117, P115, P4, P118, P3, P118, P3
+    P117, P4, P118, P119, P117, P4, P120, P3, P120, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_side", "jac_Q_theta", "jac_Q_side", "jac_redundant_theta", "jac_redundant_side",
@@ -1563,7 +1651,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
 
 static const krhpr_casadi_slot in_forward_encoders_2[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
-    {"out_measured", 2, 1, 1, NULL, P22, P23},
+    {"out_measured", 2, 1, 1, NULL, P20, P21},
     {"out_tolerance", 1, 1, 1, NULL, P2, P3},
 };
 static const krhpr_casadi_slot out_forward_encoders_2[] = {
@@ -1573,7 +1661,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P119, P18, P5, P112, P120, P121, P112, P120, P121, P122, P123, P3
+    P121, P18, P5, P114, P122, P123, P114, P122, P123, P124, P125, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1629,7 +1717,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P119, P0, P5, P112, P124, P121, P112, P124, P121, P125, P126, P5
+    P121, P0, P5, P114, P126, P123, P114, P126, P123, P127, P128, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

@@ -73,8 +73,19 @@ def singular_configurations(one: Numeric, batch: Batch, found: Measured) -> None
         found.worse(wrong.astype(float), f"where {status.name}")
 
 
+def opening(one: Numeric, batch: Batch, found: Measured) -> None:
+    """opening after redundant_of_opening."""
+    slides = call(one, batch, "redundant_of_opening")["redundant"]
+    result = call(one, batch, "opening", redundant=slides)
+    for name in ("opening", "centre"):
+        gap = np.abs(result[name] - batch.values[name])
+        found.worse(gap.reshape(len(batch), -1) / np.abs(slides).max(axis=1)[:, None], name)
+    found.worse((result["shares"] <= 0).astype(float), "jaws on one side")
+
+
 RUNNERS: dict[str, Runner] = {
     "virtual work of actuators": runner(virtual_work),
     "statics there and back": runner(there_and_back),
+    "opening": runner(opening),
     "singular statics": runner(singular_configurations),
 }

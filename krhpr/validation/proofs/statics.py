@@ -6,7 +6,7 @@ from typing import Any
 
 from krhpr.codegen.kernel import LEGS
 from krhpr.validation.configurations import Configuration
-from krhpr.validation.linear import apply, dot, solve, transpose
+from krhpr.validation.linear import apply, dot, minus, plus, scaled, solve, transpose
 from krhpr.validation.numbers import Exact
 from krhpr.validation.outcome import Measured, Runner
 from krhpr.validation.proofs.robots import jacobians, proof
@@ -63,8 +63,30 @@ def there_and_back(subject: Subject, here: Configuration, found: Measured) -> No
     found.equal(again, here.values["actuator_forces"], "actuator_forces")
 
 
+def opening(subject: Subject, here: Configuration, found: Measured) -> None:
+    """Every face is as far from the centre as half the opening, along the slide."""
+    result = here.call("opening")
+    radius = result["opening"][0] / 2
+    balance = [Exact(0), Exact(0)]
+    for leg in range(LEGS):
+        d, jaw = here.leg("redundant", leg)[0], here.leg("jaws", leg)[0]
+        end, further = (
+            here.kernel("platform", "line_of_redundant", leg, redundant=value)["point"]
+            for value in (d, d + 1)
+        )
+        slide = minus(further, end)
+        face = minus(minus(end, scaled(jaw, slide)), result["centre"])
+        found.equal([dot(slide, face)], [radius], f"face {leg + 1}")
+        balance = plus(balance, scaled(result["shares"][leg], slide))
+    found.equal(balance, [Exact(0), Exact(0)], "balance of the shares")
+    found.equal([sum(result["shares"], Exact(0))], [Exact(1)], "sum of the shares")
+    again = here.call("redundant_of_opening", opening=result["opening"], centre=result["centre"])
+    found.equal(again["redundant"], here.values["redundant"], "redundant")
+
+
 RUNNERS: dict[str, Runner] = {
     "virtual work": proof(virtual_work),
     "(J^-1 K)^T": proof(transposed),
+    "opening": proof(opening),
     "statics there and back": proof(there_and_back),
 }

@@ -115,6 +115,15 @@ INVARIANTS = (
         ("inverse_statics",),
     ),
     Rule(
+        "opening",
+        "opening",
+        ROUND_TRIP,
+        BATCH,
+        "The slides at which the jaws touch an object have its diameter and centre as their opening; the "
+        "jaws surround it.",
+        ("redundant_of_opening",),
+    ),
+    Rule(
         "singular statics",
         "inverse_statics",
         EXACT,

@@ -425,6 +425,15 @@ ROBOT_PROOFS = (
         ("inverse_statics", "platform.reaction", "subleg.end_force"),
     ),
     Proof(
+        "opening",
+        "opening",
+        EXACT,
+        FEW,
+        "The circle touches the faces of the jaws, which are where S_i and the slide's direction say; the "
+        "shares add up to one and balance; the redundant coordinates come back.",
+        ("redundant_of_opening", "platform.opening", "platform.redundant_of_opening"),
+    ),
+    Proof(
         "det J",
         "singularity",
         EXACT,
