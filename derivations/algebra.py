@@ -6,6 +6,7 @@ import sympy as sp
 
 from krhpr.codegen.kernel import Frame, Kernel, Port, Unit
 from krhpr.codegen.writer import KernelWriter
+from krhpr.derivations.platforms.statics import whole_wrench
 from krhpr.derivations.terms import Space
 from krhpr.derivations.vectors import cross2, determinant3, dot
 
@@ -14,7 +15,7 @@ def kernels(space: Space) -> tuple[Kernel, ...]:
     """The kernels of one space."""
     common = (_rate(space), _rate_with_bias(space), _sum(space), _difference(space))
     own = _rotation() if space is Space.PLANAR else _rotation_error()
-    return (*common, _wrist(space), own)
+    return (*common, _wrist(space), own, whole_wrench(space))
 
 
 def _rate(space: Space) -> Kernel:

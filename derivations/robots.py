@@ -21,6 +21,8 @@ from krhpr.codegen.composition import (
 from krhpr.codegen.kernel import Frame, Layout, Port, Unit
 from krhpr.derivations.platforms.base import Platform
 from krhpr.derivations.robot_forward import ForwardFunctions
+from krhpr.derivations.robot_gripper import GripperFunctions
+from krhpr.derivations.robot_statics import StaticsFunctions
 from krhpr.derivations.sublegs.base import SubLeg
 from krhpr.derivations.terms import Space
 
@@ -60,7 +62,7 @@ class Robot:
         return tuple(_Functions(self).all())
 
 
-class _Functions(ForwardFunctions):
+class _Functions(ForwardFunctions, StaticsFunctions, GripperFunctions):
     """Every function of one robot."""
 
     def all(self) -> Iterable[RobotFunction]:
@@ -90,6 +92,11 @@ class _Functions(ForwardFunctions):
         yield self._joint_rates()
         yield self._platform_acceleration()
         yield self._joint_accelerations()
+        yield self._inverse_statics()
+        yield self._forward_statics()
+        if self.robot.platform.carries_gripper:
+            yield self._opening()
+            yield self._redundant_of_opening()
         yield self._passive_joints()
         yield self._link_points()
         yield self._singularity()

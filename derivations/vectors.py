@@ -111,3 +111,11 @@ def solve_structured(m: sp.Matrix, right: sp.Matrix) -> sp.Matrix:
     elif rows:
         raise ValueError(f"no rule to solve {len(rows)} coupled rows")
     return sp.Matrix(solution)
+
+
+def solve_columns(a: sp.Matrix, b: sp.Matrix) -> sp.Matrix:
+    """a^-1 b, by `solve_structured` column by column."""
+    if a == sp.eye(a.rows):
+        return b
+    columns = [solve_structured(a, b.col(j)) for j in range(b.cols)]
+    return sp.Matrix.hstack(*columns)

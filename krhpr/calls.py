@@ -20,6 +20,7 @@ from krhpr.errors import (
     Inconsistent,
     InvalidInput,
     NoConvergence,
+    NoGrasp,
     Singular,
     Unassembled,
     UnknownBranch,
@@ -451,6 +452,11 @@ _WITHOUT_ANSWER: Mapping[Status, tuple[type[InBatch], str]] = {
         Ambiguous,
         "several solutions cannot be told apart; give a smaller box=..., or look at all of them with "
         "forward_all",
+    ),
+    Status.NO_GRASP: (
+        NoGrasp,
+        "the jaws do not surround an object; the directions of the slides must positively span the plane "
+        "(platform_azimuth)",
     ),
     Status.INCONSISTENT: (
         Inconsistent,

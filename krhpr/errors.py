@@ -65,6 +65,10 @@ class NoConvergence(InBatch):
     """An iteration that ended before it converged; `index` is its place in the batch."""
 
 
+class NoGrasp(InBatch):
+    """Jaws that do not surround an object; `index` is their place in the batch."""
+
+
 class Unassembled(InBatch):
     """End points that no platform of the geometry fits; `index` is their place in the batch."""
 

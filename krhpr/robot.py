@@ -245,6 +245,63 @@ class Robot(ForwardKinematics):
         inputs = (p, Q, s, theta, twist, rates, theta_dot, twist_rate, accelerations, *swivels)
         return self._answer(name, inputs, options)
 
+    # -- statics --------------------------------------------------------------------------------------------
+
+    def inverse_statics(
+        self,
+        p: ArrayLike,
+        Q: ArrayLike,
+        s: ArrayLike,
+        theta: ArrayLike,
+        wrench: ArrayLike,
+        redundant_forces: ArrayLike = 0.0,
+        swivel_forces: ArrayLike | None = None,
+        **options: Unpack[Options],
+    ) -> Any:
+        """actuator_forces (..., 3, n) with which the robot applies `wrench` (..., 6), force and moment about
+        O' in the base frame, to its environment, (5.12); and, (5.44), `redundant_forces` (..., 3) along the
+        redundant coordinates and those along redundant sub-legs' swivels (zero unless given).
+        """
+        forces = self._per_leg(redundant_forces)
+        swivels = self._swivels("inverse_statics", swivel_forces, "swivel_forces")
+        return self._answer("inverse_statics", (p, Q, s, theta, wrench, forces, *swivels), options)
+
+    def forward_statics(
+        self,
+        p: ArrayLike,
+        Q: ArrayLike,
+        s: ArrayLike,
+        theta: ArrayLike,
+        actuator_forces: ArrayLike,
+        **options: Unpack[Options],
+    ) -> Any:
+        """(wrench (..., 6), redundant_forces (..., 3)) that the robot applies to its environment with given
+        forces of the actuators, (5.36); and swivel_forces (..., 3) of redundant sub-legs.
+        """
+        return self._answer("forward_statics", (p, Q, s, theta, actuator_forces), options)
+
+    # -- gripper of arrangements (b) and (c) ----------------------------------------------------------------
+
+    def opening(self, redundant: ArrayLike, jaws: ArrayLike = 0.0, **options: Unpack[Options]) -> Any:
+        """(opening (...), centre (..., 2), shares (..., 3)) of a gripper with a flat jaw on each slide,
+        normal to it at the distance `jaws` (..., 3) from S_i towards where slides close: the diameter of the
+        round object that touches all three, its centre in the platform's plane, and the shares in which the
+        jaws press on it in equilibrium.
+        """
+        return self._answer("opening", (redundant, self._per_leg(jaws)), options)
+
+    def redundant_of_opening(
+        self,
+        opening: ArrayLike,
+        centre: ArrayLike = (0.0, 0.0),
+        jaws: ArrayLike = 0.0,
+        **options: Unpack[Options],
+    ) -> Any:
+        """redundant (..., 3): slides at which the jaws touch a round object of the diameter `opening` with
+        its `centre` in the platform's plane, at O' unless given.
+        """
+        return self._answer("redundant_of_opening", (opening, centre, self._per_leg(jaws)), options)
+
     # -- passive joints and singularities -------------------------------------------------------------------
 
     def passive_joints(

@@ -22,8 +22,9 @@ from krhpr.codegen.kernel import GeometryType, Kernel
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.platforms.forward import Hold
 from krhpr.derivations.platforms.kernels import PlatformKernels, PlatformPorts
+from krhpr.derivations.platforms.statics import StaticsKernels
 from krhpr.derivations.requirements import Requirement
-from krhpr.derivations.terms import Joint, Pose, Space
+from krhpr.derivations.terms import Joint, JointKind, Pose, Space
 
 
 class Platform(ABC):
@@ -48,6 +49,8 @@ class Platform(ABC):
     """Whether the forward kinematics has a closed form, kernels `tie`, `assembly_modes` and `assembly_mode`;
     else it is a polynomial's roots, kernels `tie`, `sextic` and `assembly`.
     """
+    carries_gripper: bool = False
+    """Whether jaws on its redundant links make a gripper, kernels `opening` and `redundant_of_opening`."""
 
     # -- what an arrangement's file states ------------------------------------------------------------------
 
@@ -129,4 +132,10 @@ class Platform(ABC):
 
     def kernels(self) -> tuple[Kernel, ...]:
         """Every kernel of the arrangement."""
-        return PlatformKernels(self).all()
+        base = PlatformKernels(self)
+        return (*base.all(), *StaticsKernels(base).all())
+
+    def lever(self, k: KernelWriter) -> Any:
+        """How far S_i moves with the redundant coordinate: the redundant link where that is an angle."""
+        revolute = self.redundant_joint.kind is JointKind.REVOLUTE
+        return getattr(k.g, self.redundant_link) if revolute else sp.Integer(1)

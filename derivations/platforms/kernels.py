@@ -44,16 +44,17 @@ class PlatformKernels:
             *self.plate.forward_kernels(),
         )
 
-    def _begin(
+    def begin(
         self, name: str, doc: str, equations: str = "", *, s: bool = True
     ) -> tuple[KernelWriter, Pose, Any]:
+        """A kernel of one leg, with the pose and the end point (None without `s`) as its inputs."""
         k = KernelWriter(name, doc, equations, self.plate.geometry())
         ports = self.ports
         pose = Pose(k.add_input(ports.p), k.add_input(ports.Q))
         return k, pose, k.add_input(ports.s) if s else None
 
     def _end_point(self) -> Kernel:
-        k, pose, _ = self._begin(
+        k, pose, _ = self.begin(
             "end_point",
             f"End point of the sub-leg, arrangement ({self.plate.arrangement}).",
             "(1.37), 2.5",
@@ -64,17 +65,17 @@ class PlatformKernels:
         return k.kernel()
 
     def _redundant(self) -> Kernel:
-        k, pose, s = self._begin("redundant", f"Redundant coordinate: {self.plate.redundant_joint.doc}.")
+        k, pose, s = self.begin("redundant", f"Redundant coordinate: {self.plate.redundant_joint.doc}.")
         k.add_output(self.ports.redundant, self.plate.redundant(k, pose, s))
         return k.kernel()
 
     def _residual(self) -> Kernel:
-        k, pose, s = self._begin("residual", "Residuals of the constraint equations.", self.plate.equations)
+        k, pose, s = self.begin("residual", "Residuals of the constraint equations.", self.plate.equations)
         k.add_output(self.ports.residual, self.plate.residual(k, pose, s))
         return k.kernel()
 
     def _rows(self) -> Kernel:
-        k, pose, s = self._begin(
+        k, pose, s = self.begin(
             "rows", "Rows of J, and the directions N with J t = N s_dot.", "(1.31), (2.28)"
         )
         ports = self.ports
@@ -94,7 +95,7 @@ class PlatformKernels:
         return sp.Matrix([first, [*q_z, *cross(u, q_z)]]), sp.Matrix([list(along), list(q_z)])
 
     def _line(self) -> Kernel:
-        k, pose, s = self._begin(
+        k, pose, s = self.begin(
             "line",
             "The leg's line in the platform frame (direction, moment about O'), its end point there, and N.",
             "(1.33), (1.34)",
@@ -142,7 +143,7 @@ class PlatformKernels:
         return [*local, *cross(arm, local)], point, along
 
     def _end_velocity(self) -> Kernel:
-        k, pose, s = self._begin(
+        k, pose, s = self.begin(
             "end_velocity",
             "Velocity of the end point from the platform's twist and the redundant coordinate's rate.",
             "(1.37) differentiated",
@@ -167,7 +168,7 @@ class PlatformKernels:
         return {"p": twist[:3, 0], "Q": sp.Matrix.hstack(*(cross(omega, pose.Q.col(j)) for j in range(3)))}
 
     def _end_acceleration(self, velocity: Kernel) -> Kernel:
-        k, pose, s = self._begin(
+        k, pose, s = self.begin(
             "end_acceleration", "Velocity and acceleration of the end point from those of the platform."
         )
         ports = self.ports
@@ -187,7 +188,7 @@ class PlatformKernels:
         return k.kernel()
 
     def _row_bias(self, rows: Kernel) -> Kernel:
-        k, pose, s = self._begin(
+        k, pose, s = self.begin(
             "row_bias",
             "J t_dot = N s_ddot + bias with bias = N_dot s_dot - J_dot t: what (1.30) gains when "
             "it is differentiated.",
@@ -202,7 +203,7 @@ class PlatformKernels:
         return k.kernel()
 
     def _joint(self) -> Kernel:
-        k, pose, s = self._begin(
+        k, pose, s = self.begin(
             "joint", "Orientation of the redundant link and the joint that ties it to the platform."
         )
         ports = self.ports
@@ -211,7 +212,7 @@ class PlatformKernels:
         return k.kernel()
 
     def _attachment(self) -> Kernel:
-        k, pose, s = self._begin("attachment", "Where the redundant link meets the platform.")
+        k, pose, s = self.begin("attachment", "Where the redundant link meets the platform.")
         k.add_output(self.ports.attachment, self.plate.attachment(k, pose, s))
         return k.kernel(prune=("p", "Q", "s"))
 
@@ -232,7 +233,7 @@ class PlatformKernels:
             inverse_a = k.let("inv_a", 1 / k.let("det_a", det_a))
             local = k.let("t_l", scaled * inverse_a, "twist in the platform frame")
             k.add_output(ports.twist, [*(Q * local[:2, 0]), local[2]])
-            self._regularity(k, det_a, None, lines, points)
+            self.regularity(k, det_a, None, lines, points)
             return k.kernel()
         # rows along q_z: v_z + y_i omega_x - x_i omega_y = r_i2, (1.33)
         normal = sp.Matrix([[1, point[1], -point[0]] for point in points])
@@ -250,10 +251,10 @@ class PlatformKernels:
         inverse_a = k.let("inv_a", 1 / k.let("det_a", det_a))
         v_x, v_y, w_z = k.let("a_l", scaled * inverse_a, "v_x, v_y, omega_z in the platform frame")
         k.add_output(ports.twist, [*(Q * sp.Matrix([v_x, v_y, v_z])), *(Q * sp.Matrix([w_x, w_y, w_z]))])
-        self._regularity(k, det_a, det_n, lines, points)
+        self.regularity(k, det_a, det_n, lines, points)
         return k.kernel()
 
-    def _regularity(
+    def regularity(
         self, k: KernelWriter, det_a: Any, det_n: Any, lines: list[Any], points: list[Any]
     ) -> None:
         """Squares of the factors of det J over bounds that they cannot exceed: dimensionless, zero when

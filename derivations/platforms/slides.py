@@ -31,12 +31,11 @@ from krhpr.derivations.platforms.forward import (
     write_modes,
 )
 from krhpr.derivations.platforms.kernels import PlatformPorts, all_legs
+from krhpr.derivations.platforms.opening import SLIDE, START, opening_kernels
 from krhpr.derivations.terms import Pose, Space
 from krhpr.derivations.vectors import E, concurrence, cross2, dependence, dot, lines_meet, turned
 
-SLIDE = stacked("slide", (2,), Unit.NONE, "t_i, along the slide")
 DISTANCE = stacked("distance", (), Unit.METRE, "h_i, distance of the slide's line from O' along n_i")
-START = stacked("start", (), Unit.METRE, "where d_i = 0, along t_i")
 RADICAND = Port(
     "radicand",
     (1,),
@@ -56,6 +55,7 @@ class SlidePlatform(Platform):
     offset: bool
     """Whether the slides' lines miss O'."""
     closed_forward = True
+    carries_gripper = True
 
     @abstractmethod
     def slide(self, g: dict[str, Any]) -> sp.Matrix:
@@ -142,6 +142,9 @@ class SlidePlatform(Platform):
             points = [m + point for m, point in zip(middles, points, strict=True)]
         det_a = concurrence(dependence(normals), normals, points)
         return [det_a] if self.space is Space.PLANAR else [det_a, _area(points)]
+
+    def kernels(self) -> tuple[Kernel, ...]:
+        return (*super().kernels(), *opening_kernels(self))
 
     # -- forward kinematics, in closed form -----------------------------------------------------------------
 

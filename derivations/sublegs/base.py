@@ -39,6 +39,7 @@ from krhpr.derivations.requirements import Requirement
 from krhpr.derivations.sublegs.circles import Meeting
 from krhpr.derivations.sublegs.forward import ForwardRoots
 from krhpr.derivations.sublegs.kernels import SubLegKernels, SubLegPorts
+from krhpr.derivations.sublegs.statics import StaticsKernels
 from krhpr.derivations.terms import ONLY, Factor, Joint, Link, Mode, Sign, Space, branches
 from krhpr.derivations.vectors import solve_structured
 
@@ -271,7 +272,8 @@ class SubLeg(ABC):
 
     def kernels(self) -> tuple[Kernel, ...]:
         """Every kernel of the sub-leg, in the order in which it is printed."""
-        return SubLegKernels(self).all()
+        base = SubLegKernels(self)
+        return (*base.all(), *StaticsKernels(base).all())
 
     def closure_kernel(self) -> Kernel:
         """The loop closure as a kernel; it is used by proofs and never printed."""
@@ -284,6 +286,10 @@ class SubLeg(ABC):
     def has_serial_factors(self) -> bool:
         """Whether there are configurations in which M_i, or the rates of its joints, cannot be inverted."""
         return bool(self._factors[0])
+
+    def has_swivel_factors(self) -> bool:
+        """Whether a redundant sub-leg has configurations in which its swivel does not exist."""
+        return self.redundant and bool(self._factors[2])
 
     def has_loops(self) -> bool:
         """Whether passive joints and points exist only where loops of passive joints close."""

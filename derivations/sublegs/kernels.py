@@ -11,7 +11,7 @@ import sympy as sp
 from krhpr.codegen.kernel import Frame, Kernel, Layout, Port, Unit
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.terms import Factor, Space
-from krhpr.derivations.vectors import cross2, determinant3, dot, solve_structured
+from krhpr.derivations.vectors import cross2, determinant3, dot, solve_columns, solve_structured
 
 if TYPE_CHECKING:
     from krhpr.derivations.sublegs.base import SubLeg, VelocityEquations
@@ -68,7 +68,7 @@ class SubLegKernels:
     def factors(self) -> tuple[tuple[Factor, ...], tuple[Factor, ...], tuple[Factor, ...]]:
         """The serial and the parallel factors of det M_i, and the others."""
         k = KernelWriter("factors", "", geometry=self.geometry)
-        equations = self.leg.velocity(k, self._at(k))
+        equations = self.leg.velocity(k, self.at(k))
         return equations.serial, equations.parallel, equations.others
 
     def _forward(self, *, posture: bool = False) -> Kernel:
@@ -127,11 +127,12 @@ class SubLegKernels:
             k.add_output(port, found[port.name])
         return k.kernel()
 
-    def _at(self, k: KernelWriter) -> SimpleNamespace:
+    def at(self, k: KernelWriter) -> SimpleNamespace:
         """The posture as inputs of a kernel."""
         return SimpleNamespace(**{port.name: k.add_input(port) for port in self.leg.posture_ports()})
 
-    def _end(self, k: KernelWriter) -> Kernel:
+    def end(self, k: KernelWriter) -> Kernel:
+        """The kernel, without what it does not need of the posture."""
         return k.kernel(prune=[port.name for port in self.leg.posture_ports()])
 
     def _inverse(self) -> Kernel:
@@ -191,14 +192,14 @@ class SubLegKernels:
             "(1.16), (2.15)",
             self.geometry,
         )
-        equations = self.leg.velocity(k, self._at(k))
+        equations = self.leg.velocity(k, self.at(k))
         k.add_output(self.ports.M, equations.F * self._local_jacobian(k, equations))
-        self._regularity(k, equations.parallel)
-        return self._end(k)
+        self.regularity(k, equations.parallel)
+        return self.end(k)
 
     def _local_jacobian(self, k: KernelWriter, equations: VelocityEquations) -> sp.Matrix:
         """M_i in the leg's frame: the rows of A^-1 B that belong to the end point."""
-        rows = _solve_columns(equations.A, equations.B)[: self.leg.space.dimension, :]
+        rows = solve_columns(equations.A, equations.B)[: self.leg.space.dimension, :]
         return k.let("m", rows, "A^-1 B in the leg's frame")
 
     def _project(self) -> Kernel:
@@ -209,13 +210,13 @@ class SubLegKernels:
             "(1.8), (1.28)",
             self.geometry,
         )
-        equations = self.leg.velocity(k, self._at(k))
+        equations = self.leg.velocity(k, self.at(k))
         rows = k.add_input(self.ports.N)
         local = self._local_jacobian(k, equations)
         turned = k.let("n", rows * equations.F, "N in the leg's frame")
         k.add_output(self.ports.K, turned * local)
-        self._regularity(k, equations.parallel)
-        return self._end(k)
+        self.regularity(k, equations.parallel)
+        return self.end(k)
 
     def _velocity(self) -> Kernel:
         k = KernelWriter(
@@ -224,12 +225,12 @@ class SubLegKernels:
             "(1.9)",
             self.geometry,
         )
-        equations = self.leg.velocity(k, self._at(k))
+        equations = self.leg.velocity(k, self.at(k))
         right = k.let("w", equations.B * k.add_input(self.ports.theta_dot), "B theta_dot")
         local = solve_structured(equations.A, right)[: self.leg.space.dimension, :]
         k.add_output(self.ports.s_dot, equations.F * k.let("v_l", local, "velocity in the leg's frame"))
-        self._regularity(k, equations.parallel)
-        return self._end(k)
+        self.regularity(k, equations.parallel)
+        return self.end(k)
 
     def _bias(self) -> Kernel:
         k = KernelWriter(
@@ -267,7 +268,7 @@ class SubLegKernels:
         k.add_output(self.ports.s_dot, equations.F * local[:d, :])
         if self.leg.redundant:
             k.add_output(self.ports.swivel_rates, local[d])
-        self._regularity(k, equations.parallel)
+        self.regularity(k, equations.parallel)
         return k.kernel()
 
     def _rates(self) -> Kernel:
@@ -279,15 +280,15 @@ class SubLegKernels:
             "(1.9)",
             self.geometry,
         )
-        at = self._at(k)
+        at = self.at(k)
         equations = self.leg.velocity(k, at)
         local = k.let("v_l", equations.F.T * k.add_input(self.ports.s_dot), "velocity in the leg's frame")
         if self.leg.redundant:
             local = sp.Matrix([*local, k.add_input(self.ports.swivel_rates)])
         k.add_output(self.ports.theta_dot, self.leg.rates(k, at, equations, local))
         coordinate = equations.others if self.leg.redundant else ()
-        self._regularity(k, (*equations.serial, *coordinate))
-        return self._end(k)
+        self.regularity(k, (*equations.serial, *coordinate))
+        return self.end(k)
 
     def _determinant(self) -> Kernel:
         names = ", ".join(name for name, _ in self.leg.factor_names())
@@ -297,7 +298,7 @@ class SubLegKernels:
             "1.4",
             self.geometry,
         )
-        equations = self.leg.velocity(k, self._at(k))
+        equations = self.leg.velocity(k, self.at(k))
         if self.leg.redundant:
             minors = _minors(self._local_jacobian(k, equations))
             gram = sum((k.let(f"minor_{i}", minor) ** 2 for i, minor in enumerate(minors)), sp.Integer(0))
@@ -306,7 +307,7 @@ class SubLegKernels:
             k.output("det_M", equations.determinant, Unit.MIXED, doc="det M_i")
         factors = [factor.value for factor in (*equations.serial, *equations.parallel, *equations.others)]
         k.add_output(self.ports.factors(len(factors)), factors)
-        return self._end(k)
+        return self.end(k)
 
     def _passive(self) -> Kernel:
         k = KernelWriter(
@@ -315,30 +316,30 @@ class SubLegKernels:
             "",
             self.geometry,
         )
-        at = self._at(k)
+        at = self.at(k)
         found = self.leg.passive(k, at)
         if found.angles:
             k.add_output(self.ports.passive, [value for _, value in found.angles])
         k.add_output(self.ports.link, found.link)
         self._loops(k, at)
-        return self._end(k)
+        return self.end(k)
 
     def points(self) -> Kernel:
         """Where the joints are."""
         k = KernelWriter(
             "points", f"Joints of the {self.leg.notation} sub-leg, from the base to S_i.", "", self.geometry
         )
-        at, s = self._at(k), k.add_input(self.ports.s)
+        at, s = self.at(k), k.add_input(self.ports.s)
         found = self.leg.points(k, at, s)
         names = tuple(found)
         k.add_output(self.ports.points(names), sp.Matrix.hstack(*found.values()).T)
         self._loops(k, at)
-        return self._end(k)
+        return self.end(k)
 
     def _swivel(self) -> Kernel:
         k = KernelWriter("swivel", f"Swivel of the {self.leg.notation} sub-leg.", "", self.geometry)
-        k.add_output(self.ports.swivel, self.leg.swivel_angle(k, self._at(k)))
-        return self._end(k)
+        k.add_output(self.ports.swivel, self.leg.swivel_angle(k, self.at(k)))
+        return self.end(k)
 
     def _swivel_difference(self) -> Kernel:
         doc = "What the joints' accelerations have to give of the swivel's second rate."
@@ -389,7 +390,7 @@ class SubLegKernels:
         k.output("change", dot(step, step) / size, doc="squared length of the step over that of the unknowns")
         return k.kernel()
 
-    def _regularity(self, k: KernelWriter, factors: tuple[Factor, ...]) -> None:
+    def regularity(self, k: KernelWriter, factors: tuple[Factor, ...]) -> None:
         """The smallest absolute factor, which the caller compares with the tolerance for singular
         configurations.
         """
@@ -417,13 +418,6 @@ def _minors(m: sp.Matrix) -> list[Any]:
     return [
         determinant3(square) if m.rows == 3 else cross2(square.col(0), square.col(1)) for square in chosen
     ]
-
-
-def _solve_columns(a: sp.Matrix, b: sp.Matrix) -> sp.Matrix:
-    if a == sp.eye(a.rows):
-        return b
-    columns = [solve_structured(a, b.col(j)) for j in range(b.cols)]
-    return sp.Matrix.hstack(*columns)
 
 
 class SubLegPorts:

@@ -75,7 +75,8 @@ typedef enum {
     KRHPR_AMBIGUOUS = 10, /* several answers cannot be told apart */
     KRHPR_INVALID_INPUT = 11, /* an input is NaN or infinite */
     KRHPR_NO_ASSEMBLY = 12, /* no platform fits the three end points */
-    KRHPR_INCONSISTENT = 13 /* encoders contradict the end points by more than the tolerance */
+    KRHPR_INCONSISTENT = 13, /* encoders contradict the end points by more than the tolerance */
+    KRHPR_NO_GRASP = 14 /* the jaws do not surround an object: their slides' directions lie on one side */
 } krhpr_status;
 
 /* Where the first operand is NaN the second is the result. */

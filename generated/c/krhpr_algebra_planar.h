@@ -67,4 +67,13 @@ KRHPR_STATIC void krhpr_algebra_planar_rotation(
     Q[3] = cosine[0];
 }
 
+/* The wrench of three forces: their sum, and that of their moments.  Thesis: (5.36).  (6 add) */
+KRHPR_STATIC void krhpr_algebra_planar_total(
+    const double end_force[6], const double moment[3], double *KRHPR_RESTRICT wrench)
+{
+    wrench[0] = end_force[4] + (end_force[0] + end_force[2]);
+    wrench[1] = end_force[5] + (end_force[1] + end_force[3]);
+    wrench[2] = moment[2] + (moment[0] + moment[1]);
+}
+
 #endif

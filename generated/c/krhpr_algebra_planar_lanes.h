@@ -67,4 +67,13 @@ KRHPR_INLINE void krhpr_algebra_planar_rotation_lanes(
     Q[3] = cosine[0];
 }
 
+/* The wrench of three forces: their sum, and that of their moments.  Thesis: (5.36).  (6 add) */
+KRHPR_INLINE void krhpr_algebra_planar_total_lanes(
+    const krhpr_lanes_at end_force[6], const krhpr_lanes_at moment[3], krhpr_lanes_at *KRHPR_RESTRICT wrench)
+{
+    wrench[0] = end_force[4] + (end_force[0] + end_force[2]);
+    wrench[1] = end_force[5] + (end_force[1] + end_force[3]);
+    wrench[2] = moment[2] + (moment[0] + moment[1]);
+}
+
 #endif

@@ -80,4 +80,16 @@ KRHPR_STATIC void krhpr_algebra_spatial_rotation_error(const double Q[9], double
     *error = krhpr_max(t3, t4);
 }
 
+/* The wrench of three forces: their sum, and that of their moments.  Thesis: (5.36).  (12 add) */
+KRHPR_STATIC void krhpr_algebra_spatial_total(
+    const double end_force[9], const double moment[9], double *KRHPR_RESTRICT wrench)
+{
+    wrench[0] = end_force[6] + (end_force[0] + end_force[3]);
+    wrench[1] = end_force[7] + (end_force[1] + end_force[4]);
+    wrench[2] = end_force[8] + (end_force[2] + end_force[5]);
+    wrench[3] = moment[6] + (moment[0] + moment[3]);
+    wrench[4] = moment[7] + (moment[1] + moment[4]);
+    wrench[5] = moment[8] + (moment[2] + moment[5]);
+}
+
 #endif

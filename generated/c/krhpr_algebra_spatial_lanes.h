@@ -81,4 +81,16 @@ KRHPR_INLINE void krhpr_algebra_spatial_rotation_error_lanes(
     *error = krhpr_lanes_max(t3, t4);
 }
 
+/* The wrench of three forces: their sum, and that of their moments.  Thesis: (5.36).  (12 add) */
+KRHPR_INLINE void krhpr_algebra_spatial_total_lanes(
+    const krhpr_lanes_at end_force[9], const krhpr_lanes_at moment[9], krhpr_lanes_at *KRHPR_RESTRICT wrench)
+{
+    wrench[0] = end_force[6] + (end_force[0] + end_force[3]);
+    wrench[1] = end_force[7] + (end_force[1] + end_force[4]);
+    wrench[2] = end_force[8] + (end_force[2] + end_force[5]);
+    wrench[3] = moment[6] + (moment[0] + moment[3]);
+    wrench[4] = moment[7] + (moment[1] + moment[4]);
+    wrench[5] = moment[8] + (moment[2] + moment[5]);
+}
+
 #endif

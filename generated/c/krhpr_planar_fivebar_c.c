@@ -833,6 +833,203 @@ KRHPR_API int krhpr_planar_fivebar_c_joint_accelerations(
     return status;
 }
 
+KRHPR_API int krhpr_planar_fivebar_c_inverse_statics(
+    const krhpr_planar_fivebar_c_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], const double wrench[3], const double redundant_forces[3],
+    double *KRHPR_RESTRICT actuator_forces)
+{
+    int status = KRHPR_OK;
+    double Q[4];
+    double line[9];
+    double point[6];
+    double redundant_line[9];
+    double K_n[12];
+    double regularity[3];
+    double line_forces[3];
+    double det_regularity[1];
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
+          krhpr_taint(wrench, 3) + krhpr_taint(redundant_forces, 3))) {
+        krhpr_fill_nan(actuator_forces, 6);
+        return KRHPR_INVALID_INPUT;
+    }
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
+    krhpr_algebra_planar_rotation_angles(phi, angle);
+    krhpr_sincos_array(1, angle, sine, cosine);
+    krhpr_algebra_planar_rotation(sine, cosine, Q);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes line_legs[3];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes along_legs[2];
+        krhpr_lanes redundant_line_legs[3];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_1_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes K_n_legs[4];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_planar_c_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_platform_planar_c_redundant_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, along_legs, redundant_line_legs);
+        krhpr_subleg_planar_fivebar_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
+        krhpr_subleg_planar_fivebar_transmission_lanes(
+            &g->subleg, i, d_legs, u_1_legs, u_2_legs, N_legs, along_legs, K_n_legs, regularity_legs);
+        krhpr_legs_store(line, 3, line_legs, 3, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(redundant_line, 3, redundant_line_legs, 3, i);
+        krhpr_legs_store(K_n, 4, K_n_legs, 4, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
+    }
+    krhpr_platform_planar_c_balance(
+        Q, line, point, redundant_line, redundant_forces, wrench, line_forces, det_regularity);
+    krhpr_subleg_planar_fivebar_torques(K_n, line_forces, redundant_forces, actuator_forces);
+    for (int i = 0; i < 3; ++i) {
+        if (!(regularity[i] >= 1e-12)) {
+            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+        }
+    }
+    if (!(det_regularity[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
+    if (status != KRHPR_OK) {
+        krhpr_fill_nan(actuator_forces, 6);
+    }
+    return status;
+}
+
+KRHPR_API int krhpr_planar_fivebar_c_forward_statics(
+    const krhpr_planar_fivebar_c_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], const double actuator_forces[6], double *KRHPR_RESTRICT wrench,
+    double *KRHPR_RESTRICT redundant_forces)
+{
+    int status = KRHPR_OK;
+    double Q[4];
+    double end_force[6];
+    double regularity[3];
+    double moment[3];
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
+          krhpr_taint(actuator_forces, 6))) {
+        krhpr_fill_nan(wrench, 3);
+        krhpr_fill_nan(redundant_forces, 3);
+        return KRHPR_INVALID_INPUT;
+    }
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
+    krhpr_algebra_planar_rotation_angles(phi, angle);
+    krhpr_sincos_array(1, angle, sine, cosine);
+    krhpr_algebra_planar_rotation(sine, cosine, Q);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes actuator_forces_legs[2]; krhpr_legs_load(actuator_forces_legs, actuator_forces, 2, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_1_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes end_force_legs[2];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes moment_legs[1];
+        krhpr_lanes redundant_forces_legs[1];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_planar_fivebar_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
+        krhpr_subleg_planar_fivebar_end_force_lanes(
+            &g->subleg, i, d_legs, u_1_legs, u_2_legs, actuator_forces_legs, end_force_legs, regularity_legs);
+        krhpr_platform_planar_c_reaction_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, end_force_legs, moment_legs, redundant_forces_legs);
+        krhpr_legs_store(end_force, 2, end_force_legs, 2, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
+        krhpr_legs_store(moment, 1, moment_legs, 1, i);
+        krhpr_legs_store(redundant_forces, 1, redundant_forces_legs, 1, i);
+    }
+    krhpr_algebra_planar_total(end_force, moment, wrench);
+    for (int i = 0; i < 3; ++i) {
+        if (!(regularity[i] >= 1e-12)) {
+            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            krhpr_fill_nan(redundant_forces + 1 * i, 1);
+        }
+    }
+    if (status != KRHPR_OK) {
+        krhpr_fill_nan(wrench, 3);
+    }
+    return status;
+}
+
+KRHPR_API int krhpr_planar_fivebar_c_opening(
+    const krhpr_planar_fivebar_c_geometry *g, const double redundant[3], const double jaws[3],
+    double *KRHPR_RESTRICT opening, double *KRHPR_RESTRICT centre, double *KRHPR_RESTRICT shares)
+{
+    int status = KRHPR_OK;
+    double slide[6];
+    if (!krhpr_is_clean(krhpr_taint(redundant, 3) + krhpr_taint(jaws, 3))) {
+        krhpr_fill_nan(opening, 1);
+        krhpr_fill_nan(centre, 2);
+        krhpr_fill_nan(shares, 3);
+        return KRHPR_INVALID_INPUT;
+    }
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    }
+    krhpr_platform_planar_c_opening(slide, redundant, jaws, opening, centre, shares);
+    if (!(shares[0] >= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_NO_GRASP : status;
+    }
+    if (!(shares[1] >= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_NO_GRASP : status;
+    }
+    if (!(shares[2] >= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_NO_GRASP : status;
+    }
+    if (status != KRHPR_OK) {
+        krhpr_fill_nan(opening, 1);
+        krhpr_fill_nan(centre, 2);
+        krhpr_fill_nan(shares, 3);
+    }
+    return status;
+}
+
+KRHPR_API int krhpr_planar_fivebar_c_redundant_of_opening(
+    const krhpr_planar_fivebar_c_geometry *g, double opening, const double centre[2], const double jaws[3],
+    double *KRHPR_RESTRICT redundant)
+{
+    int status = KRHPR_OK;
+    if (!krhpr_is_clean(krhpr_taint(&opening, 1) + krhpr_taint(centre, 2) + krhpr_taint(jaws, 3))) {
+        krhpr_fill_nan(redundant, 3);
+        return KRHPR_INVALID_INPUT;
+    }
+    krhpr_lanes opening_legs[1]; krhpr_legs_spread(opening_legs, &opening, 1);
+    krhpr_lanes centre_legs[2]; krhpr_legs_spread(centre_legs, centre, 2);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes jaws_legs[1]; krhpr_legs_load(jaws_legs, jaws, 1, i);
+        krhpr_lanes redundant_legs[1];
+        krhpr_platform_planar_c_redundant_of_opening_lanes(
+            &g->platform, i, opening_legs[0], centre_legs, jaws_legs[0], redundant_legs);
+        krhpr_legs_store(redundant, 1, redundant_legs, 1, i);
+    }
+    return status;
+}
+
 KRHPR_API int krhpr_planar_fivebar_c_passive_joints(
     const krhpr_planar_fivebar_c_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT wrist,

@@ -244,6 +244,42 @@ KRHPR_API int krhpr_planar_pr_a_joint_accelerations(
     const double theta_dot[6], const double twist_rate[3], const double redundant_accelerations[3],
     double *KRHPR_RESTRICT theta_ddot);
 
+/* Forces of the actuators with which the robot applies a wrench, and forces along the redundant
+ * coordinates, to its environment: f = (J^-1 K)^T F where those are zero.  Thesis: (5.12), (5.44).
+ *   in     p (2, m, base frame): position of O'
+ *   in     phi (scalar, rad, base frame): orientation of the platform, base from platform
+ *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
+ *   in     theta (3 x 2, rad or m, joint frame): actuated joints [rho, theta]
+ *   in     wrench (3, N, N m, base frame): force and moment about O' that the robot applies to its
+ *          environment
+ *   in     redundant_forces (3, N m or N, joint frame): moment that the robot applies to its environment
+ *          along beta, between redundant link and platform
+ *   out    actuator_forces (3 x 2, N m or N, joint frame): torques or forces of the actuators, positive
+ *          where they do work at positive rates [rho, theta]
+ */
+KRHPR_API int krhpr_planar_pr_a_inverse_statics(
+    const krhpr_planar_pr_a_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], const double wrench[3], const double redundant_forces[3],
+    double *KRHPR_RESTRICT actuator_forces);
+
+/* What the robot applies to its environment with given forces of the actuators: a wrench, and forces along
+ * the redundant coordinates.  Thesis: (5.24), (5.36).
+ *   in     p (2, m, base frame): position of O'
+ *   in     phi (scalar, rad, base frame): orientation of the platform, base from platform
+ *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
+ *   in     theta (3 x 2, rad or m, joint frame): actuated joints [rho, theta]
+ *   in     actuator_forces (3 x 2, N m or N, joint frame): torques or forces of the actuators, positive
+ *          where they do work at positive rates [rho, theta]
+ *   out    wrench (3, N, N m, base frame): force and moment about O' that the robot applies to its
+ *          environment
+ *   out    redundant_forces (3, N m or N, joint frame): moment that the robot applies to its environment
+ *          along beta, between redundant link and platform
+ */
+KRHPR_API int krhpr_planar_pr_a_forward_statics(
+    const krhpr_planar_pr_a_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], const double actuator_forces[6], double *KRHPR_RESTRICT wrench,
+    double *KRHPR_RESTRICT redundant_forces);
+
 /* Every passive joint, from the base to the platform.
  *   in     p (2, m, base frame): position of O'
  *   in     phi (scalar, rad, base frame): orientation of the platform, base from platform
@@ -557,6 +593,20 @@ KRHPR_API int krhpr_planar_pr_a_joint_accelerations_batch(
     const krhpr_planar_pr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
     double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
 KRHPR_API int krhpr_planar_pr_a_joint_accelerations_soa(
+    const krhpr_planar_pr_a_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* inverse_statics: in = p (2), phi (1), s (6), theta (6), wrench (3), redundant_forces (3); out = actuator_forces (6). */
+KRHPR_API int krhpr_planar_pr_a_inverse_statics_batch(
+    const krhpr_planar_pr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_a_inverse_statics_soa(
+    const krhpr_planar_pr_a_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* forward_statics: in = p (2), phi (1), s (6), theta (6), actuator_forces (6); out = wrench (3), redundant_forces (3). */
+KRHPR_API int krhpr_planar_pr_a_forward_statics_batch(
+    const krhpr_planar_pr_a_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_pr_a_forward_statics_soa(
     const krhpr_planar_pr_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 /* passive_joints: in = p (2), phi (1), s (6), theta (6); out = wrist (3), platform_joint (3). */

@@ -1994,6 +1994,508 @@ KRHPR_API int krhpr_planar_rrr_b_joint_accelerations_soa(
 }
 #endif
 
+/* inverse_statics of KRHPR_LANES poses side by side. */
+KRHPR_OUTLINE void krhpr_planar_rrr_b_inverse_statics_lanes(
+    const krhpr_planar_rrr_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
+    const krhpr_lanes_at s[6], const krhpr_lanes_at theta[9], const krhpr_lanes_at wrench[3],
+    const krhpr_lanes_at redundant_forces[3], const krhpr_lanes_at swivel_forces[3],
+    krhpr_lanes_at *KRHPR_RESTRICT actuator_forces, krhpr_ints *answer)
+{
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
+        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(wrench, 3) + krhpr_poses_taint(redundant_forces, 3) +
+        krhpr_poses_taint(swivel_forces, 3);
+    krhpr_lanes Q[4];
+    krhpr_lanes line[9];
+    krhpr_lanes point[6];
+    krhpr_lanes redundant_line[9];
+    krhpr_lanes K_n[27];
+    krhpr_lanes line_forces[3];
+    krhpr_lanes det_regularity[1];
+    krhpr_lanes angle[7];
+    krhpr_lanes sine[7];
+    krhpr_lanes cosine[7];
+    krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_planar_rrr_posture_angles_lanes(theta + 3 * i, angle + 1 + 2 * i);
+    }
+    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_lanes N[2];
+        krhpr_lanes scale[2];
+        krhpr_lanes along[2];
+        krhpr_lanes d[2];
+        krhpr_lanes u_2[2];
+        krhpr_lanes u_3[2];
+        krhpr_platform_planar_b_line_lanes(
+            &g->platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_platform_planar_b_redundant_line_lanes(
+            &g->platform, i, p, Q, s + 2 * i, along, redundant_line + 3 * i);
+        krhpr_subleg_planar_rrr_posture_lanes(
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_transmission_lanes(&g->subleg, i, d, u_2, u_3, N, along, K_n + 9 * i);
+    }
+    krhpr_platform_planar_b_balance_lanes(
+        Q, line, point, redundant_line, redundant_forces, wrench, line_forces, det_regularity);
+    krhpr_subleg_planar_rrr_torques_lanes(K_n, line_forces, redundant_forces, swivel_forces, actuator_forces);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
+    const krhpr_ints valid = krhpr_is_ok(status);
+    krhpr_poses_keep(valid, actuator_forces, 9);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, actuator_forces, 9);
+}
+
+KRHPR_API int krhpr_planar_rrr_b_inverse_statics_batch(
+    const krhpr_planar_rrr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+        const int here = krhpr_poses_here(count - (size_t)k);
+        krhpr_ints answer;
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes wrench_lanes[3];
+        krhpr_poses_load(wrench_lanes, in[4] + k * in_step[4], in_step[4], 3, here);
+        krhpr_lanes redundant_forces_lanes[3];
+        krhpr_poses_load(redundant_forces_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
+        krhpr_lanes swivel_forces_lanes[3];
+        krhpr_poses_load(swivel_forces_lanes, in[6] + k * in_step[6], in_step[6], 3, here);
+        krhpr_lanes actuator_forces_lanes[9];
+        krhpr_planar_rrr_b_inverse_statics_lanes(
+            g, p_lanes, phi_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
+            swivel_forces_lanes, actuator_forces_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 9, here);
+        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+    }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_b_inverse_statics(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5], in[6] + k * in_step[6],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+#ifndef KRHPR_WITHOUT_SOA
+KRHPR_API int krhpr_planar_rrr_b_inverse_statics_soa(
+    const krhpr_planar_rrr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[2];
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            krhpr_lanes phi_room[1];
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            krhpr_lanes s_room[6];
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            krhpr_lanes theta_room[9];
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            krhpr_lanes wrench_room[3];
+            const krhpr_lanes_at *const wrench_lanes = krhpr_poses_in(wrench_room, in[4] + b * in_step[4] + k, row, 3, here);
+            krhpr_lanes redundant_forces_room[3];
+            const krhpr_lanes_at *const redundant_forces_lanes = krhpr_poses_in(redundant_forces_room, in[5] + b * in_step[5] + k, row, 3, here);
+            krhpr_lanes swivel_forces_room[3];
+            const krhpr_lanes_at *const swivel_forces_lanes = krhpr_poses_in(swivel_forces_room, in[6] + b * in_step[6] + k, row, 3, here);
+            krhpr_lanes actuator_forces_room[9];
+            double *const actuator_forces_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const actuator_forces_lanes = krhpr_poses_out(actuator_forces_room, actuator_forces_at, row, here);
+            krhpr_planar_rrr_b_inverse_statics_lanes(
+                g, p_lanes, phi_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
+                swivel_forces_lanes, actuator_forces_lanes, &answer);
+            krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 9, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+#endif
+
+/* forward_statics of KRHPR_LANES poses side by side. */
+KRHPR_OUTLINE void krhpr_planar_rrr_b_forward_statics_lanes(
+    const krhpr_planar_rrr_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
+    const krhpr_lanes_at s[6], const krhpr_lanes_at theta[9], const krhpr_lanes_at actuator_forces[9],
+    krhpr_lanes_at *KRHPR_RESTRICT wrench, krhpr_lanes_at *KRHPR_RESTRICT redundant_forces,
+    krhpr_lanes_at *KRHPR_RESTRICT swivel_forces, krhpr_ints *answer)
+{
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
+        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(actuator_forces, 9);
+    krhpr_lanes Q[4];
+    krhpr_lanes end_force[6];
+    krhpr_lanes regularity[3];
+    krhpr_lanes moment[3];
+    krhpr_lanes angle[7];
+    krhpr_lanes sine[7];
+    krhpr_lanes cosine[7];
+    krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_planar_rrr_posture_angles_lanes(theta + 3 * i, angle + 1 + 2 * i);
+    }
+    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_lanes d[2];
+        krhpr_lanes u_2[2];
+        krhpr_lanes u_3[2];
+        krhpr_subleg_planar_rrr_posture_lanes(
+            &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_end_force_lanes(
+            &g->subleg, i, d, u_2, u_3, actuator_forces + 3 * i, end_force + 2 * i, &swivel_forces[i],
+            &regularity[i]);
+        krhpr_platform_planar_b_reaction_lanes(
+            &g->platform, i, p, Q, s + 2 * i, end_force + 2 * i, &moment[i], &redundant_forces[i]);
+    }
+    krhpr_algebra_planar_total_lanes(end_force, moment, wrench);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    for (int i = 0; i < 3; ++i) {
+        const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+        status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
+        krhpr_poses_keep(kept_1, redundant_forces + 1 * i, 1);
+        krhpr_poses_keep(kept_1, swivel_forces + 1 * i, 1);
+    }
+    const krhpr_ints valid = krhpr_is_ok(status);
+    krhpr_poses_keep(valid, wrench, 3);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, wrench, 3);
+    krhpr_poses_keep(finite, redundant_forces, 3);
+    krhpr_poses_keep(finite, swivel_forces, 3);
+}
+
+KRHPR_API int krhpr_planar_rrr_b_forward_statics_batch(
+    const krhpr_planar_rrr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+        const int here = krhpr_poses_here(count - (size_t)k);
+        krhpr_ints answer;
+        krhpr_lanes p_lanes[2];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
+        krhpr_lanes phi_lanes[1];
+        krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
+        krhpr_lanes s_lanes[6];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes actuator_forces_lanes[9];
+        krhpr_poses_load(actuator_forces_lanes, in[4] + k * in_step[4], in_step[4], 9, here);
+        krhpr_lanes wrench_lanes[3];
+        krhpr_lanes redundant_forces_lanes[3];
+        krhpr_lanes swivel_forces_lanes[3];
+        krhpr_planar_rrr_b_forward_statics_lanes(
+            g, p_lanes, phi_lanes, s_lanes, theta_lanes, actuator_forces_lanes, wrench_lanes,
+            redundant_forces_lanes, swivel_forces_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], wrench_lanes, 3, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], swivel_forces_lanes, 3, here);
+        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+    }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_b_forward_statics(
+            g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], out[0] + k * out_step[0],
+            out[1] + k * out_step[1], out[2] + k * out_step[2]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+#ifndef KRHPR_WITHOUT_SOA
+KRHPR_API int krhpr_planar_rrr_b_forward_statics_soa(
+    const krhpr_planar_rrr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[2];
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 2, here);
+            krhpr_lanes phi_room[1];
+            const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
+            krhpr_lanes s_room[6];
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 6, here);
+            krhpr_lanes theta_room[9];
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            krhpr_lanes actuator_forces_room[9];
+            const krhpr_lanes_at *const actuator_forces_lanes = krhpr_poses_in(actuator_forces_room, in[4] + b * in_step[4] + k, row, 9, here);
+            krhpr_lanes wrench_room[3];
+            double *const wrench_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const wrench_lanes = krhpr_poses_out(wrench_room, wrench_at, row, here);
+            krhpr_lanes redundant_forces_room[3];
+            double *const redundant_forces_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const redundant_forces_lanes = krhpr_poses_out(redundant_forces_room, redundant_forces_at, row, here);
+            krhpr_lanes swivel_forces_room[3];
+            double *const swivel_forces_at = out[2] + b * out_step[2] + k;
+            krhpr_lanes_at *const swivel_forces_lanes = krhpr_poses_out(swivel_forces_room, swivel_forces_at, row, here);
+            krhpr_planar_rrr_b_forward_statics_lanes(
+                g, p_lanes, phi_lanes, s_lanes, theta_lanes, actuator_forces_lanes, wrench_lanes,
+                redundant_forces_lanes, swivel_forces_lanes, &answer);
+            krhpr_poses_done(wrench_room, wrench_at, row, 3, here);
+            krhpr_poses_done(redundant_forces_room, redundant_forces_at, row, 3, here);
+            krhpr_poses_done(swivel_forces_room, swivel_forces_at, row, 3, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+#endif
+
+/* opening of KRHPR_LANES poses side by side. */
+KRHPR_OUTLINE void krhpr_planar_rrr_b_opening_lanes(
+    const krhpr_planar_rrr_b_geometry *g, const krhpr_lanes_at redundant[3], const krhpr_lanes_at jaws[3],
+    krhpr_lanes_at *KRHPR_RESTRICT opening, krhpr_lanes_at *KRHPR_RESTRICT centre,
+    krhpr_lanes_at *KRHPR_RESTRICT shares, krhpr_ints *answer)
+{
+    const krhpr_lanes taint = krhpr_poses_taint(redundant, 3) + krhpr_poses_taint(jaws, 3);
+    krhpr_lanes slide[6];
+    krhpr_lanes start[3];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_lanes distance;
+        krhpr_platform_planar_b_tie_lanes(&g->platform, i, slide + 2 * i, &distance, &start[i]);
+    }
+    krhpr_platform_planar_b_opening_lanes(slide, redundant, jaws, start, opening, centre, shares);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(0.0), shares[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), shares[1]);
+    fine &= krhpr_at_most(krhpr_all(0.0), shares[2]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), shares[0]), status, KRHPR_NO_GRASP);
+    status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), shares[1]), status, KRHPR_NO_GRASP);
+    status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), shares[2]), status, KRHPR_NO_GRASP);
+    const krhpr_ints valid = krhpr_is_ok(status);
+    krhpr_poses_keep(valid, opening, 1);
+    krhpr_poses_keep(valid, centre, 2);
+    krhpr_poses_keep(valid, shares, 3);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, opening, 1);
+    krhpr_poses_keep(finite, centre, 2);
+    krhpr_poses_keep(finite, shares, 3);
+}
+
+KRHPR_API int krhpr_planar_rrr_b_opening_batch(
+    const krhpr_planar_rrr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+        const int here = krhpr_poses_here(count - (size_t)k);
+        krhpr_ints answer;
+        krhpr_lanes redundant_lanes[3];
+        krhpr_poses_load(redundant_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes jaws_lanes[3];
+        krhpr_poses_load(jaws_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        krhpr_lanes opening_lanes[1];
+        krhpr_lanes centre_lanes[2];
+        krhpr_lanes shares_lanes[3];
+        krhpr_planar_rrr_b_opening_lanes(
+            g, redundant_lanes, jaws_lanes, opening_lanes, centre_lanes, shares_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], opening_lanes, 1, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], centre_lanes, 2, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], shares_lanes, 3, here);
+        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+    }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_b_opening(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0],
+            out[1] + k * out_step[1], out[2] + k * out_step[2]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+#ifndef KRHPR_WITHOUT_SOA
+KRHPR_API int krhpr_planar_rrr_b_opening_soa(
+    const krhpr_planar_rrr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes redundant_room[3];
+            const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes jaws_room[3];
+            const krhpr_lanes_at *const jaws_lanes = krhpr_poses_in(jaws_room, in[1] + b * in_step[1] + k, row, 3, here);
+            krhpr_lanes opening_room[1];
+            double *const opening_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const opening_lanes = krhpr_poses_out(opening_room, opening_at, row, here);
+            krhpr_lanes centre_room[2];
+            double *const centre_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const centre_lanes = krhpr_poses_out(centre_room, centre_at, row, here);
+            krhpr_lanes shares_room[3];
+            double *const shares_at = out[2] + b * out_step[2] + k;
+            krhpr_lanes_at *const shares_lanes = krhpr_poses_out(shares_room, shares_at, row, here);
+            krhpr_planar_rrr_b_opening_lanes(
+                g, redundant_lanes, jaws_lanes, opening_lanes, centre_lanes, shares_lanes, &answer);
+            krhpr_poses_done(opening_room, opening_at, row, 1, here);
+            krhpr_poses_done(centre_room, centre_at, row, 2, here);
+            krhpr_poses_done(shares_room, shares_at, row, 3, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+#endif
+
+/* redundant_of_opening of KRHPR_LANES poses side by side. */
+KRHPR_OUTLINE void krhpr_planar_rrr_b_redundant_of_opening_lanes(
+    const krhpr_planar_rrr_b_geometry *g, const krhpr_lanes_at opening[1], const krhpr_lanes_at centre[2],
+    const krhpr_lanes_at jaws[3], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
+{
+    const krhpr_lanes taint = krhpr_poses_taint(opening, 1) + krhpr_poses_taint(centre, 2) + krhpr_poses_taint(jaws, 3);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_b_redundant_of_opening_lanes(
+            &g->platform, i, opening[0], centre, jaws[i], &redundant[i]);
+    }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, redundant, 3);
+}
+
+KRHPR_API int krhpr_planar_rrr_b_redundant_of_opening_batch(
+    const krhpr_planar_rrr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+        const int here = krhpr_poses_here(count - (size_t)k);
+        krhpr_ints answer;
+        krhpr_lanes opening_lanes[1];
+        krhpr_poses_load(opening_lanes, in[0] + k * in_step[0], in_step[0], 1, here);
+        krhpr_lanes centre_lanes[2];
+        krhpr_poses_load(centre_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        krhpr_lanes jaws_lanes[3];
+        krhpr_poses_load(jaws_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_lanes redundant_lanes[3];
+        krhpr_planar_rrr_b_redundant_of_opening_lanes(
+            g, opening_lanes, centre_lanes, jaws_lanes, redundant_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
+        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+    }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_planar_rrr_b_redundant_of_opening(
+            g, *(in[0] + k * in_step[0]), in[1] + k * in_step[1], in[2] + k * in_step[2],
+            out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+#ifndef KRHPR_WITHOUT_SOA
+KRHPR_API int krhpr_planar_rrr_b_redundant_of_opening_soa(
+    const krhpr_planar_rrr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes opening_room[1];
+            const krhpr_lanes_at *const opening_lanes = krhpr_poses_in(opening_room, in[0] + b * in_step[0] + k, row, 1, here);
+            krhpr_lanes centre_room[2];
+            const krhpr_lanes_at *const centre_lanes = krhpr_poses_in(centre_room, in[1] + b * in_step[1] + k, row, 2, here);
+            krhpr_lanes jaws_room[3];
+            const krhpr_lanes_at *const jaws_lanes = krhpr_poses_in(jaws_room, in[2] + b * in_step[2] + k, row, 3, here);
+            krhpr_lanes redundant_room[3];
+            double *const redundant_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const redundant_lanes = krhpr_poses_out(redundant_room, redundant_at, row, here);
+            krhpr_planar_rrr_b_redundant_of_opening_lanes(
+                g, opening_lanes, centre_lanes, jaws_lanes, redundant_lanes, &answer);
+            krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+#endif
+
 /* passive_joints of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_planar_rrr_b_passive_joints_lanes(
     const krhpr_planar_rrr_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],

@@ -18,22 +18,24 @@ typedef struct {
     double l_r[KRHPR_PLACES]; /* redundant link (l_i7 in Chapter 1, l_i4 later) (m) */
     double e_r[2][KRHPR_PLACES]; /* radial direction, -nu_i */
     double b[2][KRHPR_PLACES]; /* b_i */
-    double k[4][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
+    double k[5][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_platform_planar_a_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (6 multiply, 1 divide, 1 sine cosine) */
+/* Vectors and sub-expressions that depend on the geometry alone.  (6 multiply, 2 divide, 1 sine cosine) */
 KRHPR_STATIC void krhpr_platform_planar_a_prepare(krhpr_platform_planar_a_geometry *g, int i)
 {
     double e_r_1, e_r_0; krhpr_sincos(g->platform_azimuth[i], &e_r_1, &e_r_0);
+    const double t1 = g->l_r[i] * g->l_r[i];
     g->e_r[0][i] = e_r_0;
     g->e_r[1][i] = e_r_1;
     g->b[0][i] = g->R_p[i] * e_r_0;
     g->b[1][i] = g->R_p[i] * e_r_1;
-    g->k[0][i] = 0.5 * (g->l_r[i] * g->l_r[i]);
+    g->k[0][i] = 0.5 * t1;
     g->k[1][i] = 1.0 / g->l_r[i];
     g->k[2][i] = g->l_r[i] * e_r_0;
     g->k[3][i] = g->l_r[i] * e_r_1;
+    g->k[4][i] = 1.0 / t1;
 }
 
 /* Angles whose sines and cosines `end_point` reads.  (no operations) */
@@ -1272,6 +1274,83 @@ KRHPR_STATIC void krhpr_platform_planar_a_encoder_pose(
     raw[3] = state[3];
     tail_y[0] = sin;
     tail_x[0] = cos;
+}
+
+/* The line along which the redundant coordinate's force acts: c_i in the base frame, and with its moment
+ * about O' in the platform frame.  Thesis: (5.53), (5.58).  (13 add, 16 multiply) */
+KRHPR_STATIC void krhpr_platform_planar_a_redundant_line(
+    const krhpr_platform_planar_a_geometry *g, int i, const double p[2], const double Q[4],
+    const double s[2], double *KRHPR_RESTRICT along, double *KRHPR_RESTRICT redundant_line)
+{
+    const double Qb_0 = g->b[0][i] * Q[0] + g->b[1][i] * Q[1]; /* Q b_i */
+    const double Qb_1 = g->b[0][i] * Q[2] + g->b[1][i] * Q[3];
+    const double a_0 = p[0] + Qb_0 - s[0]; /* (2.3) */
+    const double e_0 = s[1] - (p[1] + Qb_1); /* ds_i/d(redundant) */
+    const double c_0 = e_0 * g->k[4][i];
+    const double c_1 = a_0 * g->k[4][i];
+    const double c_l_0 = Q[0] * c_0 + Q[2] * c_1; /* in the platform frame */
+    const double c_l_1 = Q[1] * c_0 + Q[3] * c_1;
+    const double t1 = s[0] - p[0];
+    const double t2 = s[1] - p[1];
+    const double u_l_0 = Q[0] * t1 + Q[2] * t2; /* O' to S_i */
+    const double u_l_1 = Q[1] * t1 + Q[3] * t2;
+    along[0] = c_0;
+    along[1] = c_1;
+    redundant_line[0] = c_l_0;
+    redundant_line[1] = c_l_1;
+    redundant_line[2] = c_l_1 * u_l_0 - c_l_0 * u_l_1;
+}
+
+/* Forces along the legs' lines that give a wrench and forces along the redundant coordinates: J^T lambda =
+ * F - C^T phi solved in the platform frame.  Thesis: (5.12), (5.44).  (36 add, 62 multiply, 2 divide) */
+KRHPR_STATIC void krhpr_platform_planar_a_balance(
+    const double Q[4], const double line[9], const double point[6], const double redundant_line[9],
+    const double redundant_forces[3], const double wrench[3], double *KRHPR_RESTRICT line_forces,
+    double *KRHPR_RESTRICT regularity)
+{
+    const double t1 = Q[0] * wrench[0] + Q[2] * wrench[1] - redundant_line[0] * redundant_forces[0] - redundant_line[3] * redundant_forces[1];
+    const double rest_0 = t1 - redundant_line[6] * redundant_forces[2]; /* F - C^T phi in the platform frame */
+    const double t2 = Q[1] * wrench[0] + Q[3] * wrench[1] - redundant_line[1] * redundant_forces[0] - redundant_line[4] * redundant_forces[1];
+    const double rest_1 = t2 - redundant_line[7] * redundant_forces[2]; /* F - C^T phi in the platform frame */
+    const double t3 = wrench[2] - redundant_line[2] * redundant_forces[0] - redundant_line[5] * redundant_forces[1];
+    const double rest_2 = t3 - redundant_line[8] * redundant_forces[2]; /* F - C^T phi in the platform frame */
+    const double t4 = line[4] * line[8] - line[5] * line[7];
+    const double t5 = line[2] * line[7] - line[1] * line[8];
+    const double t6 = line[1] * line[5] - line[2] * line[4];
+    const double det_a = line[0] * t4 + line[3] * t5 + line[6] * t6;
+    const double inv_a = 1.0 / det_a;
+    const double t7 = rest_0 * t4 + rest_1 * (line[5] * line[6] - line[3] * line[8]) + rest_2 * (line[3] * line[7] - line[4] * line[6]);
+    const double lambda_a_0 = inv_a * t7; /* along the lines in the plane */
+    const double t8 = rest_0 * t5 + rest_1 * (line[0] * line[8] - line[2] * line[6]) + rest_2 * (line[1] * line[6] - line[0] * line[7]);
+    const double lambda_a_1 = inv_a * t8; /* along the lines in the plane */
+    const double t9 = rest_0 * t6 + rest_1 * (line[2] * line[3] - line[0] * line[5]) + rest_2 * (line[0] * line[4] - line[1] * line[3]);
+    const double lambda_a_2 = inv_a * t9; /* along the lines in the plane */
+    const double d2_0 = line[0] * line[0] + line[1] * line[1];
+    const double d2_1 = line[3] * line[3] + line[4] * line[4];
+    const double d2_2 = line[6] * line[6] + line[7] * line[7];
+    const double t10 = point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
+    const double size = t10 + point[4] * point[4] + point[5] * point[5]; /* sum of |S_i - O'|^2 */
+    line_forces[0] = lambda_a_0;
+    line_forces[1] = lambda_a_1;
+    line_forces[2] = lambda_a_2;
+    regularity[0] = det_a * det_a / (size * (d2_2 * (d2_0 * d2_1)));
+}
+
+/* What the force of a sub-leg does: its moment about O', and its part along the redundant coordinate.
+ * Thesis: (5.36).  (10 add, 8 multiply) */
+KRHPR_STATIC void krhpr_platform_planar_a_reaction(
+    const krhpr_platform_planar_a_geometry *g, int i, const double p[2], const double Q[4],
+    const double s[2], const double end_force[2], double *KRHPR_RESTRICT moment,
+    double *KRHPR_RESTRICT redundant_forces)
+{
+    const double u_0 = s[0] - p[0]; /* O' to S_i */
+    const double u_1 = s[1] - p[1];
+    const double Qb_0 = g->b[0][i] * Q[0] + g->b[1][i] * Q[1]; /* Q b_i */
+    const double Qb_1 = g->b[0][i] * Q[2] + g->b[1][i] * Q[3];
+    const double a_0 = p[0] + Qb_0 - s[0]; /* (2.3) */
+    const double e_0 = s[1] - (p[1] + Qb_1); /* ds_i/d(redundant) */
+    *moment = end_force[1] * u_0 - end_force[0] * u_1;
+    *redundant_forces = end_force[1] * a_0 + end_force[0] * e_0;
 }
 
 #endif

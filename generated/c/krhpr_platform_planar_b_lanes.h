@@ -804,4 +804,125 @@ KRHPR_INLINE void krhpr_platform_planar_b_encoder_pose_lanes(
     tail_x[0] = cos;
 }
 
+/* The line along which the redundant coordinate's force acts: c_i in the base frame, and with its moment
+ * about O' in the platform frame.  Thesis: (5.53), (5.58).  (9 add, 14 multiply) */
+KRHPR_INLINE void krhpr_platform_planar_b_redundant_line_lanes(
+    const krhpr_platform_planar_b_geometry *g, int i, const krhpr_lanes_at p[2], const krhpr_lanes_at Q[4],
+    const krhpr_lanes_at s[2], krhpr_lanes_at *KRHPR_RESTRICT along,
+    krhpr_lanes_at *KRHPR_RESTRICT redundant_line)
+{
+    const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
+    const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
+    const krhpr_lanes Qt_0 = g_t_0 * Q[0] + g_t_1 * Q[1]; /* Q t_i */
+    const krhpr_lanes Qt_1 = g_t_0 * Q[2] + g_t_1 * Q[3];
+    const krhpr_lanes c_l_0 = Q[0] * Qt_0 + Q[2] * Qt_1; /* in the platform frame */
+    const krhpr_lanes c_l_1 = Q[1] * Qt_0 + Q[3] * Qt_1;
+    const krhpr_lanes t1 = s[0] - p[0];
+    const krhpr_lanes t2 = s[1] - p[1];
+    const krhpr_lanes u_l_0 = Q[0] * t1 + Q[2] * t2; /* O' to S_i */
+    const krhpr_lanes u_l_1 = Q[1] * t1 + Q[3] * t2;
+    along[0] = Qt_0;
+    along[1] = Qt_1;
+    redundant_line[0] = c_l_0;
+    redundant_line[1] = c_l_1;
+    redundant_line[2] = c_l_1 * u_l_0 - c_l_0 * u_l_1;
+}
+
+/* Forces along the legs' lines that give a wrench and forces along the redundant coordinates: J^T lambda =
+ * F - C^T phi solved in the platform frame.  Thesis: (5.12), (5.44).  (36 add, 62 multiply, 2 divide) */
+KRHPR_INLINE void krhpr_platform_planar_b_balance_lanes(
+    const krhpr_lanes_at Q[4], const krhpr_lanes_at line[9], const krhpr_lanes_at point[6],
+    const krhpr_lanes_at redundant_line[9], const krhpr_lanes_at redundant_forces[3],
+    const krhpr_lanes_at wrench[3], krhpr_lanes_at *KRHPR_RESTRICT line_forces,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
+{
+    const krhpr_lanes t1 = Q[0] * wrench[0] + Q[2] * wrench[1] - redundant_line[0] * redundant_forces[0] - redundant_line[3] * redundant_forces[1];
+    const krhpr_lanes rest_0 = t1 - redundant_line[6] * redundant_forces[2]; /* F - C^T phi in the platform frame */
+    const krhpr_lanes t2 = Q[1] * wrench[0] + Q[3] * wrench[1] - redundant_line[1] * redundant_forces[0] - redundant_line[4] * redundant_forces[1];
+    const krhpr_lanes rest_1 = t2 - redundant_line[7] * redundant_forces[2]; /* F - C^T phi in the platform frame */
+    const krhpr_lanes t3 = wrench[2] - redundant_line[2] * redundant_forces[0] - redundant_line[5] * redundant_forces[1];
+    const krhpr_lanes rest_2 = t3 - redundant_line[8] * redundant_forces[2]; /* F - C^T phi in the platform frame */
+    const krhpr_lanes t4 = line[4] * line[8] - line[5] * line[7];
+    const krhpr_lanes t5 = line[2] * line[7] - line[1] * line[8];
+    const krhpr_lanes t6 = line[1] * line[5] - line[2] * line[4];
+    const krhpr_lanes det_a = line[0] * t4 + line[3] * t5 + line[6] * t6;
+    const krhpr_lanes inv_a = 1.0 / det_a;
+    const krhpr_lanes t7 = rest_0 * t4 + rest_1 * (line[5] * line[6] - line[3] * line[8]) + rest_2 * (line[3] * line[7] - line[4] * line[6]);
+    const krhpr_lanes lambda_a_0 = inv_a * t7; /* along the lines in the plane */
+    const krhpr_lanes t8 = rest_0 * t5 + rest_1 * (line[0] * line[8] - line[2] * line[6]) + rest_2 * (line[1] * line[6] - line[0] * line[7]);
+    const krhpr_lanes lambda_a_1 = inv_a * t8; /* along the lines in the plane */
+    const krhpr_lanes t9 = rest_0 * t6 + rest_1 * (line[2] * line[3] - line[0] * line[5]) + rest_2 * (line[0] * line[4] - line[1] * line[3]);
+    const krhpr_lanes lambda_a_2 = inv_a * t9; /* along the lines in the plane */
+    const krhpr_lanes d2_0 = line[0] * line[0] + line[1] * line[1];
+    const krhpr_lanes d2_1 = line[3] * line[3] + line[4] * line[4];
+    const krhpr_lanes d2_2 = line[6] * line[6] + line[7] * line[7];
+    const krhpr_lanes t10 = point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
+    const krhpr_lanes size = t10 + point[4] * point[4] + point[5] * point[5]; /* sum of |S_i - O'|^2 */
+    line_forces[0] = lambda_a_0;
+    line_forces[1] = lambda_a_1;
+    line_forces[2] = lambda_a_2;
+    regularity[0] = det_a * det_a / (size * (d2_2 * (d2_0 * d2_1)));
+}
+
+/* What the force of a sub-leg does: its moment about O', and its part along the redundant coordinate.
+ * Thesis: (5.36).  (6 add, 8 multiply) */
+KRHPR_INLINE void krhpr_platform_planar_b_reaction_lanes(
+    const krhpr_platform_planar_b_geometry *g, int i, const krhpr_lanes_at p[2], const krhpr_lanes_at Q[4],
+    const krhpr_lanes_at s[2], const krhpr_lanes_at end_force[2], krhpr_lanes_at *KRHPR_RESTRICT moment,
+    krhpr_lanes_at *KRHPR_RESTRICT redundant_forces)
+{
+    const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
+    const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
+    const krhpr_lanes u_0 = s[0] - p[0]; /* O' to S_i */
+    const krhpr_lanes u_1 = s[1] - p[1];
+    const krhpr_lanes Qt_0 = g_t_0 * Q[0] + g_t_1 * Q[1]; /* Q t_i */
+    const krhpr_lanes Qt_1 = g_t_0 * Q[2] + g_t_1 * Q[3];
+    *moment = end_force[1] * u_0 - end_force[0] * u_1;
+    *redundant_forces = end_force[0] * Qt_0 + end_force[1] * Qt_1;
+}
+
+/* The opening of the gripper, and where its centre is.  Thesis: 5.1, 5.3.  (28 add, 36 multiply, 2 divide) */
+KRHPR_INLINE void krhpr_platform_planar_b_opening_lanes(
+    const krhpr_lanes_at slide[6], const krhpr_lanes_at redundant[3], const krhpr_lanes_at jaws[3],
+    const krhpr_lanes_at start[3], krhpr_lanes_at *KRHPR_RESTRICT opening,
+    krhpr_lanes_at *KRHPR_RESTRICT centre, krhpr_lanes_at *KRHPR_RESTRICT shares)
+{
+    const krhpr_lanes delta_1 = redundant[0] + start[0] - jaws[0]; /* the jaw's face along t_i */
+    const krhpr_lanes delta_2 = redundant[1] + start[1] - jaws[1];
+    const krhpr_lanes delta_3 = redundant[2] + start[2] - jaws[2];
+    const krhpr_lanes lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
+    const krhpr_lanes lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
+    const krhpr_lanes lambda_3 = slide[0] * slide[3] - slide[1] * slide[2];
+    const krhpr_lanes total = lambda_3 + (lambda_1 + lambda_2);
+    const krhpr_lanes t1 = 1.0 / total;
+    const krhpr_lanes share_1 = lambda_1 * t1;
+    const krhpr_lanes share_2 = lambda_2 * t1;
+    const krhpr_lanes share_3 = lambda_3 * t1;
+    const krhpr_lanes r = delta_1 * share_1 + delta_2 * share_2 + delta_3 * share_3; /* half the opening */
+    const krhpr_lanes t2 = delta_2 - r;
+    const krhpr_lanes t3 = delta_3 - r;
+    const krhpr_lanes t4 = delta_1 - r;
+    const krhpr_lanes t5 = lambda_1 * (slide[5] * t2 - slide[3] * t3) + lambda_2 * (slide[1] * t3 - slide[5] * t4);
+    const krhpr_lanes t6 = 1.0 / (lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3);
+    const krhpr_lanes t7 = lambda_1 * (slide[2] * t3 - slide[4] * t2) + lambda_2 * (slide[4] * t4 - slide[0] * t3);
+    *opening = r * 2.0;
+    centre[0] = (t5 + lambda_3 * (slide[3] * t4 - slide[1] * t2)) * t6;
+    centre[1] = t6 * (t7 + lambda_3 * (slide[0] * t2 - slide[2] * t4));
+    shares[0] = share_1;
+    shares[1] = share_2;
+    shares[2] = share_3;
+}
+
+/* The slide at which a jaw touches a round object.  Thesis: 5.1, 5.3.  (5 add, 3 multiply) */
+KRHPR_INLINE void krhpr_platform_planar_b_redundant_of_opening_lanes(
+    const krhpr_platform_planar_b_geometry *g, int i, krhpr_lanes opening, const krhpr_lanes_at centre[2],
+    krhpr_lanes jaws, krhpr_lanes_at *KRHPR_RESTRICT redundant)
+{
+    const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
+    const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
+    const krhpr_lanes g_k_0 = krhpr_of_leg(g->k[0], i);
+    const krhpr_lanes g_k_1 = krhpr_of_leg(g->k[1], i);
+    *redundant = jaws + opening * 0.5 + g_t_0 * centre[0] + g_t_1 * centre[1] - g_k_0 - g_k_1;
+}
+
 #endif

@@ -18,22 +18,24 @@ typedef struct {
     double l_r[KRHPR_PLACES]; /* redundant link (l_i7 in Chapter 1, l_i4 later) (m) */
     double e_r[2][KRHPR_PLACES]; /* radial direction */
     double b[2][KRHPR_PLACES]; /* B_i */
-    double k[4][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
+    double k[5][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_platform_spatial_a_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (6 multiply, 1 divide, 1 sine cosine) */
+/* Vectors and sub-expressions that depend on the geometry alone.  (6 multiply, 2 divide, 1 sine cosine) */
 KRHPR_STATIC void krhpr_platform_spatial_a_prepare(krhpr_platform_spatial_a_geometry *g, int i)
 {
     double e_r_1, e_r_0; krhpr_sincos(g->platform_azimuth[i], &e_r_1, &e_r_0);
+    const double t1 = g->l_r[i] * g->l_r[i];
     g->e_r[0][i] = e_r_0;
     g->e_r[1][i] = e_r_1;
     g->b[0][i] = g->R_p[i] * e_r_0;
     g->b[1][i] = g->R_p[i] * e_r_1;
-    g->k[0][i] = 0.5 * (g->l_r[i] * g->l_r[i]);
+    g->k[0][i] = 0.5 * t1;
     g->k[1][i] = 1.0 / g->l_r[i];
     g->k[2][i] = g->l_r[i] * e_r_0;
     g->k[3][i] = g->l_r[i] * e_r_1;
+    g->k[4][i] = 1.0 / t1;
 }
 
 /* Angles whose sines and cosines `end_point` reads.  (no operations) */
@@ -1631,6 +1633,131 @@ KRHPR_STATIC void krhpr_platform_spatial_a_encoder_pose(
     raw[6] = state[0] * axes[6] + state[1] * axes[7];
     raw[7] = state[2] * axes[6] + state[3] * axes[7];
     raw[8] = axes[8];
+}
+
+/* The line along which the redundant coordinate's force acts: c_i in the base frame, and with its moment
+ * about O' in the platform frame.  Thesis: (5.53), (5.58).  (30 add, 39 multiply) */
+KRHPR_STATIC void krhpr_platform_spatial_a_redundant_line(
+    const krhpr_platform_spatial_a_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], double *KRHPR_RESTRICT along, double *KRHPR_RESTRICT redundant_line)
+{
+    const double Qb_0 = g->b[0][i] * Q[0] + g->b[1][i] * Q[1]; /* Q b_i */
+    const double Qb_1 = g->b[0][i] * Q[3] + g->b[1][i] * Q[4];
+    const double Qb_2 = g->b[0][i] * Q[6] + g->b[1][i] * Q[7];
+    const double a_0 = p[0] + Qb_0 - s[0]; /* (1.4) */
+    const double a_1 = p[1] + Qb_1 - s[1];
+    const double a_2 = p[2] + Qb_2 - s[2];
+    const double e_0 = Q[5] * a_2 - Q[8] * a_1; /* ds_i/d(redundant) */
+    const double e_1 = Q[8] * a_0 - Q[2] * a_2;
+    const double e_2 = Q[2] * a_1 - Q[5] * a_0;
+    const double c_0 = e_0 * g->k[4][i];
+    const double c_1 = e_1 * g->k[4][i];
+    const double c_2 = e_2 * g->k[4][i];
+    const double c_l_0 = Q[0] * c_0 + Q[3] * c_1 + Q[6] * c_2; /* in the platform frame */
+    const double c_l_1 = Q[1] * c_0 + Q[4] * c_1 + Q[7] * c_2;
+    const double c_l_2 = Q[2] * c_0 + Q[5] * c_1 + Q[8] * c_2;
+    const double t1 = s[0] - p[0];
+    const double t2 = s[1] - p[1];
+    const double t3 = s[2] - p[2];
+    const double u_l_0 = Q[0] * t1 + Q[3] * t2 + Q[6] * t3; /* O' to S_i */
+    const double u_l_1 = Q[1] * t1 + Q[4] * t2 + Q[7] * t3;
+    const double u_l_2 = Q[2] * t1 + Q[5] * t2 + Q[8] * t3;
+    along[0] = c_0;
+    along[1] = c_1;
+    along[2] = c_2;
+    redundant_line[0] = c_l_0;
+    redundant_line[1] = c_l_1;
+    redundant_line[2] = c_l_2;
+    redundant_line[3] = c_l_2 * u_l_1 - c_l_1 * u_l_2;
+    redundant_line[4] = c_l_0 * u_l_2 - c_l_2 * u_l_0;
+    redundant_line[5] = c_l_1 * u_l_0 - c_l_0 * u_l_1;
+}
+
+/* Forces along the legs' lines that give a wrench and forces along the redundant coordinates: J^T lambda =
+ * F - C^T phi solved in the platform frame.  Thesis: (5.12), (5.44).  (84 add, 114 multiply, 4 divide) */
+KRHPR_STATIC void krhpr_platform_spatial_a_balance(
+    const double Q[9], const double line[18], const double point[6], const double redundant_line[18],
+    const double redundant_forces[3], const double wrench[6], double *KRHPR_RESTRICT line_forces,
+    double *KRHPR_RESTRICT regularity)
+{
+    const double t1 = Q[0] * wrench[0] + Q[3] * wrench[1] + Q[6] * wrench[2] - redundant_line[0] * redundant_forces[0];
+    const double rest_0 = t1 - redundant_line[6] * redundant_forces[1] - redundant_line[12] * redundant_forces[2]; /* F - C^T phi in the platform frame */
+    const double t2 = Q[1] * wrench[0] + Q[4] * wrench[1] + Q[7] * wrench[2] - redundant_line[1] * redundant_forces[0];
+    const double rest_1 = t2 - redundant_line[7] * redundant_forces[1] - redundant_line[13] * redundant_forces[2]; /* F - C^T phi in the platform frame */
+    const double t3 = Q[2] * wrench[0] + Q[5] * wrench[1] + Q[8] * wrench[2] - redundant_line[2] * redundant_forces[0];
+    const double rest_2 = t3 - redundant_line[8] * redundant_forces[1] - redundant_line[14] * redundant_forces[2]; /* F - C^T phi in the platform frame */
+    const double t4 = Q[0] * wrench[3] + Q[3] * wrench[4] + Q[6] * wrench[5] - redundant_line[3] * redundant_forces[0];
+    const double rest_3 = t4 - redundant_line[9] * redundant_forces[1] - redundant_line[15] * redundant_forces[2]; /* F - C^T phi in the platform frame */
+    const double t5 = Q[1] * wrench[3] + Q[4] * wrench[4] + Q[7] * wrench[5] - redundant_line[4] * redundant_forces[0];
+    const double rest_4 = t5 - redundant_line[10] * redundant_forces[1] - redundant_line[16] * redundant_forces[2]; /* F - C^T phi in the platform frame */
+    const double t6 = Q[2] * wrench[3] + Q[5] * wrench[4] + Q[8] * wrench[5] - redundant_line[5] * redundant_forces[0];
+    const double rest_5 = t6 - redundant_line[11] * redundant_forces[1] - redundant_line[17] * redundant_forces[2]; /* F - C^T phi in the platform frame */
+    const double t7 = line[7] * line[17] - line[11] * line[13];
+    const double t8 = line[5] * line[13] - line[1] * line[17];
+    const double t9 = line[1] * line[11] - line[5] * line[7];
+    const double det_a = line[0] * t7 + line[6] * t8 + line[12] * t9;
+    const double inv_a = 1.0 / det_a;
+    const double t10 = rest_0 * t7 + rest_1 * (line[11] * line[12] - line[6] * line[17]) + rest_5 * (line[6] * line[13] - line[7] * line[12]);
+    const double lambda_a_0 = inv_a * t10; /* along the lines in the plane */
+    const double t11 = rest_0 * t8 + rest_1 * (line[0] * line[17] - line[5] * line[12]) + rest_5 * (line[1] * line[12] - line[0] * line[13]);
+    const double lambda_a_1 = inv_a * t11; /* along the lines in the plane */
+    const double t12 = rest_0 * t9 + rest_1 * (line[5] * line[6] - line[0] * line[11]) + rest_5 * (line[0] * line[7] - line[1] * line[6]);
+    const double lambda_a_2 = inv_a * t12; /* along the lines in the plane */
+    const double r_n_0 = rest_2 - line[2] * lambda_a_0 - line[8] * lambda_a_1 - line[14] * lambda_a_2;
+    const double r_n_1 = rest_3 - line[3] * lambda_a_0 - line[9] * lambda_a_1 - line[15] * lambda_a_2;
+    const double r_n_2 = rest_4 - line[4] * lambda_a_0 - line[10] * lambda_a_1 - line[16] * lambda_a_2;
+    const double t13 = point[0] * point[3];
+    const double t14 = point[1] * point[4];
+    const double t15 = point[2] * point[5];
+    const double t16 = point[0] * point[5];
+    const double t17 = point[1] * point[2];
+    const double t18 = point[3] * point[4];
+    const double det_n = t13 + t14 + t15 - t16 - t17 - t18;
+    const double inv_n = 1.0 / det_n;
+    const double t19 = r_n_0 * (t15 - t18) + r_n_1 * (point[4] - point[2]) + r_n_2 * (point[5] - point[3]);
+    const double lambda_n_0 = inv_n * t19; /* along q_z */
+    const double t20 = r_n_0 * (t14 - t16) + r_n_1 * (point[0] - point[4]) + r_n_2 * (point[1] - point[5]);
+    const double lambda_n_1 = inv_n * t20; /* along q_z */
+    const double t21 = r_n_0 * (t13 - t17) + r_n_1 * (point[2] - point[0]) + r_n_2 * (point[3] - point[1]);
+    const double lambda_n_2 = inv_n * t21; /* along q_z */
+    const double d2_0 = line[0] * line[0] + line[1] * line[1];
+    const double d2_1 = line[6] * line[6] + line[7] * line[7];
+    const double d2_2 = line[12] * line[12] + line[13] * line[13];
+    const double t22 = point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
+    const double size = t22 + point[4] * point[4] + point[5] * point[5]; /* sum of |S_i - O'|^2 */
+    line_forces[0] = lambda_a_0;
+    line_forces[1] = lambda_n_0;
+    line_forces[2] = lambda_a_1;
+    line_forces[3] = lambda_n_1;
+    line_forces[4] = lambda_a_2;
+    line_forces[5] = lambda_n_2;
+    regularity[0] = det_a * det_a / (size * (d2_2 * (d2_0 * d2_1)));
+    regularity[1] = det_n * det_n / (size * size);
+}
+
+/* What the force of a sub-leg does: its moment about O', and its part along the redundant coordinate.
+ * Thesis: (5.36).  (20 add, 21 multiply) */
+KRHPR_STATIC void krhpr_platform_spatial_a_reaction(
+    const krhpr_platform_spatial_a_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], const double end_force[3], double *KRHPR_RESTRICT moment,
+    double *KRHPR_RESTRICT redundant_forces)
+{
+    const double u_0 = s[0] - p[0]; /* O' to S_i */
+    const double u_1 = s[1] - p[1];
+    const double u_2 = s[2] - p[2];
+    const double Qb_0 = g->b[0][i] * Q[0] + g->b[1][i] * Q[1]; /* Q b_i */
+    const double Qb_1 = g->b[0][i] * Q[3] + g->b[1][i] * Q[4];
+    const double Qb_2 = g->b[0][i] * Q[6] + g->b[1][i] * Q[7];
+    const double a_0 = p[0] + Qb_0 - s[0]; /* (1.4) */
+    const double a_1 = p[1] + Qb_1 - s[1];
+    const double a_2 = p[2] + Qb_2 - s[2];
+    const double e_0 = Q[5] * a_2 - Q[8] * a_1; /* ds_i/d(redundant) */
+    const double e_1 = Q[8] * a_0 - Q[2] * a_2;
+    const double e_2 = Q[2] * a_1 - Q[5] * a_0;
+    moment[0] = end_force[2] * u_1 - end_force[1] * u_2;
+    moment[1] = end_force[0] * u_2 - end_force[2] * u_0;
+    moment[2] = end_force[1] * u_0 - end_force[0] * u_1;
+    *redundant_forces = end_force[0] * e_0 + end_force[1] * e_1 + end_force[2] * e_2;
 }
 
 #endif

@@ -1085,4 +1085,164 @@ KRHPR_INLINE void krhpr_platform_spatial_b_encoder_pose_lanes(
     raw[8] = axes[8];
 }
 
+/* The line along which the redundant coordinate's force acts: c_i in the base frame, and with its moment
+ * about O' in the platform frame.  Thesis: (5.53), (5.58).  (21 add, 30 multiply) */
+KRHPR_INLINE void krhpr_platform_spatial_b_redundant_line_lanes(
+    const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[3], krhpr_lanes_at *KRHPR_RESTRICT along,
+    krhpr_lanes_at *KRHPR_RESTRICT redundant_line)
+{
+    const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
+    const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
+    const krhpr_lanes Qt_0 = g_t_0 * Q[0] + g_t_1 * Q[1]; /* Q t_i */
+    const krhpr_lanes Qt_1 = g_t_0 * Q[3] + g_t_1 * Q[4];
+    const krhpr_lanes Qt_2 = g_t_0 * Q[6] + g_t_1 * Q[7];
+    const krhpr_lanes c_l_0 = Q[0] * Qt_0 + Q[3] * Qt_1 + Q[6] * Qt_2; /* in the platform frame */
+    const krhpr_lanes c_l_1 = Q[1] * Qt_0 + Q[4] * Qt_1 + Q[7] * Qt_2;
+    const krhpr_lanes c_l_2 = Q[2] * Qt_0 + Q[5] * Qt_1 + Q[8] * Qt_2;
+    const krhpr_lanes t1 = s[0] - p[0];
+    const krhpr_lanes t2 = s[1] - p[1];
+    const krhpr_lanes t3 = s[2] - p[2];
+    const krhpr_lanes u_l_0 = Q[0] * t1 + Q[3] * t2 + Q[6] * t3; /* O' to S_i */
+    const krhpr_lanes u_l_1 = Q[1] * t1 + Q[4] * t2 + Q[7] * t3;
+    const krhpr_lanes u_l_2 = Q[2] * t1 + Q[5] * t2 + Q[8] * t3;
+    along[0] = Qt_0;
+    along[1] = Qt_1;
+    along[2] = Qt_2;
+    redundant_line[0] = c_l_0;
+    redundant_line[1] = c_l_1;
+    redundant_line[2] = c_l_2;
+    redundant_line[3] = c_l_2 * u_l_1 - c_l_1 * u_l_2;
+    redundant_line[4] = c_l_0 * u_l_2 - c_l_2 * u_l_0;
+    redundant_line[5] = c_l_1 * u_l_0 - c_l_0 * u_l_1;
+}
+
+/* Forces along the legs' lines that give a wrench and forces along the redundant coordinates: J^T lambda =
+ * F - C^T phi solved in the platform frame.  Thesis: (5.12), (5.44).  (84 add, 114 multiply, 4 divide) */
+KRHPR_INLINE void krhpr_platform_spatial_b_balance_lanes(
+    const krhpr_lanes_at Q[9], const krhpr_lanes_at line[18], const krhpr_lanes_at point[6],
+    const krhpr_lanes_at redundant_line[18], const krhpr_lanes_at redundant_forces[3],
+    const krhpr_lanes_at wrench[6], krhpr_lanes_at *KRHPR_RESTRICT line_forces,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
+{
+    const krhpr_lanes t1 = Q[0] * wrench[0] + Q[3] * wrench[1] + Q[6] * wrench[2] - redundant_line[0] * redundant_forces[0];
+    const krhpr_lanes rest_0 = t1 - redundant_line[6] * redundant_forces[1] - redundant_line[12] * redundant_forces[2]; /* F - C^T phi in the platform frame */
+    const krhpr_lanes t2 = Q[1] * wrench[0] + Q[4] * wrench[1] + Q[7] * wrench[2] - redundant_line[1] * redundant_forces[0];
+    const krhpr_lanes rest_1 = t2 - redundant_line[7] * redundant_forces[1] - redundant_line[13] * redundant_forces[2]; /* F - C^T phi in the platform frame */
+    const krhpr_lanes t3 = Q[2] * wrench[0] + Q[5] * wrench[1] + Q[8] * wrench[2] - redundant_line[2] * redundant_forces[0];
+    const krhpr_lanes rest_2 = t3 - redundant_line[8] * redundant_forces[1] - redundant_line[14] * redundant_forces[2]; /* F - C^T phi in the platform frame */
+    const krhpr_lanes t4 = Q[0] * wrench[3] + Q[3] * wrench[4] + Q[6] * wrench[5] - redundant_line[3] * redundant_forces[0];
+    const krhpr_lanes rest_3 = t4 - redundant_line[9] * redundant_forces[1] - redundant_line[15] * redundant_forces[2]; /* F - C^T phi in the platform frame */
+    const krhpr_lanes t5 = Q[1] * wrench[3] + Q[4] * wrench[4] + Q[7] * wrench[5] - redundant_line[4] * redundant_forces[0];
+    const krhpr_lanes rest_4 = t5 - redundant_line[10] * redundant_forces[1] - redundant_line[16] * redundant_forces[2]; /* F - C^T phi in the platform frame */
+    const krhpr_lanes t6 = Q[2] * wrench[3] + Q[5] * wrench[4] + Q[8] * wrench[5] - redundant_line[5] * redundant_forces[0];
+    const krhpr_lanes rest_5 = t6 - redundant_line[11] * redundant_forces[1] - redundant_line[17] * redundant_forces[2]; /* F - C^T phi in the platform frame */
+    const krhpr_lanes t7 = line[7] * line[17] - line[11] * line[13];
+    const krhpr_lanes t8 = line[5] * line[13] - line[1] * line[17];
+    const krhpr_lanes t9 = line[1] * line[11] - line[5] * line[7];
+    const krhpr_lanes det_a = line[0] * t7 + line[6] * t8 + line[12] * t9;
+    const krhpr_lanes inv_a = 1.0 / det_a;
+    const krhpr_lanes t10 = rest_0 * t7 + rest_1 * (line[11] * line[12] - line[6] * line[17]) + rest_5 * (line[6] * line[13] - line[7] * line[12]);
+    const krhpr_lanes lambda_a_0 = inv_a * t10; /* along the lines in the plane */
+    const krhpr_lanes t11 = rest_0 * t8 + rest_1 * (line[0] * line[17] - line[5] * line[12]) + rest_5 * (line[1] * line[12] - line[0] * line[13]);
+    const krhpr_lanes lambda_a_1 = inv_a * t11; /* along the lines in the plane */
+    const krhpr_lanes t12 = rest_0 * t9 + rest_1 * (line[5] * line[6] - line[0] * line[11]) + rest_5 * (line[0] * line[7] - line[1] * line[6]);
+    const krhpr_lanes lambda_a_2 = inv_a * t12; /* along the lines in the plane */
+    const krhpr_lanes r_n_0 = rest_2 - line[2] * lambda_a_0 - line[8] * lambda_a_1 - line[14] * lambda_a_2;
+    const krhpr_lanes r_n_1 = rest_3 - line[3] * lambda_a_0 - line[9] * lambda_a_1 - line[15] * lambda_a_2;
+    const krhpr_lanes r_n_2 = rest_4 - line[4] * lambda_a_0 - line[10] * lambda_a_1 - line[16] * lambda_a_2;
+    const krhpr_lanes t13 = point[0] * point[3];
+    const krhpr_lanes t14 = point[1] * point[4];
+    const krhpr_lanes t15 = point[2] * point[5];
+    const krhpr_lanes t16 = point[0] * point[5];
+    const krhpr_lanes t17 = point[1] * point[2];
+    const krhpr_lanes t18 = point[3] * point[4];
+    const krhpr_lanes det_n = t13 + t14 + t15 - t16 - t17 - t18;
+    const krhpr_lanes inv_n = 1.0 / det_n;
+    const krhpr_lanes t19 = r_n_0 * (t15 - t18) + r_n_1 * (point[4] - point[2]) + r_n_2 * (point[5] - point[3]);
+    const krhpr_lanes lambda_n_0 = inv_n * t19; /* along q_z */
+    const krhpr_lanes t20 = r_n_0 * (t14 - t16) + r_n_1 * (point[0] - point[4]) + r_n_2 * (point[1] - point[5]);
+    const krhpr_lanes lambda_n_1 = inv_n * t20; /* along q_z */
+    const krhpr_lanes t21 = r_n_0 * (t13 - t17) + r_n_1 * (point[2] - point[0]) + r_n_2 * (point[3] - point[1]);
+    const krhpr_lanes lambda_n_2 = inv_n * t21; /* along q_z */
+    const krhpr_lanes d2_0 = line[0] * line[0] + line[1] * line[1];
+    const krhpr_lanes d2_1 = line[6] * line[6] + line[7] * line[7];
+    const krhpr_lanes d2_2 = line[12] * line[12] + line[13] * line[13];
+    const krhpr_lanes t22 = point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
+    const krhpr_lanes size = t22 + point[4] * point[4] + point[5] * point[5]; /* sum of |S_i - O'|^2 */
+    line_forces[0] = lambda_a_0;
+    line_forces[1] = lambda_n_0;
+    line_forces[2] = lambda_a_1;
+    line_forces[3] = lambda_n_1;
+    line_forces[4] = lambda_a_2;
+    line_forces[5] = lambda_n_2;
+    regularity[0] = det_a * det_a / (size * (d2_2 * (d2_0 * d2_1)));
+    regularity[1] = det_n * det_n / (size * size);
+}
+
+/* What the force of a sub-leg does: its moment about O', and its part along the redundant coordinate.
+ * Thesis: (5.36).  (11 add, 15 multiply) */
+KRHPR_INLINE void krhpr_platform_spatial_b_reaction_lanes(
+    const krhpr_platform_spatial_b_geometry *g, int i, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[3], const krhpr_lanes_at end_force[3], krhpr_lanes_at *KRHPR_RESTRICT moment,
+    krhpr_lanes_at *KRHPR_RESTRICT redundant_forces)
+{
+    const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
+    const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
+    const krhpr_lanes u_0 = s[0] - p[0]; /* O' to S_i */
+    const krhpr_lanes u_1 = s[1] - p[1];
+    const krhpr_lanes u_2 = s[2] - p[2];
+    const krhpr_lanes Qt_0 = g_t_0 * Q[0] + g_t_1 * Q[1]; /* Q t_i */
+    const krhpr_lanes Qt_1 = g_t_0 * Q[3] + g_t_1 * Q[4];
+    const krhpr_lanes Qt_2 = g_t_0 * Q[6] + g_t_1 * Q[7];
+    moment[0] = end_force[2] * u_1 - end_force[1] * u_2;
+    moment[1] = end_force[0] * u_2 - end_force[2] * u_0;
+    moment[2] = end_force[1] * u_0 - end_force[0] * u_1;
+    *redundant_forces = end_force[0] * Qt_0 + end_force[1] * Qt_1 + end_force[2] * Qt_2;
+}
+
+/* The opening of the gripper, and where its centre is.  Thesis: 5.1, 5.3.  (28 add, 36 multiply, 2 divide) */
+KRHPR_INLINE void krhpr_platform_spatial_b_opening_lanes(
+    const krhpr_lanes_at slide[6], const krhpr_lanes_at redundant[3], const krhpr_lanes_at jaws[3],
+    const krhpr_lanes_at start[3], krhpr_lanes_at *KRHPR_RESTRICT opening,
+    krhpr_lanes_at *KRHPR_RESTRICT centre, krhpr_lanes_at *KRHPR_RESTRICT shares)
+{
+    const krhpr_lanes delta_1 = redundant[0] + start[0] - jaws[0]; /* the jaw's face along t_i */
+    const krhpr_lanes delta_2 = redundant[1] + start[1] - jaws[1];
+    const krhpr_lanes delta_3 = redundant[2] + start[2] - jaws[2];
+    const krhpr_lanes lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
+    const krhpr_lanes lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
+    const krhpr_lanes lambda_3 = slide[0] * slide[3] - slide[1] * slide[2];
+    const krhpr_lanes total = lambda_3 + (lambda_1 + lambda_2);
+    const krhpr_lanes t1 = 1.0 / total;
+    const krhpr_lanes share_1 = lambda_1 * t1;
+    const krhpr_lanes share_2 = lambda_2 * t1;
+    const krhpr_lanes share_3 = lambda_3 * t1;
+    const krhpr_lanes r = delta_1 * share_1 + delta_2 * share_2 + delta_3 * share_3; /* half the opening */
+    const krhpr_lanes t2 = delta_2 - r;
+    const krhpr_lanes t3 = delta_3 - r;
+    const krhpr_lanes t4 = delta_1 - r;
+    const krhpr_lanes t5 = lambda_1 * (slide[5] * t2 - slide[3] * t3) + lambda_2 * (slide[1] * t3 - slide[5] * t4);
+    const krhpr_lanes t6 = 1.0 / (lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3);
+    const krhpr_lanes t7 = lambda_1 * (slide[2] * t3 - slide[4] * t2) + lambda_2 * (slide[4] * t4 - slide[0] * t3);
+    *opening = r * 2.0;
+    centre[0] = (t5 + lambda_3 * (slide[3] * t4 - slide[1] * t2)) * t6;
+    centre[1] = t6 * (t7 + lambda_3 * (slide[0] * t2 - slide[2] * t4));
+    shares[0] = share_1;
+    shares[1] = share_2;
+    shares[2] = share_3;
+}
+
+/* The slide at which a jaw touches a round object.  Thesis: 5.1, 5.3.  (5 add, 3 multiply) */
+KRHPR_INLINE void krhpr_platform_spatial_b_redundant_of_opening_lanes(
+    const krhpr_platform_spatial_b_geometry *g, int i, krhpr_lanes opening, const krhpr_lanes_at centre[2],
+    krhpr_lanes jaws, krhpr_lanes_at *KRHPR_RESTRICT redundant)
+{
+    const krhpr_lanes g_t_0 = krhpr_of_leg(g->t[0], i);
+    const krhpr_lanes g_t_1 = krhpr_of_leg(g->t[1], i);
+    const krhpr_lanes g_k_0 = krhpr_of_leg(g->k[0], i);
+    const krhpr_lanes g_k_1 = krhpr_of_leg(g->k[1], i);
+    *redundant = jaws + opening * 0.5 + g_t_0 * centre[0] + g_t_1 * centre[1] - g_k_0 - g_k_1;
+}
+
 #endif

@@ -1028,4 +1028,153 @@ KRHPR_STATIC void krhpr_platform_spatial_c_encoder_pose(
     raw[8] = axes[8];
 }
 
+/* The line along which the redundant coordinate's force acts: c_i in the base frame, and with its moment
+ * about O' in the platform frame.  Thesis: (5.53), (5.58).  (21 add, 30 multiply) */
+KRHPR_STATIC void krhpr_platform_spatial_c_redundant_line(
+    const krhpr_platform_spatial_c_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], double *KRHPR_RESTRICT along, double *KRHPR_RESTRICT redundant_line)
+{
+    const double Qt_0 = g->t[0][i] * Q[0] + g->t[1][i] * Q[1]; /* Q t_i */
+    const double Qt_1 = g->t[0][i] * Q[3] + g->t[1][i] * Q[4];
+    const double Qt_2 = g->t[0][i] * Q[6] + g->t[1][i] * Q[7];
+    const double c_l_0 = Q[0] * Qt_0 + Q[3] * Qt_1 + Q[6] * Qt_2; /* in the platform frame */
+    const double c_l_1 = Q[1] * Qt_0 + Q[4] * Qt_1 + Q[7] * Qt_2;
+    const double c_l_2 = Q[2] * Qt_0 + Q[5] * Qt_1 + Q[8] * Qt_2;
+    const double t1 = s[0] - p[0];
+    const double t2 = s[1] - p[1];
+    const double t3 = s[2] - p[2];
+    const double u_l_0 = Q[0] * t1 + Q[3] * t2 + Q[6] * t3; /* O' to S_i */
+    const double u_l_1 = Q[1] * t1 + Q[4] * t2 + Q[7] * t3;
+    const double u_l_2 = Q[2] * t1 + Q[5] * t2 + Q[8] * t3;
+    along[0] = Qt_0;
+    along[1] = Qt_1;
+    along[2] = Qt_2;
+    redundant_line[0] = c_l_0;
+    redundant_line[1] = c_l_1;
+    redundant_line[2] = c_l_2;
+    redundant_line[3] = c_l_2 * u_l_1 - c_l_1 * u_l_2;
+    redundant_line[4] = c_l_0 * u_l_2 - c_l_2 * u_l_0;
+    redundant_line[5] = c_l_1 * u_l_0 - c_l_0 * u_l_1;
+}
+
+/* Forces along the legs' lines that give a wrench and forces along the redundant coordinates: J^T lambda =
+ * F - C^T phi solved in the platform frame.  Thesis: (5.12), (5.44).  (84 add, 114 multiply, 4 divide) */
+KRHPR_STATIC void krhpr_platform_spatial_c_balance(
+    const double Q[9], const double line[18], const double point[6], const double redundant_line[18],
+    const double redundant_forces[3], const double wrench[6], double *KRHPR_RESTRICT line_forces,
+    double *KRHPR_RESTRICT regularity)
+{
+    const double t1 = Q[0] * wrench[0] + Q[3] * wrench[1] + Q[6] * wrench[2] - redundant_line[0] * redundant_forces[0];
+    const double rest_0 = t1 - redundant_line[6] * redundant_forces[1] - redundant_line[12] * redundant_forces[2]; /* F - C^T phi in the platform frame */
+    const double t2 = Q[1] * wrench[0] + Q[4] * wrench[1] + Q[7] * wrench[2] - redundant_line[1] * redundant_forces[0];
+    const double rest_1 = t2 - redundant_line[7] * redundant_forces[1] - redundant_line[13] * redundant_forces[2]; /* F - C^T phi in the platform frame */
+    const double t3 = Q[2] * wrench[0] + Q[5] * wrench[1] + Q[8] * wrench[2] - redundant_line[2] * redundant_forces[0];
+    const double rest_2 = t3 - redundant_line[8] * redundant_forces[1] - redundant_line[14] * redundant_forces[2]; /* F - C^T phi in the platform frame */
+    const double t4 = Q[0] * wrench[3] + Q[3] * wrench[4] + Q[6] * wrench[5] - redundant_line[3] * redundant_forces[0];
+    const double rest_3 = t4 - redundant_line[9] * redundant_forces[1] - redundant_line[15] * redundant_forces[2]; /* F - C^T phi in the platform frame */
+    const double t5 = Q[1] * wrench[3] + Q[4] * wrench[4] + Q[7] * wrench[5] - redundant_line[4] * redundant_forces[0];
+    const double rest_4 = t5 - redundant_line[10] * redundant_forces[1] - redundant_line[16] * redundant_forces[2]; /* F - C^T phi in the platform frame */
+    const double t6 = Q[2] * wrench[3] + Q[5] * wrench[4] + Q[8] * wrench[5] - redundant_line[5] * redundant_forces[0];
+    const double rest_5 = t6 - redundant_line[11] * redundant_forces[1] - redundant_line[17] * redundant_forces[2]; /* F - C^T phi in the platform frame */
+    const double t7 = line[7] * line[17] - line[11] * line[13];
+    const double t8 = line[5] * line[13] - line[1] * line[17];
+    const double t9 = line[1] * line[11] - line[5] * line[7];
+    const double det_a = line[0] * t7 + line[6] * t8 + line[12] * t9;
+    const double inv_a = 1.0 / det_a;
+    const double t10 = rest_0 * t7 + rest_1 * (line[11] * line[12] - line[6] * line[17]) + rest_5 * (line[6] * line[13] - line[7] * line[12]);
+    const double lambda_a_0 = inv_a * t10; /* along the lines in the plane */
+    const double t11 = rest_0 * t8 + rest_1 * (line[0] * line[17] - line[5] * line[12]) + rest_5 * (line[1] * line[12] - line[0] * line[13]);
+    const double lambda_a_1 = inv_a * t11; /* along the lines in the plane */
+    const double t12 = rest_0 * t9 + rest_1 * (line[5] * line[6] - line[0] * line[11]) + rest_5 * (line[0] * line[7] - line[1] * line[6]);
+    const double lambda_a_2 = inv_a * t12; /* along the lines in the plane */
+    const double r_n_0 = rest_2 - line[2] * lambda_a_0 - line[8] * lambda_a_1 - line[14] * lambda_a_2;
+    const double r_n_1 = rest_3 - line[3] * lambda_a_0 - line[9] * lambda_a_1 - line[15] * lambda_a_2;
+    const double r_n_2 = rest_4 - line[4] * lambda_a_0 - line[10] * lambda_a_1 - line[16] * lambda_a_2;
+    const double t13 = point[0] * point[3];
+    const double t14 = point[1] * point[4];
+    const double t15 = point[2] * point[5];
+    const double t16 = point[0] * point[5];
+    const double t17 = point[1] * point[2];
+    const double t18 = point[3] * point[4];
+    const double det_n = t13 + t14 + t15 - t16 - t17 - t18;
+    const double inv_n = 1.0 / det_n;
+    const double t19 = r_n_0 * (t15 - t18) + r_n_1 * (point[4] - point[2]) + r_n_2 * (point[5] - point[3]);
+    const double lambda_n_0 = inv_n * t19; /* along q_z */
+    const double t20 = r_n_0 * (t14 - t16) + r_n_1 * (point[0] - point[4]) + r_n_2 * (point[1] - point[5]);
+    const double lambda_n_1 = inv_n * t20; /* along q_z */
+    const double t21 = r_n_0 * (t13 - t17) + r_n_1 * (point[2] - point[0]) + r_n_2 * (point[3] - point[1]);
+    const double lambda_n_2 = inv_n * t21; /* along q_z */
+    const double d2_0 = line[0] * line[0] + line[1] * line[1];
+    const double d2_1 = line[6] * line[6] + line[7] * line[7];
+    const double d2_2 = line[12] * line[12] + line[13] * line[13];
+    const double t22 = point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
+    const double size = t22 + point[4] * point[4] + point[5] * point[5]; /* sum of |S_i - O'|^2 */
+    line_forces[0] = lambda_a_0;
+    line_forces[1] = lambda_n_0;
+    line_forces[2] = lambda_a_1;
+    line_forces[3] = lambda_n_1;
+    line_forces[4] = lambda_a_2;
+    line_forces[5] = lambda_n_2;
+    regularity[0] = det_a * det_a / (size * (d2_2 * (d2_0 * d2_1)));
+    regularity[1] = det_n * det_n / (size * size);
+}
+
+/* What the force of a sub-leg does: its moment about O', and its part along the redundant coordinate.
+ * Thesis: (5.36).  (11 add, 15 multiply) */
+KRHPR_STATIC void krhpr_platform_spatial_c_reaction(
+    const krhpr_platform_spatial_c_geometry *g, int i, const double p[3], const double Q[9],
+    const double s[3], const double end_force[3], double *KRHPR_RESTRICT moment,
+    double *KRHPR_RESTRICT redundant_forces)
+{
+    const double u_0 = s[0] - p[0]; /* O' to S_i */
+    const double u_1 = s[1] - p[1];
+    const double u_2 = s[2] - p[2];
+    const double Qt_0 = g->t[0][i] * Q[0] + g->t[1][i] * Q[1]; /* Q t_i */
+    const double Qt_1 = g->t[0][i] * Q[3] + g->t[1][i] * Q[4];
+    const double Qt_2 = g->t[0][i] * Q[6] + g->t[1][i] * Q[7];
+    moment[0] = end_force[2] * u_1 - end_force[1] * u_2;
+    moment[1] = end_force[0] * u_2 - end_force[2] * u_0;
+    moment[2] = end_force[1] * u_0 - end_force[0] * u_1;
+    *redundant_forces = end_force[0] * Qt_0 + end_force[1] * Qt_1 + end_force[2] * Qt_2;
+}
+
+/* The opening of the gripper, and where its centre is.  Thesis: 5.1, 5.3.  (25 add, 36 multiply, 2 divide) */
+KRHPR_STATIC void krhpr_platform_spatial_c_opening(
+    const double slide[6], const double redundant[3], const double jaws[3], double *KRHPR_RESTRICT opening,
+    double *KRHPR_RESTRICT centre, double *KRHPR_RESTRICT shares)
+{
+    const double delta_1 = redundant[0] - jaws[0]; /* the jaw's face along t_i */
+    const double delta_2 = redundant[1] - jaws[1];
+    const double delta_3 = redundant[2] - jaws[2];
+    const double lambda_1 = slide[2] * slide[5] - slide[3] * slide[4];
+    const double lambda_2 = slide[1] * slide[4] - slide[0] * slide[5];
+    const double lambda_3 = slide[0] * slide[3] - slide[1] * slide[2];
+    const double total = lambda_3 + (lambda_1 + lambda_2);
+    const double t1 = 1.0 / total;
+    const double share_1 = lambda_1 * t1;
+    const double share_2 = lambda_2 * t1;
+    const double share_3 = lambda_3 * t1;
+    const double r = delta_1 * share_1 + delta_2 * share_2 + delta_3 * share_3; /* half the opening */
+    const double t2 = delta_2 - r;
+    const double t3 = delta_3 - r;
+    const double t4 = delta_1 - r;
+    const double t5 = lambda_1 * (slide[5] * t2 - slide[3] * t3) + lambda_2 * (slide[1] * t3 - slide[5] * t4);
+    const double t6 = 1.0 / (lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3);
+    const double t7 = lambda_1 * (slide[2] * t3 - slide[4] * t2) + lambda_2 * (slide[4] * t4 - slide[0] * t3);
+    *opening = r * 2.0;
+    centre[0] = (t5 + lambda_3 * (slide[3] * t4 - slide[1] * t2)) * t6;
+    centre[1] = t6 * (t7 + lambda_3 * (slide[0] * t2 - slide[2] * t4));
+    shares[0] = share_1;
+    shares[1] = share_2;
+    shares[2] = share_3;
+}
+
+/* The slide at which a jaw touches a round object.  Thesis: 5.1, 5.3.  (3 add, 3 multiply) */
+KRHPR_STATIC void krhpr_platform_spatial_c_redundant_of_opening(
+    const krhpr_platform_spatial_c_geometry *g, int i, double opening, const double centre[2], double jaws,
+    double *KRHPR_RESTRICT redundant)
+{
+    *redundant = jaws + opening * 0.5 + g->t[0][i] * centre[0] + g->t[1][i] * centre[1];
+}
+
 #endif

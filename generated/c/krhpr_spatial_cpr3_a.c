@@ -786,6 +786,124 @@ KRHPR_API int krhpr_spatial_cpr3_a_joint_accelerations(
     return status;
 }
 
+KRHPR_API int krhpr_spatial_cpr3_a_inverse_statics(
+    const krhpr_spatial_cpr3_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], const double wrench[6], const double redundant_forces[3],
+    double *KRHPR_RESTRICT actuator_forces)
+{
+    int status = KRHPR_OK;
+    double line[18];
+    double point[6];
+    double redundant_line[18];
+    double K_n[27];
+    double regularity[3];
+    double line_forces[6];
+    double det_regularity[2];
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(wrench, 6) + krhpr_taint(redundant_forces, 3))) {
+        krhpr_fill_nan(actuator_forces, 9);
+        return KRHPR_INVALID_INPUT;
+    }
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes along_legs[3];
+        krhpr_lanes redundant_line_legs[6];
+        krhpr_lanes w_legs[9];
+        krhpr_lanes b_legs[3];
+        krhpr_lanes travel_legs[3];
+        krhpr_lanes K_n_legs[9];
+        krhpr_lanes regularity_legs[1];
+        krhpr_platform_spatial_a_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_platform_spatial_a_redundant_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, along_legs, redundant_line_legs);
+        krhpr_subleg_cpr3_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs, travel_legs);
+        krhpr_subleg_cpr3_transmission_lanes(
+            &g->subleg, i, w_legs, b_legs, N_legs, along_legs, K_n_legs, regularity_legs);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(redundant_line, 6, redundant_line_legs, 6, i);
+        krhpr_legs_store(K_n, 9, K_n_legs, 9, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
+    }
+    krhpr_platform_spatial_a_balance(
+        Q, line, point, redundant_line, redundant_forces, wrench, line_forces, det_regularity);
+    krhpr_subleg_cpr3_torques(K_n, line_forces, redundant_forces, actuator_forces);
+    for (int i = 0; i < 3; ++i) {
+        if (!(regularity[i] >= 1e-12)) {
+            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+        }
+    }
+    if (!(det_regularity[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
+    if (!(det_regularity[1] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
+    }
+    if (status != KRHPR_OK) {
+        krhpr_fill_nan(actuator_forces, 9);
+    }
+    return status;
+}
+
+KRHPR_API int krhpr_spatial_cpr3_a_forward_statics(
+    const krhpr_spatial_cpr3_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], const double actuator_forces[9], double *KRHPR_RESTRICT wrench,
+    double *KRHPR_RESTRICT redundant_forces)
+{
+    int status = KRHPR_OK;
+    double end_force[9];
+    double regularity[3];
+    double moment[9];
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(actuator_forces, 9))) {
+        krhpr_fill_nan(wrench, 6);
+        krhpr_fill_nan(redundant_forces, 3);
+        return KRHPR_INVALID_INPUT;
+    }
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes actuator_forces_legs[3]; krhpr_legs_load(actuator_forces_legs, actuator_forces, 3, i);
+        krhpr_lanes w_legs[9];
+        krhpr_lanes b_legs[3];
+        krhpr_lanes travel_legs[3];
+        krhpr_lanes end_force_legs[3];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes moment_legs[3];
+        krhpr_lanes redundant_forces_legs[1];
+        krhpr_subleg_cpr3_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs, travel_legs);
+        krhpr_subleg_cpr3_end_force_lanes(
+            &g->subleg, i, w_legs, b_legs, actuator_forces_legs, end_force_legs, regularity_legs);
+        krhpr_platform_spatial_a_reaction_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, end_force_legs, moment_legs, redundant_forces_legs);
+        krhpr_legs_store(end_force, 3, end_force_legs, 3, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
+        krhpr_legs_store(moment, 3, moment_legs, 3, i);
+        krhpr_legs_store(redundant_forces, 1, redundant_forces_legs, 1, i);
+    }
+    krhpr_algebra_spatial_total(end_force, moment, wrench);
+    for (int i = 0; i < 3; ++i) {
+        if (!(regularity[i] >= 1e-12)) {
+            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            krhpr_fill_nan(redundant_forces + 1 * i, 1);
+        }
+    }
+    if (status != KRHPR_OK) {
+        krhpr_fill_nan(wrench, 6);
+    }
+    return status;
+}
+
 KRHPR_API int krhpr_spatial_cpr3_a_passive_joints(
     const krhpr_spatial_cpr3_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT spherical,

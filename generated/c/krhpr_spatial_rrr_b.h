@@ -255,6 +255,68 @@ KRHPR_API int krhpr_spatial_rrr_b_joint_accelerations(
     const double theta_dot[9], const double twist_rate[6], const double redundant_accelerations[3],
     double *KRHPR_RESTRICT theta_ddot);
 
+/* Forces of the actuators with which the robot applies a wrench, and forces along the redundant
+ * coordinates, to its environment: f = (J^-1 K)^T F where those are zero.  Thesis: (5.12), (5.44).
+ *   in     p (3, m, base frame): position of O'
+ *   in     Q (3 x 3, base frame): orientation, base from platform
+ *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
+ *   in     theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
+ *   in     wrench (6, N, N m, base frame): force and moment about O' that the robot applies to its
+ *          environment
+ *   in     redundant_forces (3, N m or N, joint frame): force that the robot applies to its environment
+ *          along d, between redundant link and platform
+ *   out    actuator_forces (3 x 3, N m or N, joint frame): torques or forces of the actuators, positive
+ *          where they do work at positive rates [theta_1, theta_2, theta_3]
+ */
+KRHPR_API int krhpr_spatial_rrr_b_inverse_statics(
+    const krhpr_spatial_rrr_b_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], const double wrench[6], const double redundant_forces[3],
+    double *KRHPR_RESTRICT actuator_forces);
+
+/* What the robot applies to its environment with given forces of the actuators: a wrench, and forces along
+ * the redundant coordinates.  Thesis: (5.24), (5.36).
+ *   in     p (3, m, base frame): position of O'
+ *   in     Q (3 x 3, base frame): orientation, base from platform
+ *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
+ *   in     theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
+ *   in     actuator_forces (3 x 3, N m or N, joint frame): torques or forces of the actuators, positive
+ *          where they do work at positive rates [theta_1, theta_2, theta_3]
+ *   out    wrench (6, N, N m, base frame): force and moment about O' that the robot applies to its
+ *          environment
+ *   out    redundant_forces (3, N m or N, joint frame): force that the robot applies to its environment
+ *          along d, between redundant link and platform
+ */
+KRHPR_API int krhpr_spatial_rrr_b_forward_statics(
+    const krhpr_spatial_rrr_b_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], const double actuator_forces[9], double *KRHPR_RESTRICT wrench,
+    double *KRHPR_RESTRICT redundant_forces);
+
+/* The opening of a gripper with a jaw on each slide: diameter and centre of the round object that touches
+ * all three, and the shares in which they press on it.  Thesis: 5.1, 5.3.
+ *   in     redundant (3, m, joint frame): slide d_i of S_i along t_i = e_t, signed
+ *   in     jaws (3, m, joint frame): how far the jaw's face is from S_i, against the slide's direction t_i
+ *   out    opening (scalar, m, platform frame): diameter of the round object that touches all three jaws;
+ *          negative where they overlap
+ *   out    centre (2, m, platform frame): its centre in the platform's plane
+ *   out    shares (3): shares of the legs in forces that press on it in equilibrium; all positive where
+ *          jaws surround it
+ */
+KRHPR_API int krhpr_spatial_rrr_b_opening(
+    const krhpr_spatial_rrr_b_geometry *g, const double redundant[3], const double jaws[3],
+    double *KRHPR_RESTRICT opening, double *KRHPR_RESTRICT centre, double *KRHPR_RESTRICT shares);
+
+/* Redundant coordinates at which the jaws touch a round object with given diameter and centre.  Thesis:
+ * 5.1, 5.3.
+ *   in     opening (scalar, m, platform frame): diameter of the round object that touches all three jaws;
+ *          negative where they overlap
+ *   in     centre (2, m, platform frame): its centre in the platform's plane
+ *   in     jaws (3, m, joint frame): how far the jaw's face is from S_i, against the slide's direction t_i
+ *   out    redundant (3, m, joint frame): slide d_i of S_i along t_i = e_t, signed
+ */
+KRHPR_API int krhpr_spatial_rrr_b_redundant_of_opening(
+    const krhpr_spatial_rrr_b_geometry *g, double opening, const double centre[2], const double jaws[3],
+    double *KRHPR_RESTRICT redundant);
+
 /* Every passive joint, from the base to the platform.
  *   in     p (3, m, base frame): position of O'
  *   in     Q (3 x 3, base frame): orientation, base from platform
@@ -556,6 +618,38 @@ KRHPR_API int krhpr_spatial_rrr_b_joint_accelerations_batch(
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
 KRHPR_API int krhpr_spatial_rrr_b_joint_accelerations_soa(
+    const krhpr_spatial_rrr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* inverse_statics: in = p (3), Q (9), s (9), theta (9), wrench (6), redundant_forces (3); out = actuator_forces (9). */
+KRHPR_API int krhpr_spatial_rrr_b_inverse_statics_batch(
+    const krhpr_spatial_rrr_b_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_rrr_b_inverse_statics_soa(
+    const krhpr_spatial_rrr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* forward_statics: in = p (3), Q (9), s (9), theta (9), actuator_forces (9); out = wrench (6), redundant_forces (3). */
+KRHPR_API int krhpr_spatial_rrr_b_forward_statics_batch(
+    const krhpr_spatial_rrr_b_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_rrr_b_forward_statics_soa(
+    const krhpr_spatial_rrr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* opening: in = redundant (3), jaws (3); out = opening (1), centre (2), shares (3). */
+KRHPR_API int krhpr_spatial_rrr_b_opening_batch(
+    const krhpr_spatial_rrr_b_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_rrr_b_opening_soa(
+    const krhpr_spatial_rrr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* redundant_of_opening: in = opening (1), centre (2), jaws (3); out = redundant (3). */
+KRHPR_API int krhpr_spatial_rrr_b_redundant_of_opening_batch(
+    const krhpr_spatial_rrr_b_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_rrr_b_redundant_of_opening_soa(
     const krhpr_spatial_rrr_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 /* passive_joints: in = p (3), Q (9), s (9), theta (9); out = spherical (27), platform_joint (3). */

@@ -966,4 +966,80 @@ KRHPR_STATIC void krhpr_subleg_cpr3_points(
     points[11] = s[2];
 }
 
+/* Rows of K_n for the (3-CPR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (29 add, 67 multiply, 1
+ * divide, 1 select) */
+KRHPR_STATIC void krhpr_subleg_cpr3_transmission(
+    const krhpr_subleg_cpr3_geometry *g, int i, const double w[9], const double b[3], const double N[6],
+    const double along[3], double *KRHPR_RESTRICT K_n, double *KRHPR_RESTRICT regularity)
+{
+    const double t1 = w[4] * w[8] - w[5] * w[7];
+    const double t2 = w[5] * w[6] - w[3] * w[8];
+    const double t3 = w[3] * w[7] - w[4] * w[6];
+    const double volume = w[0] * t1 + w[1] * t2 + w[2] * t3; /* det [w_1 ...] */
+    const double t4 = 1.0 / volume;
+    const double m_00 = b[0] * t1 * t4; /* A^-1 B in the leg's frame */
+    const double m_01 = t4 * (b[1] * (w[2] * w[7] - w[1] * w[8]));
+    const double m_02 = t4 * (b[2] * (w[1] * w[5] - w[2] * w[4]));
+    const double m_10 = t4 * (b[0] * t2);
+    const double m_11 = t4 * (b[1] * (w[0] * w[8] - w[2] * w[6]));
+    const double m_12 = t4 * (b[2] * (w[2] * w[3] - w[0] * w[5]));
+    const double m_20 = t4 * (b[0] * t3);
+    const double m_21 = t4 * (b[1] * (w[1] * w[6] - w[0] * w[7]));
+    const double m_22 = t4 * (b[2] * (w[0] * w[4] - w[1] * w[3]));
+    K_n[0] = N[0] * m_00 + N[1] * m_10 + N[2] * m_20;
+    K_n[1] = N[0] * m_01 + N[1] * m_11 + N[2] * m_21;
+    K_n[2] = N[0] * m_02 + N[1] * m_12 + N[2] * m_22;
+    K_n[3] = N[3] * m_00 + N[4] * m_10 + N[5] * m_20;
+    K_n[4] = N[3] * m_01 + N[4] * m_11 + N[5] * m_21;
+    K_n[5] = N[3] * m_02 + N[4] * m_12 + N[5] * m_22;
+    K_n[6] = along[0] * m_00 + along[1] * m_10 + along[2] * m_20;
+    K_n[7] = along[0] * m_01 + along[1] * m_11 + along[2] * m_21;
+    K_n[8] = along[0] * m_02 + along[1] * m_12 + along[2] * m_22;
+    *regularity = fabs(volume * g->k[44][i]);
+}
+
+/* Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (18 add, 27 multiply) */
+KRHPR_STATIC void krhpr_subleg_cpr3_torques(
+    const double K_n[27], const double line_forces[6], const double redundant_forces[3],
+    double *KRHPR_RESTRICT actuator_forces)
+{
+    const double actuator_forces_00 = K_n[0] * line_forces[0] + K_n[3] * line_forces[1] + K_n[6] * redundant_forces[0];
+    const double actuator_forces_01 = K_n[1] * line_forces[0] + K_n[4] * line_forces[1] + K_n[7] * redundant_forces[0];
+    const double actuator_forces_02 = K_n[2] * line_forces[0] + K_n[5] * line_forces[1] + K_n[8] * redundant_forces[0];
+    const double actuator_forces_10 = K_n[9] * line_forces[2] + K_n[12] * line_forces[3] + K_n[15] * redundant_forces[1];
+    const double actuator_forces_11 = K_n[10] * line_forces[2] + K_n[13] * line_forces[3] + K_n[16] * redundant_forces[1];
+    const double actuator_forces_12 = K_n[11] * line_forces[2] + K_n[14] * line_forces[3] + K_n[17] * redundant_forces[1];
+    const double actuator_forces_20 = K_n[18] * line_forces[4] + K_n[21] * line_forces[5] + K_n[24] * redundant_forces[2];
+    const double actuator_forces_21 = K_n[19] * line_forces[4] + K_n[22] * line_forces[5] + K_n[25] * redundant_forces[2];
+    const double actuator_forces_22 = K_n[20] * line_forces[4] + K_n[23] * line_forces[5] + K_n[26] * redundant_forces[2];
+    actuator_forces[0] = actuator_forces_00;
+    actuator_forces[1] = actuator_forces_01;
+    actuator_forces[2] = actuator_forces_02;
+    actuator_forces[3] = actuator_forces_10;
+    actuator_forces[4] = actuator_forces_11;
+    actuator_forces[5] = actuator_forces_12;
+    actuator_forces[6] = actuator_forces_20;
+    actuator_forces[7] = actuator_forces_21;
+    actuator_forces[8] = actuator_forces_22;
+}
+
+/* Force at the end point of the (3-CPR) sub-leg from those of its actuators: g = M_i^-T f.  Thesis: (5.36).
+ * (6 add, 21 multiply, 3 divide, 5 select) */
+KRHPR_STATIC void krhpr_subleg_cpr3_end_force(
+    const krhpr_subleg_cpr3_geometry *g, int i, const double w[9], const double b[3],
+    const double actuator_forces[3], double *KRHPR_RESTRICT end_force, double *KRHPR_RESTRICT regularity)
+{
+    const double t1 = 1.0 / b[0];
+    const double t2 = 1.0 / b[1];
+    const double t3 = 1.0 / b[2];
+    const double g_l_0 = w[0] * actuator_forces[0] * t1 + w[3] * actuator_forces[1] * t2 + w[6] * actuator_forces[2] * t3; /* in the leg's frame */
+    const double g_l_1 = t1 * (w[1] * actuator_forces[0]) + t2 * (w[4] * actuator_forces[1]) + t3 * (w[7] * actuator_forces[2]);
+    const double g_l_2 = t1 * (w[2] * actuator_forces[0]) + t2 * (w[5] * actuator_forces[1]) + t3 * (w[8] * actuator_forces[2]);
+    const double regularity_a = krhpr_min(krhpr_min(fabs(b[0] * g->k[45][i]), fabs(b[1] * g->k[45][i])), fabs(b[2] * g->k[45][i]));
+    end_force[0] = g_l_0;
+    end_force[1] = g_l_1;
+    end_force[2] = g_l_2;
+    *regularity = regularity_a;
+}
+
 #endif

@@ -668,4 +668,103 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_points(
     points[20] = s[2];
 }
 
+/* Rows of K_n for the P(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (35 add, 61 multiply,
+ * 1 divide, 1 select) */
+KRHPR_STATIC void krhpr_subleg_p_fivebar_transmission(
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
+    const double u_2[2], const double N[6], const double along[3], double *KRHPR_RESTRICT K_n,
+    double *KRHPR_RESTRICT regularity)
+{
+    const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
+    const double v_1_1 = d[1] - u_1[1];
+    const double t1 = v_1_0 * g->k[7][i];
+    const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
+    const double t2 = v_1_1 * g->k[7][i];
+    const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
+    const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
+    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double t3 = u_2[0] * v_2_1;
+    const double t4 = u_2[1] * v_2_0;
+    const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
+    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
+    const double t5 = g->k[7][i] * b_22;
+    const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
+    const double m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
+    const double m_02 = t6 * (v_1_1 * (t4 - t3));
+    const double m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
+    const double m_12 = t6 * (v_1_0 * b_33);
+    const double n_00 = g->e_x[0][i] * N[0] + g->e_x[1][i] * N[1] + g->e_x[2][i] * N[2]; /* N and c_i in the leg's frame */
+    const double n_01 = g->e_1[0][i] * N[0] + g->e_1[1][i] * N[1] + g->e_1[2][i] * N[2];
+    const double n_02 = g->e_t[0][i] * N[0] + g->e_t[1][i] * N[1];
+    const double n_10 = g->e_x[0][i] * N[3] + g->e_x[1][i] * N[4] + g->e_x[2][i] * N[5];
+    const double n_11 = g->e_1[0][i] * N[3] + g->e_1[1][i] * N[4] + g->e_1[2][i] * N[5];
+    const double n_12 = g->e_t[0][i] * N[3] + g->e_t[1][i] * N[4];
+    const double n_20 = g->e_x[0][i] * along[0] + g->e_x[1][i] * along[1] + g->e_x[2][i] * along[2];
+    const double n_21 = g->e_1[0][i] * along[0] + g->e_1[1][i] * along[1] + g->e_1[2][i] * along[2];
+    const double n_22 = g->e_t[0][i] * along[0] + g->e_t[1][i] * along[1];
+    K_n[0] = n_02;
+    K_n[1] = m_01 * n_00 + m_11 * n_01;
+    K_n[2] = m_02 * n_00 + m_12 * n_01;
+    K_n[3] = n_12;
+    K_n[4] = m_01 * n_10 + m_11 * n_11;
+    K_n[5] = m_02 * n_10 + m_12 * n_11;
+    K_n[6] = n_22;
+    K_n[7] = m_01 * n_20 + m_11 * n_21;
+    K_n[8] = m_02 * n_20 + m_12 * n_21;
+    *regularity = fabs(delta * g->k[14][i]);
+}
+
+/* Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (18 add, 27 multiply) */
+KRHPR_STATIC void krhpr_subleg_p_fivebar_torques(
+    const double K_n[27], const double line_forces[6], const double redundant_forces[3],
+    double *KRHPR_RESTRICT actuator_forces)
+{
+    const double actuator_forces_00 = K_n[0] * line_forces[0] + K_n[3] * line_forces[1] + K_n[6] * redundant_forces[0];
+    const double actuator_forces_01 = K_n[1] * line_forces[0] + K_n[4] * line_forces[1] + K_n[7] * redundant_forces[0];
+    const double actuator_forces_02 = K_n[2] * line_forces[0] + K_n[5] * line_forces[1] + K_n[8] * redundant_forces[0];
+    const double actuator_forces_10 = K_n[9] * line_forces[2] + K_n[12] * line_forces[3] + K_n[15] * redundant_forces[1];
+    const double actuator_forces_11 = K_n[10] * line_forces[2] + K_n[13] * line_forces[3] + K_n[16] * redundant_forces[1];
+    const double actuator_forces_12 = K_n[11] * line_forces[2] + K_n[14] * line_forces[3] + K_n[17] * redundant_forces[1];
+    const double actuator_forces_20 = K_n[18] * line_forces[4] + K_n[21] * line_forces[5] + K_n[24] * redundant_forces[2];
+    const double actuator_forces_21 = K_n[19] * line_forces[4] + K_n[22] * line_forces[5] + K_n[25] * redundant_forces[2];
+    const double actuator_forces_22 = K_n[20] * line_forces[4] + K_n[23] * line_forces[5] + K_n[26] * redundant_forces[2];
+    actuator_forces[0] = actuator_forces_00;
+    actuator_forces[1] = actuator_forces_01;
+    actuator_forces[2] = actuator_forces_02;
+    actuator_forces[3] = actuator_forces_10;
+    actuator_forces[4] = actuator_forces_11;
+    actuator_forces[5] = actuator_forces_12;
+    actuator_forces[6] = actuator_forces_20;
+    actuator_forces[7] = actuator_forces_21;
+    actuator_forces[8] = actuator_forces_22;
+}
+
+/* Force at the end point of the P(RR-RRR) sub-leg from those of its actuators: g = M_i^-T f.  Thesis:
+ * (5.36).  (18 add, 33 multiply, 2 divide, 3 select) */
+KRHPR_STATIC void krhpr_subleg_p_fivebar_end_force(
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
+    const double u_2[2], const double actuator_forces[3], double *KRHPR_RESTRICT end_force,
+    double *KRHPR_RESTRICT regularity)
+{
+    const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
+    const double v_1_1 = d[1] - u_1[1];
+    const double v_2_0 = u_1[0] + v_1_0 * g->k[7][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 * g->k[7][i] - u_2[1];
+    const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
+    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
+    const double w_2 = g->k[7][i] * v_2_0; /* A s_dot */
+    const double w_2_a = g->k[7][i] * v_2_1;
+    const double t1 = 1.0 / b_22;
+    const double t2 = 1.0 / b_33;
+    const double g_l_0 = v_1_0 * actuator_forces[1] * t1 + actuator_forces[2] * (w_2 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
+    const double g_l_1 = t1 * (v_1_1 * actuator_forces[1]) + t2 * (actuator_forces[2] * (w_2_a - t1 * (v_1_1 * b_32)));
+    const double end_force_0 = g->e_t[0][i] * actuator_forces[0] + g->e_1[0][i] * g_l_1 + g->e_x[0][i] * g_l_0;
+    const double end_force_1 = g->e_t[1][i] * actuator_forces[0] + g->e_1[1][i] * g_l_1 + g->e_x[1][i] * g_l_0;
+    end_force[0] = end_force_0;
+    end_force[1] = end_force_1;
+    end_force[2] = g->e_1[2][i] * g_l_1 + g->e_x[2][i] * g_l_0;
+    *regularity = krhpr_min(fabs(b_22 * g->k[15][i]), fabs(b_33 * g->k[16][i]));
+}
+
 #endif

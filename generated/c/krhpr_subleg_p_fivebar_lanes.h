@@ -809,4 +809,125 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_points_lanes(
     points[20] = s[2];
 }
 
+/* Rows of K_n for the P(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (35 add, 61 multiply,
+ * 1 divide, 1 select) */
+KRHPR_INLINE void krhpr_subleg_p_fivebar_transmission_lanes(
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
+    const krhpr_lanes_at u_2[2], const krhpr_lanes_at N[6], const krhpr_lanes_at along[3],
+    krhpr_lanes_at *KRHPR_RESTRICT K_n, krhpr_lanes_at *KRHPR_RESTRICT regularity)
+{
+    const krhpr_lanes g_e_x_0 = krhpr_of_leg(g->e_x[0], i);
+    const krhpr_lanes g_e_x_1 = krhpr_of_leg(g->e_x[1], i);
+    const krhpr_lanes g_e_x_2 = krhpr_of_leg(g->e_x[2], i);
+    const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
+    const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
+    const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
+    const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
+    const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
+    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
+    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
+    const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
+    const krhpr_lanes v_1_1 = d[1] - u_1[1];
+    const krhpr_lanes t1 = v_1_0 * g_k_7;
+    const krhpr_lanes v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
+    const krhpr_lanes t2 = v_1_1 * g_k_7;
+    const krhpr_lanes v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
+    const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
+    const krhpr_lanes b_32 = g_k_13 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const krhpr_lanes t3 = u_2[0] * v_2_1;
+    const krhpr_lanes t4 = u_2[1] * v_2_0;
+    const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
+    const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes t5 = g_k_7 * b_22;
+    const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
+    const krhpr_lanes m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_02 = t6 * (v_1_1 * (t4 - t3));
+    const krhpr_lanes m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
+    const krhpr_lanes m_12 = t6 * (v_1_0 * b_33);
+    const krhpr_lanes n_00 = g_e_x_0 * N[0] + g_e_x_1 * N[1] + g_e_x_2 * N[2]; /* N and c_i in the leg's frame */
+    const krhpr_lanes n_01 = g_e_1_0 * N[0] + g_e_1_1 * N[1] + g_e_1_2 * N[2];
+    const krhpr_lanes n_02 = g_e_t_0 * N[0] + g_e_t_1 * N[1];
+    const krhpr_lanes n_10 = g_e_x_0 * N[3] + g_e_x_1 * N[4] + g_e_x_2 * N[5];
+    const krhpr_lanes n_11 = g_e_1_0 * N[3] + g_e_1_1 * N[4] + g_e_1_2 * N[5];
+    const krhpr_lanes n_12 = g_e_t_0 * N[3] + g_e_t_1 * N[4];
+    const krhpr_lanes n_20 = g_e_x_0 * along[0] + g_e_x_1 * along[1] + g_e_x_2 * along[2];
+    const krhpr_lanes n_21 = g_e_1_0 * along[0] + g_e_1_1 * along[1] + g_e_1_2 * along[2];
+    const krhpr_lanes n_22 = g_e_t_0 * along[0] + g_e_t_1 * along[1];
+    K_n[0] = n_02;
+    K_n[1] = m_01 * n_00 + m_11 * n_01;
+    K_n[2] = m_02 * n_00 + m_12 * n_01;
+    K_n[3] = n_12;
+    K_n[4] = m_01 * n_10 + m_11 * n_11;
+    K_n[5] = m_02 * n_10 + m_12 * n_11;
+    K_n[6] = n_22;
+    K_n[7] = m_01 * n_20 + m_11 * n_21;
+    K_n[8] = m_02 * n_20 + m_12 * n_21;
+    *regularity = krhpr_lanes_fabs(delta * g_k_14);
+}
+
+/* Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (18 add, 27 multiply) */
+KRHPR_INLINE void krhpr_subleg_p_fivebar_torques_lanes(
+    const krhpr_lanes_at K_n[27], const krhpr_lanes_at line_forces[6],
+    const krhpr_lanes_at redundant_forces[3], krhpr_lanes_at *KRHPR_RESTRICT actuator_forces)
+{
+    const krhpr_lanes actuator_forces_00 = K_n[0] * line_forces[0] + K_n[3] * line_forces[1] + K_n[6] * redundant_forces[0];
+    const krhpr_lanes actuator_forces_01 = K_n[1] * line_forces[0] + K_n[4] * line_forces[1] + K_n[7] * redundant_forces[0];
+    const krhpr_lanes actuator_forces_02 = K_n[2] * line_forces[0] + K_n[5] * line_forces[1] + K_n[8] * redundant_forces[0];
+    const krhpr_lanes actuator_forces_10 = K_n[9] * line_forces[2] + K_n[12] * line_forces[3] + K_n[15] * redundant_forces[1];
+    const krhpr_lanes actuator_forces_11 = K_n[10] * line_forces[2] + K_n[13] * line_forces[3] + K_n[16] * redundant_forces[1];
+    const krhpr_lanes actuator_forces_12 = K_n[11] * line_forces[2] + K_n[14] * line_forces[3] + K_n[17] * redundant_forces[1];
+    const krhpr_lanes actuator_forces_20 = K_n[18] * line_forces[4] + K_n[21] * line_forces[5] + K_n[24] * redundant_forces[2];
+    const krhpr_lanes actuator_forces_21 = K_n[19] * line_forces[4] + K_n[22] * line_forces[5] + K_n[25] * redundant_forces[2];
+    const krhpr_lanes actuator_forces_22 = K_n[20] * line_forces[4] + K_n[23] * line_forces[5] + K_n[26] * redundant_forces[2];
+    actuator_forces[0] = actuator_forces_00;
+    actuator_forces[1] = actuator_forces_01;
+    actuator_forces[2] = actuator_forces_02;
+    actuator_forces[3] = actuator_forces_10;
+    actuator_forces[4] = actuator_forces_11;
+    actuator_forces[5] = actuator_forces_12;
+    actuator_forces[6] = actuator_forces_20;
+    actuator_forces[7] = actuator_forces_21;
+    actuator_forces[8] = actuator_forces_22;
+}
+
+/* Force at the end point of the P(RR-RRR) sub-leg from those of its actuators: g = M_i^-T f.  Thesis:
+ * (5.36).  (18 add, 33 multiply, 2 divide, 3 select) */
+KRHPR_INLINE void krhpr_subleg_p_fivebar_end_force_lanes(
+    const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
+    const krhpr_lanes_at u_2[2], const krhpr_lanes_at actuator_forces[3],
+    krhpr_lanes_at *KRHPR_RESTRICT end_force, krhpr_lanes_at *KRHPR_RESTRICT regularity)
+{
+    const krhpr_lanes g_e_x_0 = krhpr_of_leg(g->e_x[0], i);
+    const krhpr_lanes g_e_x_1 = krhpr_of_leg(g->e_x[1], i);
+    const krhpr_lanes g_e_x_2 = krhpr_of_leg(g->e_x[2], i);
+    const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
+    const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
+    const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
+    const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
+    const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
+    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
+    const krhpr_lanes g_k_15 = krhpr_of_leg(g->k[15], i);
+    const krhpr_lanes g_k_16 = krhpr_of_leg(g->k[16], i);
+    const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
+    const krhpr_lanes v_1_1 = d[1] - u_1[1];
+    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_7 - u_2[0]; /* (1.15) */
+    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_7 - u_2[1];
+    const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
+    const krhpr_lanes b_32 = g_k_13 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
+    const krhpr_lanes w_2 = g_k_7 * v_2_0; /* A s_dot */
+    const krhpr_lanes w_2_a = g_k_7 * v_2_1;
+    const krhpr_lanes t1 = 1.0 / b_22;
+    const krhpr_lanes t2 = 1.0 / b_33;
+    const krhpr_lanes g_l_0 = v_1_0 * actuator_forces[1] * t1 + actuator_forces[2] * (w_2 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
+    const krhpr_lanes g_l_1 = t1 * (v_1_1 * actuator_forces[1]) + t2 * (actuator_forces[2] * (w_2_a - t1 * (v_1_1 * b_32)));
+    const krhpr_lanes regularity_a = krhpr_lanes_min(krhpr_lanes_fabs(b_22 * g_k_15), krhpr_lanes_fabs(b_33 * g_k_16));
+    end_force[0] = g_e_t_0 * actuator_forces[0] + g_e_1_0 * g_l_1 + g_e_x_0 * g_l_0;
+    end_force[1] = g_e_t_1 * actuator_forces[0] + g_e_1_1 * g_l_1 + g_e_x_1 * g_l_0;
+    end_force[2] = g_e_1_2 * g_l_1 + g_e_x_2 * g_l_0;
+    *regularity = regularity_a;
+}
+
 #endif

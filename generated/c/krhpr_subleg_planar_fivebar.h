@@ -509,4 +509,69 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_points(
     points[9] = s[1];
 }
 
+/* Rows of K_n for the (RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (17 add, 23 multiply, 1
+ * divide, 1 select) */
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_transmission(
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
+    const double u_2[2], const double N[2], const double along[2], double *KRHPR_RESTRICT K_n,
+    double *KRHPR_RESTRICT regularity)
+{
+    const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
+    const double v_1_1 = d[1] - u_1[1];
+    const double v_2_0 = u_1[0] + v_1_0 - g->o_12[0][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 - g->o_12[1][i] - u_2[1];
+    const double t1 = u_1[0] * v_1_1;
+    const double t2 = u_1[1] * v_1_0;
+    const double b_22 = t1 - t2; /* v_1^T (e_2 x u_1) */
+    const double t3 = u_2[0] * v_2_1;
+    const double t4 = u_2[1] * v_2_0;
+    const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
+    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
+    const double t5 = 1.0 / delta;
+    const double m_00 = v_2_1 * b_22 * t5; /* A^-1 B in the leg's frame */
+    const double m_01 = t5 * (v_1_1 * (t4 - t3));
+    const double m_10 = t5 * (v_2_0 * (t2 - t1));
+    const double m_11 = t5 * (v_1_0 * b_33);
+    K_n[0] = N[0] * m_00 + N[1] * m_10;
+    K_n[1] = N[0] * m_01 + N[1] * m_11;
+    K_n[2] = along[0] * m_00 + along[1] * m_10;
+    K_n[3] = along[0] * m_01 + along[1] * m_11;
+    *regularity = fabs(delta * g->k[10][i]);
+}
+
+/* Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (6 add, 12 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_torques(
+    const double K_n[12], const double line_forces[3], const double redundant_forces[3],
+    double *KRHPR_RESTRICT actuator_forces)
+{
+    actuator_forces[0] = K_n[0] * line_forces[0] + K_n[2] * redundant_forces[0];
+    actuator_forces[1] = K_n[1] * line_forces[0] + K_n[3] * redundant_forces[0];
+    actuator_forces[2] = K_n[4] * line_forces[1] + K_n[6] * redundant_forces[1];
+    actuator_forces[3] = K_n[5] * line_forces[1] + K_n[7] * redundant_forces[1];
+    actuator_forces[4] = K_n[8] * line_forces[2] + K_n[10] * redundant_forces[2];
+    actuator_forces[5] = K_n[9] * line_forces[2] + K_n[11] * redundant_forces[2];
+}
+
+/* Force at the end point of the (RR-RRR) sub-leg from those of its actuators: g = M_i^-T f.  Thesis:
+ * (5.36).  (12 add, 14 multiply, 2 divide, 3 select) */
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_end_force(
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
+    const double u_2[2], const double actuator_forces[2], double *KRHPR_RESTRICT end_force,
+    double *KRHPR_RESTRICT regularity)
+{
+    const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
+    const double v_1_1 = d[1] - u_1[1];
+    const double v_2_0 = u_1[0] + v_1_0 - g->o_12[0][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 - g->o_12[1][i] - u_2[1];
+    const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
+    const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
+    const double t1 = 1.0 / b_22;
+    const double t2 = 1.0 / b_33;
+    const double g_l_0 = v_1_0 * actuator_forces[0] * t1 + v_2_0 * actuator_forces[1] * t2; /* in the leg's frame */
+    const double g_l_1 = t1 * (v_1_1 * actuator_forces[0]) + t2 * (v_2_1 * actuator_forces[1]);
+    end_force[0] = g_l_0;
+    end_force[1] = g_l_1;
+    *regularity = krhpr_min(fabs(b_22 * g->k[11][i]), fabs(b_33 * g->k[12][i]));
+}
+
 #endif

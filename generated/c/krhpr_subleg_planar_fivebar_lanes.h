@@ -562,4 +562,78 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_points_lanes(
     points[9] = s[1];
 }
 
+/* Rows of K_n for the (RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (17 add, 23 multiply, 1
+ * divide, 1 select) */
+KRHPR_INLINE void krhpr_subleg_planar_fivebar_transmission_lanes(
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes_at d[2],
+    const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2], const krhpr_lanes_at N[2],
+    const krhpr_lanes_at along[2], krhpr_lanes_at *KRHPR_RESTRICT K_n,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
+{
+    const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
+    const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
+    const krhpr_lanes g_k_10 = krhpr_of_leg(g->k[10], i);
+    const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
+    const krhpr_lanes v_1_1 = d[1] - u_1[1];
+    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 - g_o_12_0 - u_2[0]; /* (1.15) */
+    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 - g_o_12_1 - u_2[1];
+    const krhpr_lanes t1 = u_1[0] * v_1_1;
+    const krhpr_lanes t2 = u_1[1] * v_1_0;
+    const krhpr_lanes b_22 = t1 - t2; /* v_1^T (e_2 x u_1) */
+    const krhpr_lanes t3 = u_2[0] * v_2_1;
+    const krhpr_lanes t4 = u_2[1] * v_2_0;
+    const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
+    const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes t5 = 1.0 / delta;
+    const krhpr_lanes m_00 = v_2_1 * b_22 * t5; /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_01 = t5 * (v_1_1 * (t4 - t3));
+    const krhpr_lanes m_10 = t5 * (v_2_0 * (t2 - t1));
+    const krhpr_lanes m_11 = t5 * (v_1_0 * b_33);
+    K_n[0] = N[0] * m_00 + N[1] * m_10;
+    K_n[1] = N[0] * m_01 + N[1] * m_11;
+    K_n[2] = along[0] * m_00 + along[1] * m_10;
+    K_n[3] = along[0] * m_01 + along[1] * m_11;
+    *regularity = krhpr_lanes_fabs(delta * g_k_10);
+}
+
+/* Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (6 add, 12 multiply) */
+KRHPR_INLINE void krhpr_subleg_planar_fivebar_torques_lanes(
+    const krhpr_lanes_at K_n[12], const krhpr_lanes_at line_forces[3],
+    const krhpr_lanes_at redundant_forces[3], krhpr_lanes_at *KRHPR_RESTRICT actuator_forces)
+{
+    actuator_forces[0] = K_n[0] * line_forces[0] + K_n[2] * redundant_forces[0];
+    actuator_forces[1] = K_n[1] * line_forces[0] + K_n[3] * redundant_forces[0];
+    actuator_forces[2] = K_n[4] * line_forces[1] + K_n[6] * redundant_forces[1];
+    actuator_forces[3] = K_n[5] * line_forces[1] + K_n[7] * redundant_forces[1];
+    actuator_forces[4] = K_n[8] * line_forces[2] + K_n[10] * redundant_forces[2];
+    actuator_forces[5] = K_n[9] * line_forces[2] + K_n[11] * redundant_forces[2];
+}
+
+/* Force at the end point of the (RR-RRR) sub-leg from those of its actuators: g = M_i^-T f.  Thesis:
+ * (5.36).  (12 add, 14 multiply, 2 divide, 3 select) */
+KRHPR_INLINE void krhpr_subleg_planar_fivebar_end_force_lanes(
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes_at d[2],
+    const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2], const krhpr_lanes_at actuator_forces[2],
+    krhpr_lanes_at *KRHPR_RESTRICT end_force, krhpr_lanes_at *KRHPR_RESTRICT regularity)
+{
+    const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
+    const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
+    const krhpr_lanes g_k_11 = krhpr_of_leg(g->k[11], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
+    const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
+    const krhpr_lanes v_1_1 = d[1] - u_1[1];
+    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 - g_o_12_0 - u_2[0]; /* (1.15) */
+    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 - g_o_12_1 - u_2[1];
+    const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
+    const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
+    const krhpr_lanes t1 = 1.0 / b_22;
+    const krhpr_lanes t2 = 1.0 / b_33;
+    const krhpr_lanes g_l_0 = v_1_0 * actuator_forces[0] * t1 + v_2_0 * actuator_forces[1] * t2; /* in the leg's frame */
+    const krhpr_lanes g_l_1 = t1 * (v_1_1 * actuator_forces[0]) + t2 * (v_2_1 * actuator_forces[1]);
+    const krhpr_lanes regularity_a = krhpr_lanes_min(krhpr_lanes_fabs(b_22 * g_k_11), krhpr_lanes_fabs(b_33 * g_k_12));
+    end_force[0] = g_l_0;
+    end_force[1] = g_l_1;
+    *regularity = regularity_a;
+}
+
 #endif

@@ -220,4 +220,51 @@ KRHPR_INLINE void krhpr_subleg_planar_pp_points_lanes(
     points[5] = s[1];
 }
 
+/* Rows of K_n for the PP sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (4 add, 8 multiply) */
+KRHPR_INLINE void krhpr_subleg_planar_pp_transmission_lanes(
+    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_lanes_at N[2],
+    const krhpr_lanes_at along[2], krhpr_lanes_at *KRHPR_RESTRICT K_n)
+{
+    const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
+    const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
+    const krhpr_lanes g_e_2_0 = krhpr_of_leg(g->e_2[0], i);
+    const krhpr_lanes g_e_2_1 = krhpr_of_leg(g->e_2[1], i);
+    K_n[0] = g_e_1_0 * N[0] + g_e_1_1 * N[1];
+    K_n[1] = g_e_2_0 * N[0] + g_e_2_1 * N[1];
+    K_n[2] = g_e_1_0 * along[0] + g_e_1_1 * along[1];
+    K_n[3] = g_e_2_0 * along[0] + g_e_2_1 * along[1];
+}
+
+/* Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (6 add, 12 multiply) */
+KRHPR_INLINE void krhpr_subleg_planar_pp_torques_lanes(
+    const krhpr_lanes_at K_n[12], const krhpr_lanes_at line_forces[3],
+    const krhpr_lanes_at redundant_forces[3], krhpr_lanes_at *KRHPR_RESTRICT actuator_forces)
+{
+    actuator_forces[0] = K_n[0] * line_forces[0] + K_n[2] * redundant_forces[0];
+    actuator_forces[1] = K_n[1] * line_forces[0] + K_n[3] * redundant_forces[0];
+    actuator_forces[2] = K_n[4] * line_forces[1] + K_n[6] * redundant_forces[1];
+    actuator_forces[3] = K_n[5] * line_forces[1] + K_n[7] * redundant_forces[1];
+    actuator_forces[4] = K_n[8] * line_forces[2] + K_n[10] * redundant_forces[2];
+    actuator_forces[5] = K_n[9] * line_forces[2] + K_n[11] * redundant_forces[2];
+}
+
+/* Force at the end point of the PP sub-leg from those of its actuators: g = M_i^-T f.  Thesis: (5.36).  (2
+ * add, 8 multiply) */
+KRHPR_INLINE void krhpr_subleg_planar_pp_end_force_lanes(
+    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_lanes_at actuator_forces[2],
+    krhpr_lanes_at *KRHPR_RESTRICT end_force, krhpr_lanes_at *KRHPR_RESTRICT regularity)
+{
+    const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
+    const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
+    const krhpr_lanes g_e_2_0 = krhpr_of_leg(g->e_2[0], i);
+    const krhpr_lanes g_e_2_1 = krhpr_of_leg(g->e_2[1], i);
+    const krhpr_lanes g_k_0 = krhpr_of_leg(g->k[0], i);
+    const krhpr_lanes g_k_1 = krhpr_of_leg(g->k[1], i);
+    const krhpr_lanes g_l_0 = g_e_2_1 * actuator_forces[0] * g_k_0 - g_k_0 * (g_e_1_1 * actuator_forces[1]); /* in the leg's frame */
+    const krhpr_lanes g_l_1 = g_k_0 * (g_e_1_0 * actuator_forces[1]) - g_k_0 * (g_e_2_0 * actuator_forces[0]);
+    end_force[0] = g_l_0;
+    end_force[1] = g_l_1;
+    *regularity = g_k_1;
+}
+
 #endif

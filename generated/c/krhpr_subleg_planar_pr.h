@@ -234,4 +234,43 @@ KRHPR_STATIC void krhpr_subleg_planar_pr_points(
     points[5] = s[1];
 }
 
+/* Rows of K_n for the PR sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (4 add, 8 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_pr_transmission(
+    const krhpr_subleg_planar_pr_geometry *g, int i, const double u[2], const double N[2],
+    const double along[2], double *KRHPR_RESTRICT K_n)
+{
+    K_n[0] = g->e_1[0][i] * N[0] + g->e_1[1][i] * N[1];
+    K_n[1] = u[0] * N[1] - u[1] * N[0];
+    K_n[2] = g->e_1[0][i] * along[0] + g->e_1[1][i] * along[1];
+    K_n[3] = u[0] * along[1] - u[1] * along[0];
+}
+
+/* Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (6 add, 12 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_pr_torques(
+    const double K_n[12], const double line_forces[3], const double redundant_forces[3],
+    double *KRHPR_RESTRICT actuator_forces)
+{
+    actuator_forces[0] = K_n[0] * line_forces[0] + K_n[2] * redundant_forces[0];
+    actuator_forces[1] = K_n[1] * line_forces[0] + K_n[3] * redundant_forces[0];
+    actuator_forces[2] = K_n[4] * line_forces[1] + K_n[6] * redundant_forces[1];
+    actuator_forces[3] = K_n[5] * line_forces[1] + K_n[7] * redundant_forces[1];
+    actuator_forces[4] = K_n[8] * line_forces[2] + K_n[10] * redundant_forces[2];
+    actuator_forces[5] = K_n[9] * line_forces[2] + K_n[11] * redundant_forces[2];
+}
+
+/* Force at the end point of the PR sub-leg from those of its actuators: g = M_i^-T f.  Thesis: (5.36).  (3
+ * add, 11 multiply, 1 divide, 1 select) */
+KRHPR_STATIC void krhpr_subleg_planar_pr_end_force(
+    const krhpr_subleg_planar_pr_geometry *g, int i, const double u[2], const double actuator_forces[2],
+    double *KRHPR_RESTRICT end_force, double *KRHPR_RESTRICT regularity)
+{
+    const double along = g->e_1[0][i] * u[0] + g->e_1[1][i] * u[1]; /* e^T u */
+    const double t1 = 1.0 / along;
+    const double g_l_0 = u[0] * actuator_forces[0] * t1 - t1 * (g->e_1[1][i] * actuator_forces[1]); /* in the leg's frame */
+    const double g_l_1 = t1 * (u[1] * actuator_forces[0]) + t1 * (g->e_1[0][i] * actuator_forces[1]);
+    end_force[0] = g_l_0;
+    end_force[1] = g_l_1;
+    *regularity = fabs(along * g->k[1][i]);
+}
+
 #endif

@@ -257,4 +257,49 @@ KRHPR_INLINE void krhpr_subleg_planar_pr_points_lanes(
     points[5] = s[1];
 }
 
+/* Rows of K_n for the PR sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (4 add, 8 multiply) */
+KRHPR_INLINE void krhpr_subleg_planar_pr_transmission_lanes(
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes_at u[2], const krhpr_lanes_at N[2],
+    const krhpr_lanes_at along[2], krhpr_lanes_at *KRHPR_RESTRICT K_n)
+{
+    const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
+    const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
+    K_n[0] = g_e_1_0 * N[0] + g_e_1_1 * N[1];
+    K_n[1] = u[0] * N[1] - u[1] * N[0];
+    K_n[2] = g_e_1_0 * along[0] + g_e_1_1 * along[1];
+    K_n[3] = u[0] * along[1] - u[1] * along[0];
+}
+
+/* Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (6 add, 12 multiply) */
+KRHPR_INLINE void krhpr_subleg_planar_pr_torques_lanes(
+    const krhpr_lanes_at K_n[12], const krhpr_lanes_at line_forces[3],
+    const krhpr_lanes_at redundant_forces[3], krhpr_lanes_at *KRHPR_RESTRICT actuator_forces)
+{
+    actuator_forces[0] = K_n[0] * line_forces[0] + K_n[2] * redundant_forces[0];
+    actuator_forces[1] = K_n[1] * line_forces[0] + K_n[3] * redundant_forces[0];
+    actuator_forces[2] = K_n[4] * line_forces[1] + K_n[6] * redundant_forces[1];
+    actuator_forces[3] = K_n[5] * line_forces[1] + K_n[7] * redundant_forces[1];
+    actuator_forces[4] = K_n[8] * line_forces[2] + K_n[10] * redundant_forces[2];
+    actuator_forces[5] = K_n[9] * line_forces[2] + K_n[11] * redundant_forces[2];
+}
+
+/* Force at the end point of the PR sub-leg from those of its actuators: g = M_i^-T f.  Thesis: (5.36).  (3
+ * add, 11 multiply, 1 divide, 1 select) */
+KRHPR_INLINE void krhpr_subleg_planar_pr_end_force_lanes(
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes_at u[2],
+    const krhpr_lanes_at actuator_forces[2], krhpr_lanes_at *KRHPR_RESTRICT end_force,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
+{
+    const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
+    const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
+    const krhpr_lanes g_k_1 = krhpr_of_leg(g->k[1], i);
+    const krhpr_lanes along = g_e_1_0 * u[0] + g_e_1_1 * u[1]; /* e^T u */
+    const krhpr_lanes t1 = 1.0 / along;
+    const krhpr_lanes g_l_0 = u[0] * actuator_forces[0] * t1 - t1 * (g_e_1_1 * actuator_forces[1]); /* in the leg's frame */
+    const krhpr_lanes g_l_1 = t1 * (u[1] * actuator_forces[0]) + t1 * (g_e_1_0 * actuator_forces[1]);
+    end_force[0] = g_l_0;
+    end_force[1] = g_l_1;
+    *regularity = krhpr_lanes_fabs(along * g_k_1);
+}
+
 #endif

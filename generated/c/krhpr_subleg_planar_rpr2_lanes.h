@@ -331,4 +331,56 @@ KRHPR_INLINE void krhpr_subleg_planar_rpr2_points_lanes(
     points[5] = s[1];
 }
 
+/* Rows of K_n for the (2-RPR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (5 add, 19 multiply, 1
+ * divide, 1 select) */
+KRHPR_INLINE void krhpr_subleg_planar_rpr2_transmission_lanes(
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes_at w[4], const krhpr_lanes_at b[2],
+    const krhpr_lanes_at N[2], const krhpr_lanes_at along[2], krhpr_lanes_at *KRHPR_RESTRICT K_n,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
+{
+    const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
+    const krhpr_lanes volume = w[0] * w[3] - w[1] * w[2]; /* det [w_1 ...] */
+    const krhpr_lanes t1 = 1.0 / volume;
+    const krhpr_lanes m_00 = w[3] * b[0] * t1; /* A^-1 B in the leg's frame */
+    const krhpr_lanes t2 = t1 * (w[1] * b[1]);
+    const krhpr_lanes t3 = t1 * (w[2] * b[0]);
+    const krhpr_lanes m_11 = t1 * (w[0] * b[1]); /* A^-1 B in the leg's frame */
+    K_n[0] = N[0] * m_00 - N[1] * t3;
+    K_n[1] = N[1] * m_11 - N[0] * t2;
+    K_n[2] = along[0] * m_00 - along[1] * t3;
+    K_n[3] = along[1] * m_11 - along[0] * t2;
+    *regularity = krhpr_lanes_fabs(volume * g_k_2);
+}
+
+/* Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (6 add, 12 multiply) */
+KRHPR_INLINE void krhpr_subleg_planar_rpr2_torques_lanes(
+    const krhpr_lanes_at K_n[12], const krhpr_lanes_at line_forces[3],
+    const krhpr_lanes_at redundant_forces[3], krhpr_lanes_at *KRHPR_RESTRICT actuator_forces)
+{
+    actuator_forces[0] = K_n[0] * line_forces[0] + K_n[2] * redundant_forces[0];
+    actuator_forces[1] = K_n[1] * line_forces[0] + K_n[3] * redundant_forces[0];
+    actuator_forces[2] = K_n[4] * line_forces[1] + K_n[6] * redundant_forces[1];
+    actuator_forces[3] = K_n[5] * line_forces[1] + K_n[7] * redundant_forces[1];
+    actuator_forces[4] = K_n[8] * line_forces[2] + K_n[10] * redundant_forces[2];
+    actuator_forces[5] = K_n[9] * line_forces[2] + K_n[11] * redundant_forces[2];
+}
+
+/* Force at the end point of the (2-RPR) sub-leg from those of its actuators: g = M_i^-T f.  Thesis: (5.36).
+ * (2 add, 10 multiply, 2 divide, 3 select) */
+KRHPR_INLINE void krhpr_subleg_planar_rpr2_end_force_lanes(
+    const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_lanes_at w[4], const krhpr_lanes_at b[2],
+    const krhpr_lanes_at actuator_forces[2], krhpr_lanes_at *KRHPR_RESTRICT end_force,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
+{
+    const krhpr_lanes g_k_3 = krhpr_of_leg(g->k[3], i);
+    const krhpr_lanes t1 = 1.0 / b[0];
+    const krhpr_lanes t2 = 1.0 / b[1];
+    const krhpr_lanes g_l_0 = w[0] * actuator_forces[0] * t1 + w[2] * actuator_forces[1] * t2; /* in the leg's frame */
+    const krhpr_lanes g_l_1 = t1 * (w[1] * actuator_forces[0]) + t2 * (w[3] * actuator_forces[1]);
+    const krhpr_lanes regularity_a = krhpr_lanes_min(krhpr_lanes_fabs(b[0] * g_k_3), krhpr_lanes_fabs(b[1] * g_k_3));
+    end_force[0] = g_l_0;
+    end_force[1] = g_l_1;
+    *regularity = regularity_a;
+}
+
 #endif

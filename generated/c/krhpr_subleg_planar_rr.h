@@ -280,4 +280,45 @@ KRHPR_STATIC void krhpr_subleg_planar_rr_points(
     points[5] = s[1];
 }
 
+/* Rows of K_n for the RR sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (4 add, 8 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_rr_transmission(
+    const krhpr_subleg_planar_rr_geometry *g, int i, const double d[2], const double v_1[2],
+    const double N[2], const double along[2], double *KRHPR_RESTRICT K_n)
+{
+    (void)(g);
+    (void)(i);
+    K_n[0] = d[0] * N[1] - d[1] * N[0];
+    K_n[1] = v_1[0] * N[1] - v_1[1] * N[0];
+    K_n[2] = d[0] * along[1] - d[1] * along[0];
+    K_n[3] = v_1[0] * along[1] - v_1[1] * along[0];
+}
+
+/* Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (6 add, 12 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_rr_torques(
+    const double K_n[12], const double line_forces[3], const double redundant_forces[3],
+    double *KRHPR_RESTRICT actuator_forces)
+{
+    actuator_forces[0] = K_n[0] * line_forces[0] + K_n[2] * redundant_forces[0];
+    actuator_forces[1] = K_n[1] * line_forces[0] + K_n[3] * redundant_forces[0];
+    actuator_forces[2] = K_n[4] * line_forces[1] + K_n[6] * redundant_forces[1];
+    actuator_forces[3] = K_n[5] * line_forces[1] + K_n[7] * redundant_forces[1];
+    actuator_forces[4] = K_n[8] * line_forces[2] + K_n[10] * redundant_forces[2];
+    actuator_forces[5] = K_n[9] * line_forces[2] + K_n[11] * redundant_forces[2];
+}
+
+/* Force at the end point of the RR sub-leg from those of its actuators: g = M_i^-T f.  Thesis: (5.36).  (3
+ * add, 11 multiply, 1 divide, 1 select) */
+KRHPR_STATIC void krhpr_subleg_planar_rr_end_force(
+    const krhpr_subleg_planar_rr_geometry *g, int i, const double d[2], const double v_1[2],
+    const double actuator_forces[2], double *KRHPR_RESTRICT end_force, double *KRHPR_RESTRICT regularity)
+{
+    const double elbow = d[0] * v_1[1] - d[1] * v_1[0]; /* a b sin(t_2) */
+    const double t1 = 1.0 / elbow;
+    const double g_l_0 = v_1[0] * actuator_forces[0] * t1 - t1 * (d[0] * actuator_forces[1]); /* in the leg's frame */
+    const double g_l_1 = t1 * (v_1[1] * actuator_forces[0]) - t1 * (d[1] * actuator_forces[1]);
+    end_force[0] = g_l_0;
+    end_force[1] = g_l_1;
+    *regularity = fabs(elbow * g->k[5][i]);
+}
+
 #endif

@@ -407,4 +407,85 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_swivel_difference_lanes(
     *swivel_along = swivel_accelerations - swivel_bias;
 }
 
+/* Rows of K_n for the RRR sub-leg: N M_i, c_i^T M_i, and the swivel's.  Thesis: (5.57), (5.59).  (8 add, 12
+ * multiply) */
+KRHPR_INLINE void krhpr_subleg_planar_rrr_transmission_lanes(
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_2[2],
+    const krhpr_lanes_at u_3[2], const krhpr_lanes_at N[2], const krhpr_lanes_at along[2],
+    krhpr_lanes_at *KRHPR_RESTRICT K_n)
+{
+    (void)(g);
+    (void)(i);
+    const krhpr_lanes t1 = u_2[1] + u_3[1];
+    const krhpr_lanes m_11 = u_2[0] + u_3[0]; /* A^-1 B in the leg's frame */
+    K_n[0] = d[0] * N[1] - d[1] * N[0];
+    K_n[1] = N[1] * m_11 - N[0] * t1;
+    K_n[2] = u_3[0] * N[1] - u_3[1] * N[0];
+    K_n[3] = d[0] * along[1] - d[1] * along[0];
+    K_n[4] = along[1] * m_11 - along[0] * t1;
+    K_n[5] = u_3[0] * along[1] - u_3[1] * along[0];
+    K_n[6] = krhpr_all(1.0);
+    K_n[7] = krhpr_all(1.0);
+    K_n[8] = krhpr_all(1.0);
+}
+
+/* Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (18 add, 27 multiply) */
+KRHPR_INLINE void krhpr_subleg_planar_rrr_torques_lanes(
+    const krhpr_lanes_at K_n[27], const krhpr_lanes_at line_forces[3],
+    const krhpr_lanes_at redundant_forces[3], const krhpr_lanes_at swivel_forces[3],
+    krhpr_lanes_at *KRHPR_RESTRICT actuator_forces)
+{
+    const krhpr_lanes actuator_forces_00 = K_n[0] * line_forces[0] + K_n[3] * redundant_forces[0] + K_n[6] * swivel_forces[0];
+    const krhpr_lanes actuator_forces_01 = K_n[1] * line_forces[0] + K_n[4] * redundant_forces[0] + K_n[7] * swivel_forces[0];
+    const krhpr_lanes actuator_forces_02 = K_n[2] * line_forces[0] + K_n[5] * redundant_forces[0] + K_n[8] * swivel_forces[0];
+    const krhpr_lanes actuator_forces_10 = K_n[9] * line_forces[1] + K_n[12] * redundant_forces[1] + K_n[15] * swivel_forces[1];
+    const krhpr_lanes actuator_forces_11 = K_n[10] * line_forces[1] + K_n[13] * redundant_forces[1] + K_n[16] * swivel_forces[1];
+    const krhpr_lanes actuator_forces_12 = K_n[11] * line_forces[1] + K_n[14] * redundant_forces[1] + K_n[17] * swivel_forces[1];
+    const krhpr_lanes actuator_forces_20 = K_n[18] * line_forces[2] + K_n[21] * redundant_forces[2] + K_n[24] * swivel_forces[2];
+    const krhpr_lanes actuator_forces_21 = K_n[19] * line_forces[2] + K_n[22] * redundant_forces[2] + K_n[25] * swivel_forces[2];
+    const krhpr_lanes actuator_forces_22 = K_n[20] * line_forces[2] + K_n[23] * redundant_forces[2] + K_n[26] * swivel_forces[2];
+    actuator_forces[0] = actuator_forces_00;
+    actuator_forces[1] = actuator_forces_01;
+    actuator_forces[2] = actuator_forces_02;
+    actuator_forces[3] = actuator_forces_10;
+    actuator_forces[4] = actuator_forces_11;
+    actuator_forces[5] = actuator_forces_12;
+    actuator_forces[6] = actuator_forces_20;
+    actuator_forces[7] = actuator_forces_21;
+    actuator_forces[8] = actuator_forces_22;
+}
+
+/* Force at the end point of the RRR sub-leg from those of its actuators: g = M_i^-T f.  Thesis: (5.36).
+ * (19 add, 24 multiply, 1 divide, 1 select) */
+KRHPR_INLINE void krhpr_subleg_planar_rrr_end_force_lanes(
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_2[2],
+    const krhpr_lanes_at u_3[2], const krhpr_lanes_at actuator_forces[3],
+    krhpr_lanes_at *KRHPR_RESTRICT end_force, krhpr_lanes_at *KRHPR_RESTRICT swivel_forces,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
+{
+    const krhpr_lanes g_l_1 = krhpr_of_leg(g->l_1, i);
+    const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
+    const krhpr_lanes g_k_5 = krhpr_of_leg(g->k[5], i);
+    const krhpr_lanes t1 = d[0] - u_2[0];
+    const krhpr_lanes u_1_0 = t1 - u_3[0]; /* first link */
+    const krhpr_lanes t2 = d[1] - u_2[1];
+    const krhpr_lanes u_1_1 = t2 - u_3[1]; /* first link */
+    const krhpr_lanes elbow = (u_2[1] * u_1_0 - u_2[0] * u_1_1) * g_k_5; /* sin(theta_2) */
+    const krhpr_lanes l12_sin_2 = g_l_2 * (g_l_1 * elbow); /* l_1 l_2 sin(theta_2) */
+    const krhpr_lanes t3 = 1.0 / l12_sin_2;
+    const krhpr_lanes t_1 = u_2[0] * t3; /* rate of the first link */
+    const krhpr_lanes t_2 = t3 * (u_3[0] - t1); /* rate of the second link */
+    const krhpr_lanes t_1_a = u_2[1] * t3; /* rate of the first link */
+    const krhpr_lanes t_2_a = t3 * (u_3[1] - t2); /* rate of the second link */
+    const krhpr_lanes t_1_b = t3 * (u_2[0] * u_3[1] - u_2[1] * u_3[0]); /* rate of the first link */
+    const krhpr_lanes t_2_b = t3 * (u_3[0] * u_1_1 - u_3[1] * u_1_0); /* rate of the second link */
+    const krhpr_lanes g_l_0 = actuator_forces[0] * t_1 + actuator_forces[1] * (t_2 - t_1) - actuator_forces[2] * t_2; /* in the leg's frame */
+    const krhpr_lanes g_l_1_a = actuator_forces[0] * t_1_a + actuator_forces[1] * (t_2_a - t_1_a) - actuator_forces[2] * t_2_a;
+    const krhpr_lanes swivel_forces_a = actuator_forces[0] * t_1_b + actuator_forces[1] * (t_2_b - t_1_b) + actuator_forces[2] * (1.0 - t_2_b);
+    end_force[0] = g_l_0;
+    end_force[1] = g_l_1_a;
+    *swivel_forces = swivel_forces_a;
+    *regularity = krhpr_lanes_fabs(elbow);
+}
+
 #endif

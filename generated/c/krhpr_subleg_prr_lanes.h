@@ -466,4 +466,88 @@ KRHPR_INLINE void krhpr_subleg_prr_points_lanes(
     points[14] = s[2];
 }
 
+/* Rows of K_n for the PRR sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (21 add, 36 multiply) */
+KRHPR_INLINE void krhpr_subleg_prr_transmission_lanes(
+    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at v_1[2],
+    const krhpr_lanes_at N[6], const krhpr_lanes_at along[3], krhpr_lanes_at *KRHPR_RESTRICT K_n)
+{
+    const krhpr_lanes g_e_x_0 = krhpr_of_leg(g->e_x[0], i);
+    const krhpr_lanes g_e_x_1 = krhpr_of_leg(g->e_x[1], i);
+    const krhpr_lanes g_e_x_2 = krhpr_of_leg(g->e_x[2], i);
+    const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
+    const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
+    const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
+    const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
+    const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
+    const krhpr_lanes n_00 = g_e_x_0 * N[0] + g_e_x_1 * N[1] + g_e_x_2 * N[2]; /* N and c_i in the leg's frame */
+    const krhpr_lanes n_01 = g_e_1_0 * N[0] + g_e_1_1 * N[1] + g_e_1_2 * N[2];
+    const krhpr_lanes n_02 = g_e_t_0 * N[0] + g_e_t_1 * N[1];
+    const krhpr_lanes n_10 = g_e_x_0 * N[3] + g_e_x_1 * N[4] + g_e_x_2 * N[5];
+    const krhpr_lanes n_11 = g_e_1_0 * N[3] + g_e_1_1 * N[4] + g_e_1_2 * N[5];
+    const krhpr_lanes n_12 = g_e_t_0 * N[3] + g_e_t_1 * N[4];
+    const krhpr_lanes n_20 = g_e_x_0 * along[0] + g_e_x_1 * along[1] + g_e_x_2 * along[2];
+    const krhpr_lanes n_21 = g_e_1_0 * along[0] + g_e_1_1 * along[1] + g_e_1_2 * along[2];
+    const krhpr_lanes n_22 = g_e_t_0 * along[0] + g_e_t_1 * along[1];
+    K_n[0] = n_02;
+    K_n[1] = d[0] * n_01 - d[1] * n_00;
+    K_n[2] = v_1[0] * n_01 - v_1[1] * n_00;
+    K_n[3] = n_12;
+    K_n[4] = d[0] * n_11 - d[1] * n_10;
+    K_n[5] = v_1[0] * n_11 - v_1[1] * n_10;
+    K_n[6] = n_22;
+    K_n[7] = d[0] * n_21 - d[1] * n_20;
+    K_n[8] = v_1[0] * n_21 - v_1[1] * n_20;
+}
+
+/* Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (18 add, 27 multiply) */
+KRHPR_INLINE void krhpr_subleg_prr_torques_lanes(
+    const krhpr_lanes_at K_n[27], const krhpr_lanes_at line_forces[6],
+    const krhpr_lanes_at redundant_forces[3], krhpr_lanes_at *KRHPR_RESTRICT actuator_forces)
+{
+    const krhpr_lanes actuator_forces_00 = K_n[0] * line_forces[0] + K_n[3] * line_forces[1] + K_n[6] * redundant_forces[0];
+    const krhpr_lanes actuator_forces_01 = K_n[1] * line_forces[0] + K_n[4] * line_forces[1] + K_n[7] * redundant_forces[0];
+    const krhpr_lanes actuator_forces_02 = K_n[2] * line_forces[0] + K_n[5] * line_forces[1] + K_n[8] * redundant_forces[0];
+    const krhpr_lanes actuator_forces_10 = K_n[9] * line_forces[2] + K_n[12] * line_forces[3] + K_n[15] * redundant_forces[1];
+    const krhpr_lanes actuator_forces_11 = K_n[10] * line_forces[2] + K_n[13] * line_forces[3] + K_n[16] * redundant_forces[1];
+    const krhpr_lanes actuator_forces_12 = K_n[11] * line_forces[2] + K_n[14] * line_forces[3] + K_n[17] * redundant_forces[1];
+    const krhpr_lanes actuator_forces_20 = K_n[18] * line_forces[4] + K_n[21] * line_forces[5] + K_n[24] * redundant_forces[2];
+    const krhpr_lanes actuator_forces_21 = K_n[19] * line_forces[4] + K_n[22] * line_forces[5] + K_n[25] * redundant_forces[2];
+    const krhpr_lanes actuator_forces_22 = K_n[20] * line_forces[4] + K_n[23] * line_forces[5] + K_n[26] * redundant_forces[2];
+    actuator_forces[0] = actuator_forces_00;
+    actuator_forces[1] = actuator_forces_01;
+    actuator_forces[2] = actuator_forces_02;
+    actuator_forces[3] = actuator_forces_10;
+    actuator_forces[4] = actuator_forces_11;
+    actuator_forces[5] = actuator_forces_12;
+    actuator_forces[6] = actuator_forces_20;
+    actuator_forces[7] = actuator_forces_21;
+    actuator_forces[8] = actuator_forces_22;
+}
+
+/* Force at the end point of the PRR sub-leg from those of its actuators: g = M_i^-T f.  Thesis: (5.36).  (8
+ * add, 19 multiply, 1 divide, 1 select) */
+KRHPR_INLINE void krhpr_subleg_prr_end_force_lanes(
+    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at v_1[2],
+    const krhpr_lanes_at actuator_forces[3], krhpr_lanes_at *KRHPR_RESTRICT end_force,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
+{
+    const krhpr_lanes g_e_x_0 = krhpr_of_leg(g->e_x[0], i);
+    const krhpr_lanes g_e_x_1 = krhpr_of_leg(g->e_x[1], i);
+    const krhpr_lanes g_e_x_2 = krhpr_of_leg(g->e_x[2], i);
+    const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
+    const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
+    const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
+    const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
+    const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
+    const krhpr_lanes g_k_5 = krhpr_of_leg(g->k[5], i);
+    const krhpr_lanes elbow = d[0] * v_1[1] - d[1] * v_1[0]; /* a b sin(t_2) */
+    const krhpr_lanes t1 = 1.0 / elbow;
+    const krhpr_lanes g_l_0 = v_1[0] * actuator_forces[1] * t1 - t1 * (d[0] * actuator_forces[2]); /* in the leg's frame */
+    const krhpr_lanes g_l_1 = t1 * (v_1[1] * actuator_forces[1]) - t1 * (d[1] * actuator_forces[2]);
+    end_force[0] = g_e_t_0 * actuator_forces[0] + g_e_1_0 * g_l_1 + g_e_x_0 * g_l_0;
+    end_force[1] = g_e_t_1 * actuator_forces[0] + g_e_1_1 * g_l_1 + g_e_x_1 * g_l_0;
+    end_force[2] = g_e_1_2 * g_l_1 + g_e_x_2 * g_l_0;
+    *regularity = krhpr_lanes_fabs(elbow * g_k_5);
+}
+
 #endif

@@ -687,4 +687,163 @@ KRHPR_STATIC void krhpr_subleg_rrrr_swivel_difference(
     *swivel_along = swivel_accelerations - swivel_bias;
 }
 
+/* Rows of K_n for the 4R sub-leg: N M_i, c_i^T M_i, and the swivel's.  Thesis: (5.57), (5.59).  (53 add, 90
+ * multiply, 2 divide, 2 square root, 1 select) */
+KRHPR_STATIC void krhpr_subleg_rrrr_transmission(
+    const krhpr_subleg_rrrr_geometry *g, int i, const double x[3], const double e_2[3], const double d[3],
+    const double v[3], const double e_4[3], const double N[6], const double along[3],
+    double *KRHPR_RESTRICT K_n, double *KRHPR_RESTRICT regularity)
+{
+    const double dir_0 = (d[0] - v[0]) * g->k[0][i]; /* along the upper arm */
+    const double dir_1 = g->k[0][i] * (d[1] - v[1]);
+    const double dir_2 = g->k[0][i] * (d[2] - v[2]);
+    const double m_3_0 = v[2] * dir_1 - v[1] * dir_2; /* column 3 of (2.32) */
+    const double m_3_1 = v[0] * dir_2 - v[2] * dir_0;
+    const double m_3_2 = v[1] * dir_0 - v[0] * dir_1;
+    const double m_4_0 = v[2] * e_4[1] - v[1] * e_4[2]; /* column 4 of (2.32) */
+    const double m_4_1 = v[0] * e_4[2] - v[2] * e_4[0];
+    const double m_4_2 = v[1] * e_4[0] - v[0] * e_4[1];
+    const double r2 = d[0] * d[0] + d[2] * d[2];
+    const double d2 = r2 + d[1] * d[1];
+    const double distance = sqrt(d2);
+    const double lean = d[1] / r2;
+    const double r = sqrt(r2);
+    const double n_00 = x[0] * N[0] + x[1] * N[1] + x[2] * N[2]; /* N and c_i in the leg's frame */
+    const double n_01 = g->e_1[0][i] * N[0] + g->e_1[1][i] * N[1] + g->e_1[2][i] * N[2];
+    const double n_02 = e_2[0] * N[0] + e_2[1] * N[1] + e_2[2] * N[2];
+    const double n_10 = x[0] * N[3] + x[1] * N[4] + x[2] * N[5];
+    const double n_11 = g->e_1[0][i] * N[3] + g->e_1[1][i] * N[4] + g->e_1[2][i] * N[5];
+    const double n_12 = e_2[0] * N[3] + e_2[1] * N[4] + e_2[2] * N[5];
+    const double n_20 = x[0] * along[0] + x[1] * along[1] + x[2] * along[2];
+    const double n_21 = g->e_1[0][i] * along[0] + g->e_1[1][i] * along[1] + g->e_1[2][i] * along[2];
+    const double n_22 = e_2[0] * along[0] + e_2[1] * along[1] + e_2[2] * along[2];
+    const double t1 = 1.0 / distance;
+    const double t2 = d[0] * dir_0 + d[1] * dir_1 + d[2] * dir_2 - lean * (d[2] * m_3_0 - d[0] * m_3_2);
+    K_n[0] = d[2] * n_00 - d[0] * n_02;
+    K_n[1] = d[0] * n_01 - d[1] * n_00;
+    K_n[2] = m_3_0 * n_00 + m_3_1 * n_01 + m_3_2 * n_02;
+    K_n[3] = m_4_0 * n_00 + m_4_1 * n_01 + m_4_2 * n_02;
+    K_n[4] = d[2] * n_10 - d[0] * n_12;
+    K_n[5] = d[0] * n_11 - d[1] * n_10;
+    K_n[6] = m_3_0 * n_10 + m_3_1 * n_11 + m_3_2 * n_12;
+    K_n[7] = m_4_0 * n_10 + m_4_1 * n_11 + m_4_2 * n_12;
+    K_n[8] = d[2] * n_20 - d[0] * n_22;
+    K_n[9] = d[0] * n_21 - d[1] * n_20;
+    K_n[10] = m_3_0 * n_20 + m_3_1 * n_21 + m_3_2 * n_22;
+    K_n[11] = m_4_0 * n_20 + m_4_1 * n_21 + m_4_2 * n_22;
+    K_n[12] = 0.0;
+    K_n[13] = (d[2] + d[1] * (d[2] * lean)) * t1;
+    K_n[14] = t1 * t2;
+    K_n[15] = -t1 * (lean * (d[2] * m_4_0 - d[0] * m_4_2));
+    *regularity = fabs(r * g->k[8][i]);
+}
+
+/* Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (36 add, 48 multiply) */
+KRHPR_STATIC void krhpr_subleg_rrrr_torques(
+    const double K_n[48], const double line_forces[6], const double redundant_forces[3],
+    const double swivel_forces[3], double *KRHPR_RESTRICT actuator_forces)
+{
+    const double actuator_forces_00 = K_n[0] * line_forces[0] + K_n[12] * swivel_forces[0] + K_n[4] * line_forces[1] + K_n[8] * redundant_forces[0];
+    const double actuator_forces_01 = K_n[1] * line_forces[0] + K_n[13] * swivel_forces[0] + K_n[5] * line_forces[1] + K_n[9] * redundant_forces[0];
+    const double t1 = K_n[10] * redundant_forces[0] + K_n[14] * swivel_forces[0] + K_n[2] * line_forces[0];
+    const double t2 = K_n[11] * redundant_forces[0] + K_n[15] * swivel_forces[0] + K_n[3] * line_forces[0];
+    const double t3 = K_n[16] * line_forces[2] + K_n[28] * swivel_forces[1] + K_n[20] * line_forces[3];
+    const double t4 = K_n[17] * line_forces[2] + K_n[29] * swivel_forces[1] + K_n[21] * line_forces[3];
+    const double t5 = K_n[26] * redundant_forces[1] + K_n[30] * swivel_forces[1] + K_n[18] * line_forces[2];
+    const double t6 = K_n[27] * redundant_forces[1] + K_n[31] * swivel_forces[1] + K_n[19] * line_forces[2];
+    const double t7 = K_n[32] * line_forces[4] + K_n[44] * swivel_forces[2] + K_n[36] * line_forces[5];
+    const double t8 = K_n[33] * line_forces[4] + K_n[45] * swivel_forces[2] + K_n[37] * line_forces[5];
+    const double t9 = K_n[42] * redundant_forces[2] + K_n[46] * swivel_forces[2] + K_n[34] * line_forces[4];
+    const double t10 = K_n[43] * redundant_forces[2] + K_n[47] * swivel_forces[2] + K_n[35] * line_forces[4];
+    actuator_forces[0] = actuator_forces_00;
+    actuator_forces[1] = actuator_forces_01;
+    actuator_forces[2] = t1 + K_n[6] * line_forces[1];
+    actuator_forces[3] = t2 + K_n[7] * line_forces[1];
+    actuator_forces[4] = t3 + K_n[24] * redundant_forces[1];
+    actuator_forces[5] = t4 + K_n[25] * redundant_forces[1];
+    actuator_forces[6] = t5 + K_n[22] * line_forces[3];
+    actuator_forces[7] = t6 + K_n[23] * line_forces[3];
+    actuator_forces[8] = t7 + K_n[40] * redundant_forces[2];
+    actuator_forces[9] = t8 + K_n[41] * redundant_forces[2];
+    actuator_forces[10] = t9 + K_n[38] * line_forces[5];
+    actuator_forces[11] = t10 + K_n[39] * line_forces[5];
+}
+
+/* Force at the end point of the 4R sub-leg from those of its actuators: g = M_i^-T f.  Thesis: (5.36).  (55
+ * add, 111 multiply, 4 divide, 2 square root, 7 select) */
+KRHPR_STATIC void krhpr_subleg_rrrr_end_force(
+    const krhpr_subleg_rrrr_geometry *g, int i, const double x[3], const double e_2[3], const double d[3],
+    const double v[3], const double e_4[3], const double actuator_forces[4],
+    double *KRHPR_RESTRICT end_force, double *KRHPR_RESTRICT swivel_forces, double *KRHPR_RESTRICT regularity)
+{
+    const double t1 = d[0] - v[0];
+    const double dir_0 = t1 * g->k[0][i]; /* along the upper arm */
+    const double t2 = d[1] - v[1];
+    const double dir_1 = g->k[0][i] * t2; /* along the upper arm */
+    const double t3 = d[2] - v[2];
+    const double t4 = v[2] * e_4[1];
+    const double t5 = v[1] * e_4[2];
+    const double m_4_0 = t4 - t5; /* column 4 of (2.32) */
+    const double t6 = v[0] * e_4[2];
+    const double t7 = v[2] * e_4[0];
+    const double m_4_1 = t6 - t7; /* column 4 of (2.32) */
+    const double t8 = v[1] * e_4[0];
+    const double t9 = v[0] * e_4[1];
+    const double m_4_2 = t8 - t9; /* column 4 of (2.32) */
+    const double r2 = d[0] * d[0] + d[2] * d[2];
+    const double d2 = r2 + d[1] * d[1];
+    const double distance = sqrt(d2);
+    const double t10 = 1.0 / r2;
+    const double t11 = e_4[0] * (v[2] * t2 - v[1] * t3) + e_4[1] * (v[0] * t3 - v[2] * t1) + e_4[2] * (v[1] * t1 - v[0] * t2);
+    const double sin_4 = t11 * g->k[7][i];
+    const double r = sqrt(r2);
+    const double t12 = 1.0 / (g->k[6][i] * sin_4);
+    const double t13 = d[0] * t12;
+    const double turned_0 = 1.0 + m_4_0 * t13; /* omega x d */
+    const double t14 = t7 - t6;
+    const double t15 = t13 * t14;
+    const double t16 = t9 - t8;
+    const double t17 = t13 * t16;
+    const double about = t10 * (d[1] * d[2]); /* omega^T d */
+    const double t18 = 1.0 / d2;
+    const double omega_0 = (d[0] * about - d[1] * t17 + d[2] * t15) * t18;
+    const double omega_1 = t18 * (d[1] * about + d[2] * turned_0 + d[0] * t17);
+    const double omega_2 = t18 * (d[2] * about - d[0] * t15 - d[1] * turned_0);
+    const double t19 = 1.0 / dir_0;
+    const double rate_3 = omega_0 * t19;
+    const double t20 = d[1] * t12;
+    const double t21 = t5 - t4;
+    const double t22 = t20 * t21;
+    const double turned_1 = 1.0 + m_4_1 * t20; /* omega x d */
+    const double t23 = t16 * t20;
+    const double omega_1_a = t18 * (d[0] * t23 - d[2] * t22);
+    const double omega_2_a = t18 * (d[0] * turned_1 + d[1] * t22);
+    const double t24 = t19 * (t18 * (d[1] * t23 + d[2] * turned_1));
+    const double t25 = d[2] * t12;
+    const double t26 = t21 * t25;
+    const double t27 = t14 * t25;
+    const double turned_2 = 1.0 + m_4_2 * t25; /* omega x d */
+    const double t28 = t10 * (d[0] * d[1]);
+    const double omega_0_a = t18 * (d[1] * turned_2 - d[0] * t28 + d[2] * t27);
+    const double omega_2_b = t18 * (d[1] * t26 - (d[2] * t28 + d[0] * t27));
+    const double rate_3_a = t19 * omega_0_a;
+    const double omega_0_b = t18 * (d[0] * distance);
+    const double omega_1_b = t18 * (d[1] * distance);
+    const double omega_2_c = t18 * (d[2] * distance);
+    const double rate_3_b = t19 * omega_0_b;
+    const double t29 = actuator_forces[0] * (omega_1 - dir_1 * rate_3) + actuator_forces[1] * omega_2 + actuator_forces[2] * rate_3;
+    const double g_l_0 = t29 - actuator_forces[3] * t13; /* in the leg's frame */
+    const double t30 = actuator_forces[0] * (omega_1_a + dir_1 * t24) + actuator_forces[1] * omega_2_a;
+    const double g_l_1 = t30 - actuator_forces[2] * t24 - actuator_forces[3] * t20; /* in the leg's frame */
+    const double t31 = actuator_forces[0] * (t18 * (d[1] * t28 + d[2] * t26 + d[0] * turned_2) + dir_1 * rate_3_a);
+    const double g_l_2 = actuator_forces[1] * omega_2_b - t31 + actuator_forces[2] * rate_3_a - actuator_forces[3] * t25; /* in the leg's frame */
+    const double t32 = actuator_forces[0] * (omega_1_b - dir_1 * rate_3_b) + actuator_forces[1] * omega_2_c;
+    const double regularity_a = krhpr_min(krhpr_min(krhpr_min(fabs(dir_0), fabs(sin_4)), fabs(distance * g->k[8][i])), fabs(r * g->k[8][i]));
+    end_force[0] = e_2[0] * g_l_2 + g->e_1[0][i] * g_l_1 + x[0] * g_l_0;
+    end_force[1] = e_2[1] * g_l_2 + g->e_1[1][i] * g_l_1 + x[1] * g_l_0;
+    end_force[2] = e_2[2] * g_l_2 + g->e_1[2][i] * g_l_1 + x[2] * g_l_0;
+    *swivel_forces = t32 + actuator_forces[2] * rate_3_b;
+    *regularity = regularity_a;
+}
+
 #endif

@@ -763,4 +763,178 @@ KRHPR_INLINE void krhpr_subleg_rrrr_swivel_difference_lanes(
     *swivel_along = swivel_accelerations - swivel_bias;
 }
 
+/* Rows of K_n for the 4R sub-leg: N M_i, c_i^T M_i, and the swivel's.  Thesis: (5.57), (5.59).  (53 add, 90
+ * multiply, 2 divide, 2 square root, 1 select) */
+KRHPR_INLINE void krhpr_subleg_rrrr_transmission_lanes(
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
+    const krhpr_lanes_at d[3], const krhpr_lanes_at v[3], const krhpr_lanes_at e_4[3],
+    const krhpr_lanes_at N[6], const krhpr_lanes_at along[3], krhpr_lanes_at *KRHPR_RESTRICT K_n,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
+{
+    const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
+    const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
+    const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
+    const krhpr_lanes g_k_0 = krhpr_of_leg(g->k[0], i);
+    const krhpr_lanes g_k_8 = krhpr_of_leg(g->k[8], i);
+    const krhpr_lanes dir_0 = (d[0] - v[0]) * g_k_0; /* along the upper arm */
+    const krhpr_lanes dir_1 = g_k_0 * (d[1] - v[1]);
+    const krhpr_lanes dir_2 = g_k_0 * (d[2] - v[2]);
+    const krhpr_lanes m_3_0 = v[2] * dir_1 - v[1] * dir_2; /* column 3 of (2.32) */
+    const krhpr_lanes m_3_1 = v[0] * dir_2 - v[2] * dir_0;
+    const krhpr_lanes m_3_2 = v[1] * dir_0 - v[0] * dir_1;
+    const krhpr_lanes m_4_0 = v[2] * e_4[1] - v[1] * e_4[2]; /* column 4 of (2.32) */
+    const krhpr_lanes m_4_1 = v[0] * e_4[2] - v[2] * e_4[0];
+    const krhpr_lanes m_4_2 = v[1] * e_4[0] - v[0] * e_4[1];
+    const krhpr_lanes r2 = d[0] * d[0] + d[2] * d[2];
+    const krhpr_lanes d2 = r2 + d[1] * d[1];
+    const krhpr_lanes distance = krhpr_lanes_sqrt(d2);
+    const krhpr_lanes lean = d[1] / r2;
+    const krhpr_lanes r = krhpr_lanes_sqrt(r2);
+    const krhpr_lanes n_00 = x[0] * N[0] + x[1] * N[1] + x[2] * N[2]; /* N and c_i in the leg's frame */
+    const krhpr_lanes n_01 = g_e_1_0 * N[0] + g_e_1_1 * N[1] + g_e_1_2 * N[2];
+    const krhpr_lanes n_02 = e_2[0] * N[0] + e_2[1] * N[1] + e_2[2] * N[2];
+    const krhpr_lanes n_10 = x[0] * N[3] + x[1] * N[4] + x[2] * N[5];
+    const krhpr_lanes n_11 = g_e_1_0 * N[3] + g_e_1_1 * N[4] + g_e_1_2 * N[5];
+    const krhpr_lanes n_12 = e_2[0] * N[3] + e_2[1] * N[4] + e_2[2] * N[5];
+    const krhpr_lanes n_20 = x[0] * along[0] + x[1] * along[1] + x[2] * along[2];
+    const krhpr_lanes n_21 = g_e_1_0 * along[0] + g_e_1_1 * along[1] + g_e_1_2 * along[2];
+    const krhpr_lanes n_22 = e_2[0] * along[0] + e_2[1] * along[1] + e_2[2] * along[2];
+    const krhpr_lanes t1 = 1.0 / distance;
+    const krhpr_lanes t2 = d[0] * dir_0 + d[1] * dir_1 + d[2] * dir_2 - lean * (d[2] * m_3_0 - d[0] * m_3_2);
+    K_n[0] = d[2] * n_00 - d[0] * n_02;
+    K_n[1] = d[0] * n_01 - d[1] * n_00;
+    K_n[2] = m_3_0 * n_00 + m_3_1 * n_01 + m_3_2 * n_02;
+    K_n[3] = m_4_0 * n_00 + m_4_1 * n_01 + m_4_2 * n_02;
+    K_n[4] = d[2] * n_10 - d[0] * n_12;
+    K_n[5] = d[0] * n_11 - d[1] * n_10;
+    K_n[6] = m_3_0 * n_10 + m_3_1 * n_11 + m_3_2 * n_12;
+    K_n[7] = m_4_0 * n_10 + m_4_1 * n_11 + m_4_2 * n_12;
+    K_n[8] = d[2] * n_20 - d[0] * n_22;
+    K_n[9] = d[0] * n_21 - d[1] * n_20;
+    K_n[10] = m_3_0 * n_20 + m_3_1 * n_21 + m_3_2 * n_22;
+    K_n[11] = m_4_0 * n_20 + m_4_1 * n_21 + m_4_2 * n_22;
+    K_n[12] = krhpr_all(0.0);
+    K_n[13] = (d[2] + d[1] * (d[2] * lean)) * t1;
+    K_n[14] = t1 * t2;
+    K_n[15] = -t1 * (lean * (d[2] * m_4_0 - d[0] * m_4_2));
+    *regularity = krhpr_lanes_fabs(r * g_k_8);
+}
+
+/* Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (36 add, 48 multiply) */
+KRHPR_INLINE void krhpr_subleg_rrrr_torques_lanes(
+    const krhpr_lanes_at K_n[48], const krhpr_lanes_at line_forces[6],
+    const krhpr_lanes_at redundant_forces[3], const krhpr_lanes_at swivel_forces[3],
+    krhpr_lanes_at *KRHPR_RESTRICT actuator_forces)
+{
+    const krhpr_lanes actuator_forces_00 = K_n[0] * line_forces[0] + K_n[12] * swivel_forces[0] + K_n[4] * line_forces[1] + K_n[8] * redundant_forces[0];
+    const krhpr_lanes actuator_forces_01 = K_n[1] * line_forces[0] + K_n[13] * swivel_forces[0] + K_n[5] * line_forces[1] + K_n[9] * redundant_forces[0];
+    const krhpr_lanes t1 = K_n[10] * redundant_forces[0] + K_n[14] * swivel_forces[0] + K_n[2] * line_forces[0];
+    const krhpr_lanes t2 = K_n[11] * redundant_forces[0] + K_n[15] * swivel_forces[0] + K_n[3] * line_forces[0];
+    const krhpr_lanes t3 = K_n[16] * line_forces[2] + K_n[28] * swivel_forces[1] + K_n[20] * line_forces[3];
+    const krhpr_lanes t4 = K_n[17] * line_forces[2] + K_n[29] * swivel_forces[1] + K_n[21] * line_forces[3];
+    const krhpr_lanes t5 = K_n[26] * redundant_forces[1] + K_n[30] * swivel_forces[1] + K_n[18] * line_forces[2];
+    const krhpr_lanes t6 = K_n[27] * redundant_forces[1] + K_n[31] * swivel_forces[1] + K_n[19] * line_forces[2];
+    const krhpr_lanes t7 = K_n[32] * line_forces[4] + K_n[44] * swivel_forces[2] + K_n[36] * line_forces[5];
+    const krhpr_lanes t8 = K_n[33] * line_forces[4] + K_n[45] * swivel_forces[2] + K_n[37] * line_forces[5];
+    const krhpr_lanes t9 = K_n[42] * redundant_forces[2] + K_n[46] * swivel_forces[2] + K_n[34] * line_forces[4];
+    const krhpr_lanes t10 = K_n[43] * redundant_forces[2] + K_n[47] * swivel_forces[2] + K_n[35] * line_forces[4];
+    actuator_forces[0] = actuator_forces_00;
+    actuator_forces[1] = actuator_forces_01;
+    actuator_forces[2] = t1 + K_n[6] * line_forces[1];
+    actuator_forces[3] = t2 + K_n[7] * line_forces[1];
+    actuator_forces[4] = t3 + K_n[24] * redundant_forces[1];
+    actuator_forces[5] = t4 + K_n[25] * redundant_forces[1];
+    actuator_forces[6] = t5 + K_n[22] * line_forces[3];
+    actuator_forces[7] = t6 + K_n[23] * line_forces[3];
+    actuator_forces[8] = t7 + K_n[40] * redundant_forces[2];
+    actuator_forces[9] = t8 + K_n[41] * redundant_forces[2];
+    actuator_forces[10] = t9 + K_n[38] * line_forces[5];
+    actuator_forces[11] = t10 + K_n[39] * line_forces[5];
+}
+
+/* Force at the end point of the 4R sub-leg from those of its actuators: g = M_i^-T f.  Thesis: (5.36).  (55
+ * add, 111 multiply, 4 divide, 2 square root, 7 select) */
+KRHPR_INLINE void krhpr_subleg_rrrr_end_force_lanes(
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
+    const krhpr_lanes_at d[3], const krhpr_lanes_at v[3], const krhpr_lanes_at e_4[3],
+    const krhpr_lanes_at actuator_forces[4], krhpr_lanes_at *KRHPR_RESTRICT end_force,
+    krhpr_lanes_at *KRHPR_RESTRICT swivel_forces, krhpr_lanes_at *KRHPR_RESTRICT regularity)
+{
+    const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
+    const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
+    const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
+    const krhpr_lanes g_k_0 = krhpr_of_leg(g->k[0], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_8 = krhpr_of_leg(g->k[8], i);
+    const krhpr_lanes t1 = d[0] - v[0];
+    const krhpr_lanes dir_0 = t1 * g_k_0; /* along the upper arm */
+    const krhpr_lanes t2 = d[1] - v[1];
+    const krhpr_lanes dir_1 = g_k_0 * t2; /* along the upper arm */
+    const krhpr_lanes t3 = d[2] - v[2];
+    const krhpr_lanes t4 = v[2] * e_4[1];
+    const krhpr_lanes t5 = v[1] * e_4[2];
+    const krhpr_lanes m_4_0 = t4 - t5; /* column 4 of (2.32) */
+    const krhpr_lanes t6 = v[0] * e_4[2];
+    const krhpr_lanes t7 = v[2] * e_4[0];
+    const krhpr_lanes m_4_1 = t6 - t7; /* column 4 of (2.32) */
+    const krhpr_lanes t8 = v[1] * e_4[0];
+    const krhpr_lanes t9 = v[0] * e_4[1];
+    const krhpr_lanes m_4_2 = t8 - t9; /* column 4 of (2.32) */
+    const krhpr_lanes r2 = d[0] * d[0] + d[2] * d[2];
+    const krhpr_lanes d2 = r2 + d[1] * d[1];
+    const krhpr_lanes distance = krhpr_lanes_sqrt(d2);
+    const krhpr_lanes t10 = 1.0 / r2;
+    const krhpr_lanes t11 = e_4[0] * (v[2] * t2 - v[1] * t3) + e_4[1] * (v[0] * t3 - v[2] * t1) + e_4[2] * (v[1] * t1 - v[0] * t2);
+    const krhpr_lanes sin_4 = t11 * g_k_7;
+    const krhpr_lanes r = krhpr_lanes_sqrt(r2);
+    const krhpr_lanes t12 = 1.0 / (g_k_6 * sin_4);
+    const krhpr_lanes t13 = d[0] * t12;
+    const krhpr_lanes turned_0 = 1.0 + m_4_0 * t13; /* omega x d */
+    const krhpr_lanes t14 = t7 - t6;
+    const krhpr_lanes t15 = t13 * t14;
+    const krhpr_lanes t16 = t9 - t8;
+    const krhpr_lanes t17 = t13 * t16;
+    const krhpr_lanes about = t10 * (d[1] * d[2]); /* omega^T d */
+    const krhpr_lanes t18 = 1.0 / d2;
+    const krhpr_lanes omega_0 = (d[0] * about - d[1] * t17 + d[2] * t15) * t18;
+    const krhpr_lanes omega_1 = t18 * (d[1] * about + d[2] * turned_0 + d[0] * t17);
+    const krhpr_lanes omega_2 = t18 * (d[2] * about - d[0] * t15 - d[1] * turned_0);
+    const krhpr_lanes t19 = 1.0 / dir_0;
+    const krhpr_lanes rate_3 = omega_0 * t19;
+    const krhpr_lanes t20 = d[1] * t12;
+    const krhpr_lanes t21 = t5 - t4;
+    const krhpr_lanes t22 = t20 * t21;
+    const krhpr_lanes turned_1 = 1.0 + m_4_1 * t20; /* omega x d */
+    const krhpr_lanes t23 = t16 * t20;
+    const krhpr_lanes omega_1_a = t18 * (d[0] * t23 - d[2] * t22);
+    const krhpr_lanes omega_2_a = t18 * (d[0] * turned_1 + d[1] * t22);
+    const krhpr_lanes t24 = t19 * (t18 * (d[1] * t23 + d[2] * turned_1));
+    const krhpr_lanes t25 = d[2] * t12;
+    const krhpr_lanes t26 = t21 * t25;
+    const krhpr_lanes t27 = t14 * t25;
+    const krhpr_lanes turned_2 = 1.0 + m_4_2 * t25; /* omega x d */
+    const krhpr_lanes t28 = t10 * (d[0] * d[1]);
+    const krhpr_lanes omega_0_a = t18 * (d[1] * turned_2 - d[0] * t28 + d[2] * t27);
+    const krhpr_lanes omega_2_b = t18 * (d[1] * t26 - (d[2] * t28 + d[0] * t27));
+    const krhpr_lanes rate_3_a = t19 * omega_0_a;
+    const krhpr_lanes omega_0_b = t18 * (d[0] * distance);
+    const krhpr_lanes omega_1_b = t18 * (d[1] * distance);
+    const krhpr_lanes omega_2_c = t18 * (d[2] * distance);
+    const krhpr_lanes rate_3_b = t19 * omega_0_b;
+    const krhpr_lanes t29 = actuator_forces[0] * (omega_1 - dir_1 * rate_3) + actuator_forces[1] * omega_2 + actuator_forces[2] * rate_3;
+    const krhpr_lanes g_l_0 = t29 - actuator_forces[3] * t13; /* in the leg's frame */
+    const krhpr_lanes t30 = actuator_forces[0] * (omega_1_a + dir_1 * t24) + actuator_forces[1] * omega_2_a;
+    const krhpr_lanes g_l_1 = t30 - actuator_forces[2] * t24 - actuator_forces[3] * t20; /* in the leg's frame */
+    const krhpr_lanes t31 = actuator_forces[0] * (t18 * (d[1] * t28 + d[2] * t26 + d[0] * turned_2) + dir_1 * rate_3_a);
+    const krhpr_lanes g_l_2 = actuator_forces[1] * omega_2_b - t31 + actuator_forces[2] * rate_3_a - actuator_forces[3] * t25; /* in the leg's frame */
+    const krhpr_lanes t32 = actuator_forces[0] * (omega_1_b - dir_1 * rate_3_b) + actuator_forces[1] * omega_2_c;
+    const krhpr_lanes t33 = krhpr_lanes_min(krhpr_lanes_min(krhpr_lanes_fabs(dir_0), krhpr_lanes_fabs(sin_4)), krhpr_lanes_fabs(distance * g_k_8));
+    end_force[0] = e_2[0] * g_l_2 + g_e_1_0 * g_l_1 + x[0] * g_l_0;
+    end_force[1] = e_2[1] * g_l_2 + g_e_1_1 * g_l_1 + x[1] * g_l_0;
+    end_force[2] = e_2[2] * g_l_2 + g_e_1_2 * g_l_1 + x[2] * g_l_0;
+    *swivel_forces = t32 + actuator_forces[2] * rate_3_b;
+    *regularity = krhpr_lanes_min(t33, krhpr_lanes_fabs(r * g_k_8));
+}
+
 #endif

@@ -419,4 +419,68 @@ KRHPR_STATIC void krhpr_subleg_tripteron_points(
     *regularity = krhpr_min(krhpr_min(d2_1 * g->k[6][i], d2_2 * g->k[6][i]), d2_3 * g->k[6][i]);
 }
 
+/* Rows of K_n for the (Tripteron) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (15 add, 24
+ * multiply) */
+KRHPR_STATIC void krhpr_subleg_tripteron_transmission(
+    const krhpr_subleg_tripteron_geometry *g, int i, const double N[6], const double along[3],
+    double *KRHPR_RESTRICT K_n)
+{
+    const double n_00 = g->e_x[0][i] * N[0] + g->e_x[1][i] * N[1] + g->e_x[2][i] * N[2];
+    const double n_01 = g->e_1[0][i] * N[0] + g->e_1[1][i] * N[1] + g->e_1[2][i] * N[2];
+    const double n_02 = g->e_t[0][i] * N[0] + g->e_t[1][i] * N[1];
+    const double n_10 = g->e_x[0][i] * N[3] + g->e_x[1][i] * N[4] + g->e_x[2][i] * N[5];
+    const double n_11 = g->e_1[0][i] * N[3] + g->e_1[1][i] * N[4] + g->e_1[2][i] * N[5];
+    const double n_12 = g->e_t[0][i] * N[3] + g->e_t[1][i] * N[4];
+    const double n_20 = g->e_x[0][i] * along[0] + g->e_x[1][i] * along[1] + g->e_x[2][i] * along[2];
+    const double n_21 = g->e_1[0][i] * along[0] + g->e_1[1][i] * along[1] + g->e_1[2][i] * along[2];
+    const double n_22 = g->e_t[0][i] * along[0] + g->e_t[1][i] * along[1];
+    K_n[0] = n_00;
+    K_n[1] = n_01;
+    K_n[2] = n_02;
+    K_n[3] = n_10;
+    K_n[4] = n_11;
+    K_n[5] = n_12;
+    K_n[6] = n_20;
+    K_n[7] = n_21;
+    K_n[8] = n_22;
+}
+
+/* Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (18 add, 27 multiply) */
+KRHPR_STATIC void krhpr_subleg_tripteron_torques(
+    const double K_n[27], const double line_forces[6], const double redundant_forces[3],
+    double *KRHPR_RESTRICT actuator_forces)
+{
+    const double actuator_forces_00 = K_n[0] * line_forces[0] + K_n[3] * line_forces[1] + K_n[6] * redundant_forces[0];
+    const double actuator_forces_01 = K_n[1] * line_forces[0] + K_n[4] * line_forces[1] + K_n[7] * redundant_forces[0];
+    const double actuator_forces_02 = K_n[2] * line_forces[0] + K_n[5] * line_forces[1] + K_n[8] * redundant_forces[0];
+    const double actuator_forces_10 = K_n[9] * line_forces[2] + K_n[12] * line_forces[3] + K_n[15] * redundant_forces[1];
+    const double actuator_forces_11 = K_n[10] * line_forces[2] + K_n[13] * line_forces[3] + K_n[16] * redundant_forces[1];
+    const double actuator_forces_12 = K_n[11] * line_forces[2] + K_n[14] * line_forces[3] + K_n[17] * redundant_forces[1];
+    const double actuator_forces_20 = K_n[18] * line_forces[4] + K_n[21] * line_forces[5] + K_n[24] * redundant_forces[2];
+    const double actuator_forces_21 = K_n[19] * line_forces[4] + K_n[22] * line_forces[5] + K_n[25] * redundant_forces[2];
+    const double actuator_forces_22 = K_n[20] * line_forces[4] + K_n[23] * line_forces[5] + K_n[26] * redundant_forces[2];
+    actuator_forces[0] = actuator_forces_00;
+    actuator_forces[1] = actuator_forces_01;
+    actuator_forces[2] = actuator_forces_02;
+    actuator_forces[3] = actuator_forces_10;
+    actuator_forces[4] = actuator_forces_11;
+    actuator_forces[5] = actuator_forces_12;
+    actuator_forces[6] = actuator_forces_20;
+    actuator_forces[7] = actuator_forces_21;
+    actuator_forces[8] = actuator_forces_22;
+}
+
+/* Force at the end point of the (Tripteron) sub-leg from those of its actuators: g = M_i^-T f.  Thesis:
+ * (5.36).  (5 add, 8 multiply) */
+KRHPR_STATIC void krhpr_subleg_tripteron_end_force(
+    const krhpr_subleg_tripteron_geometry *g, int i, const double actuator_forces[3],
+    double *KRHPR_RESTRICT end_force)
+{
+    const double end_force_0 = g->e_x[0][i] * actuator_forces[0] + g->e_1[0][i] * actuator_forces[1] + g->e_t[0][i] * actuator_forces[2];
+    const double end_force_1 = g->e_x[1][i] * actuator_forces[0] + g->e_1[1][i] * actuator_forces[1] + g->e_t[1][i] * actuator_forces[2];
+    end_force[0] = end_force_0;
+    end_force[1] = end_force_1;
+    end_force[2] = g->e_x[2][i] * actuator_forces[0] + g->e_1[2][i] * actuator_forces[1];
+}
+
 #endif

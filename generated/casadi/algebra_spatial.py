@@ -93,3 +93,17 @@ def rotation_error(Q: Any) -> tuple[Any, ...]:
     return (
         ca.fmax(t3, t4),
     )
+
+
+def total(end_force: Any, moment: Any) -> tuple[Any, ...]:
+    """The wrench of three forces: their sum, and that of their moments.  Thesis: (5.36).  (12 add)"""
+    end_force_00, end_force_01, end_force_02, end_force_10, end_force_11, end_force_12, end_force_20, end_force_21, end_force_22 = end_force
+    moment_00, moment_01, moment_02, moment_10, moment_11, moment_12, moment_20, moment_21, moment_22 = moment
+    return (
+        end_force_20 + (end_force_00 + end_force_10),
+        end_force_21 + (end_force_01 + end_force_11),
+        end_force_22 + (end_force_02 + end_force_12),
+        moment_20 + (moment_00 + moment_10),
+        moment_21 + (moment_01 + moment_11),
+        moment_22 + (moment_02 + moment_12),
+    )

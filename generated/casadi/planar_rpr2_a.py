@@ -456,6 +456,83 @@ def joint_accelerations(geometry: Any) -> Any:
     return call.function({"theta_ddot": theta_ddot})
 
 
+def inverse_statics(geometry: Any) -> Any:
+    """Forces of the actuators with which the robot applies a wrench, and forces along the redundant
+    coordinates, to its environment: f = (J^-1 K)^T F where those are zero."""
+    call = rt.Call(
+        "inverse_statics",
+        (
+            rt.Port("p", (2,), "shared"),
+            rt.Port("phi", (), "shared"),
+            rt.Port("s", (3, 2), "stacked"),
+            rt.Port("theta", (3, 2), "stacked"),
+            rt.Port("wrench", (3,), "shared"),
+            rt.Port("redundant_forces", (3,), "stacked"),
+        ),
+        (
+            rt.Port("actuator_forces", (3, 2), "shared"),
+        ),
+        geometry,
+    )
+    Q = algebra.rotation(call.whole("phi"))
+    line: list[Any] = []
+    point: list[Any] = []
+    redundant_line: list[Any] = []
+    K_n: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        line_i, point_i, N_i, _scale = platform.line(
+            platform.prepare(fields), call.leg("p", i), Q, call.leg("s", i))
+        along_i, redundant_line_i = platform.redundant_line(
+            platform.prepare(fields), call.leg("p", i), Q, call.leg("s", i))
+        w_i, b_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        K_n_i, _regularity = subleg.transmission(subleg.prepare(fields), w_i, b_i, N_i, along_i)
+        line += line_i
+        point += point_i
+        redundant_line += redundant_line_i
+        K_n += K_n_i
+    line_forces, _det_regularity = platform.balance(
+            Q, line, point, redundant_line, call.whole("redundant_forces"), call.whole("wrench"))
+    actuator_forces = subleg.torques(K_n, line_forces, call.whole("redundant_forces"))
+    return call.function({"actuator_forces": actuator_forces})
+
+
+def forward_statics(geometry: Any) -> Any:
+    """What the robot applies to its environment with given forces of the actuators: a wrench, and
+    forces along the redundant coordinates."""
+    call = rt.Call(
+        "forward_statics",
+        (
+            rt.Port("p", (2,), "shared"),
+            rt.Port("phi", (), "shared"),
+            rt.Port("s", (3, 2), "stacked"),
+            rt.Port("theta", (3, 2), "stacked"),
+            rt.Port("actuator_forces", (3, 2), "stacked"),
+        ),
+        (
+            rt.Port("wrench", (3,), "shared"),
+            rt.Port("redundant_forces", (3,), "stacked"),
+        ),
+        geometry,
+    )
+    Q = algebra.rotation(call.whole("phi"))
+    end_force: list[Any] = []
+    moment: list[Any] = []
+    redundant_forces: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        w_i, b_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        end_force_i, _regularity = subleg.end_force(
+            subleg.prepare(fields), w_i, b_i, call.leg("actuator_forces", i))
+        moment_i, redundant_forces_i = platform.reaction(
+            platform.prepare(fields), call.leg("p", i), Q, call.leg("s", i), end_force_i)
+        end_force += end_force_i
+        moment += moment_i
+        redundant_forces += redundant_forces_i
+    wrench = algebra.total(end_force, moment)
+    return call.function({"wrench": wrench, "redundant_forces": redundant_forces})
+
+
 def passive_joints(geometry: Any) -> Any:
     """Every passive joint, from the base to the platform."""
     call = rt.Call(
@@ -709,6 +786,8 @@ FUNCTIONS = {
     "joint_rates": joint_rates,
     "platform_acceleration": platform_acceleration,
     "joint_accelerations": joint_accelerations,
+    "inverse_statics": inverse_statics,
+    "forward_statics": forward_statics,
     "passive_joints": passive_joints,
     "link_points": link_points,
     "singularity": singularity,

@@ -448,6 +448,129 @@ def joint_accelerations(geometry: Any) -> Any:
     return call.function({"theta_ddot": theta_ddot})
 
 
+def inverse_statics(geometry: Any) -> Any:
+    """Forces of the actuators with which the robot applies a wrench, and forces along the redundant
+    coordinates, to its environment: f = (J^-1 K)^T F where those are zero."""
+    call = rt.Call(
+        "inverse_statics",
+        (
+            rt.Port("p", (3,), "shared"),
+            rt.Port("Q", (3, 3), "shared"),
+            rt.Port("s", (3, 3), "stacked"),
+            rt.Port("theta", (3, 3), "stacked"),
+            rt.Port("wrench", (6,), "shared"),
+            rt.Port("redundant_forces", (3,), "stacked"),
+        ),
+        (
+            rt.Port("actuator_forces", (3, 3), "shared"),
+        ),
+        geometry,
+    )
+    line: list[Any] = []
+    point: list[Any] = []
+    redundant_line: list[Any] = []
+    K_n: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        line_i, point_i, N_i, _scale = platform.line(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
+        along_i, redundant_line_i = platform.redundant_line(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
+        _rho = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        K_n_i = subleg.transmission(subleg.prepare(fields), N_i, along_i)
+        line += line_i
+        point += point_i
+        redundant_line += redundant_line_i
+        K_n += K_n_i
+    line_forces, _det_regularity = platform.balance(
+            call.whole("Q"), line, point, redundant_line, call.whole("redundant_forces"),
+            call.whole("wrench"))
+    actuator_forces = subleg.torques(K_n, line_forces, call.whole("redundant_forces"))
+    return call.function({"actuator_forces": actuator_forces})
+
+
+def forward_statics(geometry: Any) -> Any:
+    """What the robot applies to its environment with given forces of the actuators: a wrench, and
+    forces along the redundant coordinates."""
+    call = rt.Call(
+        "forward_statics",
+        (
+            rt.Port("p", (3,), "shared"),
+            rt.Port("Q", (3, 3), "shared"),
+            rt.Port("s", (3, 3), "stacked"),
+            rt.Port("theta", (3, 3), "stacked"),
+            rt.Port("actuator_forces", (3, 3), "stacked"),
+        ),
+        (
+            rt.Port("wrench", (6,), "shared"),
+            rt.Port("redundant_forces", (3,), "stacked"),
+        ),
+        geometry,
+    )
+    end_force: list[Any] = []
+    moment: list[Any] = []
+    redundant_forces: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        _rho = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        end_force_i = subleg.end_force(subleg.prepare(fields), call.leg("actuator_forces", i))
+        moment_i, redundant_forces_i = platform.reaction(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i), end_force_i)
+        end_force += end_force_i
+        moment += moment_i
+        redundant_forces += redundant_forces_i
+    wrench = algebra.total(end_force, moment)
+    return call.function({"wrench": wrench, "redundant_forces": redundant_forces})
+
+
+def opening(geometry: Any) -> Any:
+    """The opening of a gripper with a jaw on each slide: diameter and centre of the round object that
+    touches all three, and the shares in which they press on it."""
+    call = rt.Call(
+        "opening",
+        (
+            rt.Port("redundant", (3,), "stacked"),
+            rt.Port("jaws", (3,), "stacked"),
+        ),
+        (
+            rt.Port("opening", (), "shared"),
+            rt.Port("centre", (2,), "shared"),
+            rt.Port("shares", (3,), "shared"),
+        ),
+        geometry,
+    )
+    slide: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        slide_i = platform.tie(platform.prepare(fields))
+        slide += slide_i
+    opening, centre, shares = platform.opening(slide, call.whole("redundant"), call.whole("jaws"))
+    return call.function({"opening": opening, "centre": centre, "shares": shares})
+
+
+def redundant_of_opening(geometry: Any) -> Any:
+    """Redundant coordinates at which the jaws touch a round object with given diameter and centre."""
+    call = rt.Call(
+        "redundant_of_opening",
+        (
+            rt.Port("opening", (), "shared"),
+            rt.Port("centre", (2,), "shared"),
+            rt.Port("jaws", (3,), "stacked"),
+        ),
+        (
+            rt.Port("redundant", (3,), "stacked"),
+        ),
+        geometry,
+    )
+    redundant: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        redundant_i = platform.redundant_of_opening(
+            platform.prepare(fields), call.leg("opening", i), call.leg("centre", i), call.leg("jaws", i))
+        redundant += redundant_i
+    return call.function({"redundant": redundant})
+
+
 def passive_joints(geometry: Any) -> Any:
     """Every passive joint, from the base to the platform."""
     call = rt.Call(
@@ -714,6 +837,10 @@ FUNCTIONS = {
     "joint_rates": joint_rates,
     "platform_acceleration": platform_acceleration,
     "joint_accelerations": joint_accelerations,
+    "inverse_statics": inverse_statics,
+    "forward_statics": forward_statics,
+    "opening": opening,
+    "redundant_of_opening": redundant_of_opening,
     "passive_joints": passive_joints,
     "link_points": link_points,
     "singularity": singularity,

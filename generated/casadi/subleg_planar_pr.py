@@ -247,3 +247,51 @@ def points(g: Any, u: Any, s: Any) -> tuple[Any, ...]:
         s_0,
         s_1,
     )
+
+
+def transmission(g: Any, u: Any, N: Any, along: Any) -> tuple[Any, ...]:
+    """Rows of K_n for the PR sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (4 add, 8 multiply)"""
+    u_0, u_1 = u
+    N_00, N_01 = N
+    along_0, along_1 = along
+    return (
+        g.e_1[0] * N_00 + g.e_1[1] * N_01,
+        u_0 * N_01 - u_1 * N_00,
+        g.e_1[0] * along_0 + g.e_1[1] * along_1,
+        u_0 * along_1 - u_1 * along_0,
+    )
+
+
+def torques(K_n: Any, line_forces: Any, redundant_forces: Any) -> tuple[Any, ...]:
+    """Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (6 add, 12 multiply)"""
+    K_n_00, K_n_01, K_n_02, K_n_03, K_n_10, K_n_11, K_n_12, K_n_13, K_n_20, K_n_21, K_n_22, K_n_23 = K_n
+    line_forces_00, line_forces_10, line_forces_20 = line_forces
+    redundant_forces_0, redundant_forces_1, redundant_forces_2 = redundant_forces
+    return (
+        K_n_00 * line_forces_00 + K_n_02 * redundant_forces_0,
+        K_n_01 * line_forces_00 + K_n_03 * redundant_forces_0,
+        K_n_10 * line_forces_10 + K_n_12 * redundant_forces_1,
+        K_n_11 * line_forces_10 + K_n_13 * redundant_forces_1,
+        K_n_20 * line_forces_20 + K_n_22 * redundant_forces_2,
+        K_n_21 * line_forces_20 + K_n_23 * redundant_forces_2,
+    )
+
+
+def end_force(g: Any, u: Any, actuator_forces: Any) -> tuple[Any, ...]:
+    """Force at the end point of the PR sub-leg from those of its actuators: g = M_i^-T f.  Thesis:
+    (5.36).  (3 add, 11 multiply, 1 divide, 1 select)"""
+    u_0, u_1 = u
+    actuator_forces_0, actuator_forces_1 = actuator_forces
+    along = g.e_1[0] * u_0 + g.e_1[1] * u_1  # e^T u
+    t1 = 1 / along
+    g_l_0 = u_0 * actuator_forces_0 * t1 - t1 * (g.e_1[1] * actuator_forces_1)  # in the leg's frame
+    g_l_1 = t1 * (u_1 * actuator_forces_0) + t1 * (g.e_1[0] * actuator_forces_1)
+    return (
+        (  # end_force
+            g_l_0,
+            g_l_1,
+        ),
+        (  # regularity
+            ca.fabs(along * g.k[1]),
+        ),
+    )

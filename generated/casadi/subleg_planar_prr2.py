@@ -451,3 +451,65 @@ def points(g: Any, w: Any, s: Any) -> tuple[Any, ...]:
         s_0,
         s_1,
     )
+
+
+def transmission(g: Any, w: Any, b: Any, N: Any, along: Any) -> tuple[Any, ...]:
+    """Rows of K_n for the (2-PRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (5 add, 19
+    multiply, 1 divide, 1 select)"""
+    w_00, w_01, w_10, w_11 = w
+    b_0, b_1 = b
+    N_00, N_01 = N
+    along_0, along_1 = along
+    volume = w_00 * w_11 - w_01 * w_10  # det [w_1 ...]
+    t1 = 1 / volume
+    m_00 = w_11 * b_0 * t1  # A^-1 B in the leg's frame
+    t2 = t1 * (w_01 * b_1)
+    t3 = t1 * (w_10 * b_0)
+    m_11 = t1 * (w_00 * b_1)  # A^-1 B in the leg's frame
+    return (
+        (  # K_n
+            N_00 * m_00 - N_01 * t3,
+            N_01 * m_11 - N_00 * t2,
+            along_0 * m_00 - along_1 * t3,
+            along_1 * m_11 - along_0 * t2,
+        ),
+        (  # regularity
+            ca.fabs(volume * g.k[4]),
+        ),
+    )
+
+
+def torques(K_n: Any, line_forces: Any, redundant_forces: Any) -> tuple[Any, ...]:
+    """Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (6 add, 12 multiply)"""
+    K_n_00, K_n_01, K_n_02, K_n_03, K_n_10, K_n_11, K_n_12, K_n_13, K_n_20, K_n_21, K_n_22, K_n_23 = K_n
+    line_forces_00, line_forces_10, line_forces_20 = line_forces
+    redundant_forces_0, redundant_forces_1, redundant_forces_2 = redundant_forces
+    return (
+        K_n_00 * line_forces_00 + K_n_02 * redundant_forces_0,
+        K_n_01 * line_forces_00 + K_n_03 * redundant_forces_0,
+        K_n_10 * line_forces_10 + K_n_12 * redundant_forces_1,
+        K_n_11 * line_forces_10 + K_n_13 * redundant_forces_1,
+        K_n_20 * line_forces_20 + K_n_22 * redundant_forces_2,
+        K_n_21 * line_forces_20 + K_n_23 * redundant_forces_2,
+    )
+
+
+def end_force(g: Any, w: Any, b: Any, actuator_forces: Any) -> tuple[Any, ...]:
+    """Force at the end point of the (2-PRR) sub-leg from those of its actuators: g = M_i^-T f.
+    Thesis: (5.36).  (2 add, 10 multiply, 2 divide, 3 select)"""
+    w_00, w_01, w_10, w_11 = w
+    b_0, b_1 = b
+    actuator_forces_0, actuator_forces_1 = actuator_forces
+    t1 = 1 / b_0
+    t2 = 1 / b_1
+    g_l_0 = w_00 * actuator_forces_0 * t1 + w_10 * actuator_forces_1 * t2  # in the leg's frame
+    g_l_1 = t1 * (w_01 * actuator_forces_0) + t2 * (w_11 * actuator_forces_1)
+    return (
+        (  # end_force
+            g_l_0,
+            g_l_1,
+        ),
+        (  # regularity
+            ca.fmin(ca.fabs(b_0 * g.k[5]), ca.fabs(b_1 * g.k[5])),
+        ),
+    )

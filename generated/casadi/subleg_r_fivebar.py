@@ -812,3 +812,122 @@ def points(g: Any, x: Any, d: Any, u_1: Any, u_2: Any, s: Any) -> tuple[Any, ...
         s_1,
         s_2,
     )
+
+
+def transmission(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any, along: Any) -> tuple[Any, ...]:
+    """Rows of K_n for the R(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (38 add, 67
+    multiply, 1 divide, 1 select)"""
+    x_0, x_1, x_2 = x
+    e_2_0, e_2_1, e_2_2 = e_2
+    d_0, d_1 = d
+    u_1_0, u_1_1 = u_1
+    u_2_0, u_2_1 = u_2
+    N_00, N_01, N_02, N_10, N_11, N_12 = N
+    along_0, along_1, along_2 = along
+    v_1_0 = d_0 - u_1_0  # (1.14)
+    v_1_1 = d_1 - u_1_1
+    t1 = v_1_0 * g.k[7]
+    v_2_0 = u_1_0 + t1 - u_2_0  # (1.15)
+    t2 = v_1_1 * g.k[7]
+    v_2_1 = u_1_1 + t2 - u_2_1  # (1.15)
+    b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
+    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    t3 = u_2_0 * v_2_1
+    t4 = u_2_1 * v_2_0
+    b_33 = t3 - t4  # v_2^T (e_3 x u_2)
+    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
+    t5 = g.k[7] * b_22
+    t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
+    m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
+    m_02 = t6 * (v_1_1 * (t4 - t3))
+    m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5)
+    m_12 = t6 * (v_1_0 * b_33)
+    n_00 = x_0 * N_00 + x_1 * N_01 + x_2 * N_02  # N and c_i in the leg's frame
+    n_01 = g.e_1[0] * N_00 + g.e_1[1] * N_01 + g.e_1[2] * N_02
+    n_02 = e_2_0 * N_00 + e_2_1 * N_01 + e_2_2 * N_02
+    n_10 = x_0 * N_10 + x_1 * N_11 + x_2 * N_12
+    n_11 = g.e_1[0] * N_10 + g.e_1[1] * N_11 + g.e_1[2] * N_12
+    n_12 = e_2_0 * N_10 + e_2_1 * N_11 + e_2_2 * N_12
+    n_20 = x_0 * along_0 + x_1 * along_1 + x_2 * along_2
+    n_21 = g.e_1[0] * along_0 + g.e_1[1] * along_1 + g.e_1[2] * along_2
+    n_22 = e_2_0 * along_0 + e_2_1 * along_1 + e_2_2 * along_2
+    return (
+        (  # K_n
+            -d_0 * n_02,
+            m_01 * n_00 + m_11 * n_01,
+            m_02 * n_00 + m_12 * n_01,
+            -d_0 * n_12,
+            m_01 * n_10 + m_11 * n_11,
+            m_02 * n_10 + m_12 * n_11,
+            -d_0 * n_22,
+            m_01 * n_20 + m_11 * n_21,
+            m_02 * n_20 + m_12 * n_21,
+        ),
+        (  # regularity
+            ca.fabs(delta * g.k[14]),
+        ),
+    )
+
+
+def torques(K_n: Any, line_forces: Any, redundant_forces: Any) -> tuple[Any, ...]:
+    """Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (18 add, 27
+    multiply)"""
+    K_n_00, K_n_01, K_n_02, K_n_03, K_n_04, K_n_05, K_n_06, K_n_07, K_n_08, K_n_10, K_n_11, K_n_12, K_n_13, K_n_14, K_n_15, K_n_16, K_n_17, K_n_18, K_n_20, K_n_21, K_n_22, K_n_23, K_n_24, K_n_25, K_n_26, K_n_27, K_n_28 = K_n
+    line_forces_00, line_forces_01, line_forces_10, line_forces_11, line_forces_20, line_forces_21 = line_forces
+    redundant_forces_0, redundant_forces_1, redundant_forces_2 = redundant_forces
+    actuator_forces_00 = K_n_00 * line_forces_00 + K_n_03 * line_forces_01 + K_n_06 * redundant_forces_0
+    actuator_forces_01 = K_n_01 * line_forces_00 + K_n_04 * line_forces_01 + K_n_07 * redundant_forces_0
+    actuator_forces_02 = K_n_02 * line_forces_00 + K_n_05 * line_forces_01 + K_n_08 * redundant_forces_0
+    actuator_forces_10 = K_n_10 * line_forces_10 + K_n_13 * line_forces_11 + K_n_16 * redundant_forces_1
+    actuator_forces_11 = K_n_11 * line_forces_10 + K_n_14 * line_forces_11 + K_n_17 * redundant_forces_1
+    actuator_forces_12 = K_n_12 * line_forces_10 + K_n_15 * line_forces_11 + K_n_18 * redundant_forces_1
+    actuator_forces_20 = K_n_20 * line_forces_20 + K_n_23 * line_forces_21 + K_n_26 * redundant_forces_2
+    actuator_forces_21 = K_n_21 * line_forces_20 + K_n_24 * line_forces_21 + K_n_27 * redundant_forces_2
+    actuator_forces_22 = K_n_22 * line_forces_20 + K_n_25 * line_forces_21 + K_n_28 * redundant_forces_2
+    return (
+        actuator_forces_00,
+        actuator_forces_01,
+        actuator_forces_02,
+        actuator_forces_10,
+        actuator_forces_11,
+        actuator_forces_12,
+        actuator_forces_20,
+        actuator_forces_21,
+        actuator_forces_22,
+    )
+
+
+def end_force(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, actuator_forces: Any) -> tuple[Any, ...]:
+    """Force at the end point of the R(RR-RRR) sub-leg from those of its actuators: g = M_i^-T f.
+    Thesis: (5.36).  (19 add, 35 multiply, 3 divide, 5 select)"""
+    x_0, x_1, x_2 = x
+    e_2_0, e_2_1, e_2_2 = e_2
+    d_0, d_1 = d
+    u_1_0, u_1_1 = u_1
+    u_2_0, u_2_1 = u_2
+    actuator_forces_0, actuator_forces_1, actuator_forces_2 = actuator_forces
+    v_1_0 = d_0 - u_1_0  # (1.14)
+    v_1_1 = d_1 - u_1_1
+    v_2_0 = u_1_0 + v_1_0 * g.k[7] - u_2_0  # (1.15)
+    v_2_1 = u_1_1 + v_1_1 * g.k[7] - u_2_1
+    b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
+    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
+    w_2 = g.k[7] * v_2_0  # A s_dot
+    w_2_a = g.k[7] * v_2_1
+    t1 = 1 / b_22
+    t2 = 1 / b_33
+    g_l_0 = v_1_0 * actuator_forces_1 * t1 + actuator_forces_2 * (w_2 - t1 * (v_1_0 * b_32)) * t2  # in the leg's frame
+    g_l_1 = t1 * (v_1_1 * actuator_forces_1) + t2 * (actuator_forces_2 * (w_2_a - t1 * (v_1_1 * b_32)))
+    t3 = actuator_forces_0 / d_0
+    regularity_a = ca.fmin(ca.fmin(ca.fabs(d_0 * g.k[15]), ca.fabs(b_22 * g.k[16])), ca.fabs(b_33 * g.k[17]))
+    return (
+        (  # end_force
+            g.e_1[0] * g_l_1 - e_2_0 * t3 + x_0 * g_l_0,
+            g.e_1[1] * g_l_1 - e_2_1 * t3 + x_1 * g_l_0,
+            g.e_1[2] * g_l_1 - e_2_2 * t3 + x_2 * g_l_0,
+        ),
+        (  # regularity
+            regularity_a,
+        ),
+    )

@@ -735,3 +735,185 @@ def swivel_difference(swivel_accelerations: Any, swivel_bias: Any) -> tuple[Any,
     return (
         swivel_accelerations - swivel_bias,
     )
+
+
+def transmission(g: Any, x: Any, e_2: Any, d: Any, v: Any, e_4: Any, N: Any, along: Any) -> tuple[Any, ...]:
+    """Rows of K_n for the 4R sub-leg: N M_i, c_i^T M_i, and the swivel's.  Thesis: (5.57), (5.59).
+    (53 add, 90 multiply, 2 divide, 2 square root, 1 select)"""
+    x_0, x_1, x_2 = x
+    e_2_0, e_2_1, e_2_2 = e_2
+    d_0, d_1, d_2 = d
+    v_0, v_1, v_2 = v
+    e_4_0, e_4_1, e_4_2 = e_4
+    N_00, N_01, N_02, N_10, N_11, N_12 = N
+    along_0, along_1, along_2 = along
+    dir_0 = (d_0 - v_0) * g.k[0]  # along the upper arm
+    dir_1 = g.k[0] * (d_1 - v_1)
+    dir_2 = g.k[0] * (d_2 - v_2)
+    m_3_0 = v_2 * dir_1 - v_1 * dir_2  # column 3 of (2.32)
+    m_3_1 = v_0 * dir_2 - v_2 * dir_0
+    m_3_2 = v_1 * dir_0 - v_0 * dir_1
+    m_4_0 = v_2 * e_4_1 - v_1 * e_4_2  # column 4 of (2.32)
+    m_4_1 = v_0 * e_4_2 - v_2 * e_4_0
+    m_4_2 = v_1 * e_4_0 - v_0 * e_4_1
+    r2 = d_0 * d_0 + d_2 * d_2
+    d2 = r2 + d_1 * d_1
+    distance = ca.sqrt(d2)
+    lean = d_1 / r2
+    r = ca.sqrt(r2)
+    n_00 = x_0 * N_00 + x_1 * N_01 + x_2 * N_02  # N and c_i in the leg's frame
+    n_01 = g.e_1[0] * N_00 + g.e_1[1] * N_01 + g.e_1[2] * N_02
+    n_02 = e_2_0 * N_00 + e_2_1 * N_01 + e_2_2 * N_02
+    n_10 = x_0 * N_10 + x_1 * N_11 + x_2 * N_12
+    n_11 = g.e_1[0] * N_10 + g.e_1[1] * N_11 + g.e_1[2] * N_12
+    n_12 = e_2_0 * N_10 + e_2_1 * N_11 + e_2_2 * N_12
+    n_20 = x_0 * along_0 + x_1 * along_1 + x_2 * along_2
+    n_21 = g.e_1[0] * along_0 + g.e_1[1] * along_1 + g.e_1[2] * along_2
+    n_22 = e_2_0 * along_0 + e_2_1 * along_1 + e_2_2 * along_2
+    t1 = 1 / distance
+    K_n_14 = t1 * (d_0 * dir_0 + d_1 * dir_1 + d_2 * dir_2 - lean * (d_2 * m_3_0 - d_0 * m_3_2))
+    return (
+        (  # K_n
+            d_2 * n_00 - d_0 * n_02,
+            d_0 * n_01 - d_1 * n_00,
+            m_3_0 * n_00 + m_3_1 * n_01 + m_3_2 * n_02,
+            m_4_0 * n_00 + m_4_1 * n_01 + m_4_2 * n_02,
+            d_2 * n_10 - d_0 * n_12,
+            d_0 * n_11 - d_1 * n_10,
+            m_3_0 * n_10 + m_3_1 * n_11 + m_3_2 * n_12,
+            m_4_0 * n_10 + m_4_1 * n_11 + m_4_2 * n_12,
+            d_2 * n_20 - d_0 * n_22,
+            d_0 * n_21 - d_1 * n_20,
+            m_3_0 * n_20 + m_3_1 * n_21 + m_3_2 * n_22,
+            m_4_0 * n_20 + m_4_1 * n_21 + m_4_2 * n_22,
+            0,
+            (d_2 + d_1 * (d_2 * lean)) * t1,
+            K_n_14,
+            -t1 * (lean * (d_2 * m_4_0 - d_0 * m_4_2)),
+        ),
+        (  # regularity
+            ca.fabs(r * g.k[8]),
+        ),
+    )
+
+
+def torques(K_n: Any, line_forces: Any, redundant_forces: Any, swivel_forces: Any) -> tuple[Any, ...]:
+    """Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (36 add, 48
+    multiply)"""
+    K_n_00, K_n_01, K_n_02, K_n_03, K_n_04, K_n_05, K_n_06, K_n_07, K_n_08, K_n_09, K_n_010, K_n_011, K_n_012, K_n_013, K_n_014, K_n_015, K_n_10, K_n_11, K_n_12, K_n_13, K_n_14, K_n_15, K_n_16, K_n_17, K_n_18, K_n_19, K_n_110, K_n_111, K_n_112, K_n_113, K_n_114, K_n_115, K_n_20, K_n_21, K_n_22, K_n_23, K_n_24, K_n_25, K_n_26, K_n_27, K_n_28, K_n_29, K_n_210, K_n_211, K_n_212, K_n_213, K_n_214, K_n_215 = K_n
+    line_forces_00, line_forces_01, line_forces_10, line_forces_11, line_forces_20, line_forces_21 = line_forces
+    redundant_forces_0, redundant_forces_1, redundant_forces_2 = redundant_forces
+    swivel_forces_0, swivel_forces_1, swivel_forces_2 = swivel_forces
+    actuator_forces_00 = K_n_00 * line_forces_00 + K_n_012 * swivel_forces_0 + K_n_04 * line_forces_01 + K_n_08 * redundant_forces_0
+    actuator_forces_01 = K_n_01 * line_forces_00 + K_n_013 * swivel_forces_0 + K_n_05 * line_forces_01 + K_n_09 * redundant_forces_0
+    t1 = K_n_010 * redundant_forces_0 + K_n_014 * swivel_forces_0 + K_n_02 * line_forces_00
+    t2 = K_n_011 * redundant_forces_0 + K_n_015 * swivel_forces_0 + K_n_03 * line_forces_00
+    actuator_forces_10 = K_n_10 * line_forces_10 + K_n_112 * swivel_forces_1 + K_n_14 * line_forces_11 + K_n_18 * redundant_forces_1
+    actuator_forces_11 = K_n_11 * line_forces_10 + K_n_113 * swivel_forces_1 + K_n_15 * line_forces_11 + K_n_19 * redundant_forces_1
+    t3 = K_n_110 * redundant_forces_1 + K_n_114 * swivel_forces_1 + K_n_12 * line_forces_10
+    t4 = K_n_111 * redundant_forces_1 + K_n_115 * swivel_forces_1 + K_n_13 * line_forces_10
+    actuator_forces_20 = K_n_20 * line_forces_20 + K_n_212 * swivel_forces_2 + K_n_24 * line_forces_21 + K_n_28 * redundant_forces_2
+    actuator_forces_21 = K_n_21 * line_forces_20 + K_n_213 * swivel_forces_2 + K_n_25 * line_forces_21 + K_n_29 * redundant_forces_2
+    t5 = K_n_210 * redundant_forces_2 + K_n_214 * swivel_forces_2 + K_n_22 * line_forces_20
+    t6 = K_n_211 * redundant_forces_2 + K_n_215 * swivel_forces_2 + K_n_23 * line_forces_20
+    return (
+        actuator_forces_00,
+        actuator_forces_01,
+        t1 + K_n_06 * line_forces_01,
+        t2 + K_n_07 * line_forces_01,
+        actuator_forces_10,
+        actuator_forces_11,
+        t3 + K_n_16 * line_forces_11,
+        t4 + K_n_17 * line_forces_11,
+        actuator_forces_20,
+        actuator_forces_21,
+        t5 + K_n_26 * line_forces_21,
+        t6 + K_n_27 * line_forces_21,
+    )
+
+
+def end_force(g: Any, x: Any, e_2: Any, d: Any, v: Any, e_4: Any, actuator_forces: Any) -> tuple[Any, ...]:
+    """Force at the end point of the 4R sub-leg from those of its actuators: g = M_i^-T f.  Thesis:
+    (5.36).  (55 add, 111 multiply, 4 divide, 2 square root, 7 select)"""
+    x_0, x_1, x_2 = x
+    e_2_0, e_2_1, e_2_2 = e_2
+    d_0, d_1, d_2 = d
+    v_0, v_1, v_2 = v
+    e_4_0, e_4_1, e_4_2 = e_4
+    actuator_forces_0, actuator_forces_1, actuator_forces_2, actuator_forces_3 = actuator_forces
+    t1 = d_0 - v_0
+    dir_0 = t1 * g.k[0]  # along the upper arm
+    t2 = d_1 - v_1
+    dir_1 = g.k[0] * t2  # along the upper arm
+    t3 = d_2 - v_2
+    t4 = v_2 * e_4_1
+    t5 = v_1 * e_4_2
+    m_4_0 = t4 - t5  # column 4 of (2.32)
+    t6 = v_0 * e_4_2
+    t7 = v_2 * e_4_0
+    m_4_1 = t6 - t7  # column 4 of (2.32)
+    t8 = v_1 * e_4_0
+    t9 = v_0 * e_4_1
+    m_4_2 = t8 - t9  # column 4 of (2.32)
+    r2 = d_0 * d_0 + d_2 * d_2
+    d2 = r2 + d_1 * d_1
+    distance = ca.sqrt(d2)
+    t10 = 1 / r2
+    t11 = e_4_0 * (v_2 * t2 - v_1 * t3) + e_4_1 * (v_0 * t3 - v_2 * t1) + e_4_2 * (v_1 * t1 - v_0 * t2)
+    sin_4 = t11 * g.k[7]
+    r = ca.sqrt(r2)
+    t12 = 1 / (g.k[6] * sin_4)
+    t13 = d_0 * t12
+    turned_0 = 1 + m_4_0 * t13  # omega x d
+    t14 = t7 - t6
+    t15 = t13 * t14
+    t16 = t9 - t8
+    t17 = t13 * t16
+    about = t10 * (d_1 * d_2)  # omega^T d
+    t18 = 1 / d2
+    omega_0 = (d_0 * about - d_1 * t17 + d_2 * t15) * t18
+    omega_1 = t18 * (d_1 * about + d_2 * turned_0 + d_0 * t17)
+    omega_2 = t18 * (d_2 * about - d_0 * t15 - d_1 * turned_0)
+    t19 = 1 / dir_0
+    rate_3 = omega_0 * t19
+    t20 = d_1 * t12
+    t21 = t5 - t4
+    t22 = t20 * t21
+    turned_1 = 1 + m_4_1 * t20  # omega x d
+    t23 = t16 * t20
+    omega_1_a = t18 * (d_0 * t23 - d_2 * t22)
+    omega_2_a = t18 * (d_0 * turned_1 + d_1 * t22)
+    t24 = t19 * (t18 * (d_1 * t23 + d_2 * turned_1))
+    t25 = d_2 * t12
+    t26 = t21 * t25
+    t27 = t14 * t25
+    turned_2 = 1 + m_4_2 * t25  # omega x d
+    t28 = t10 * (d_0 * d_1)
+    omega_0_a = t18 * (d_1 * turned_2 - d_0 * t28 + d_2 * t27)
+    omega_2_b = t18 * (d_1 * t26 - (d_2 * t28 + d_0 * t27))
+    rate_3_a = t19 * omega_0_a
+    omega_0_b = t18 * (d_0 * distance)
+    omega_1_b = t18 * (d_1 * distance)
+    omega_2_c = t18 * (d_2 * distance)
+    rate_3_b = t19 * omega_0_b
+    t29 = actuator_forces_0 * (omega_1 - dir_1 * rate_3) + actuator_forces_1 * omega_2 + actuator_forces_2 * rate_3
+    g_l_0 = t29 - actuator_forces_3 * t13  # in the leg's frame
+    t30 = actuator_forces_0 * (omega_1_a + dir_1 * t24) + actuator_forces_1 * omega_2_a - actuator_forces_2 * t24
+    g_l_1 = t30 - actuator_forces_3 * t20  # in the leg's frame
+    t31 = actuator_forces_0 * (t18 * (d_1 * t28 + d_2 * t26 + d_0 * turned_2) + dir_1 * rate_3_a)
+    g_l_2 = actuator_forces_1 * omega_2_b - t31 + actuator_forces_2 * rate_3_a - actuator_forces_3 * t25  # in the leg's frame
+    t32 = actuator_forces_0 * (omega_1_b - dir_1 * rate_3_b) + actuator_forces_1 * omega_2_c
+    regularity_a = ca.fmin(ca.fmin(ca.fmin(ca.fabs(dir_0), ca.fabs(sin_4)), ca.fabs(distance * g.k[8])), ca.fabs(r * g.k[8]))
+    return (
+        (  # end_force
+            e_2_0 * g_l_2 + g.e_1[0] * g_l_1 + x_0 * g_l_0,
+            e_2_1 * g_l_2 + g.e_1[1] * g_l_1 + x_1 * g_l_0,
+            e_2_2 * g_l_2 + g.e_1[2] * g_l_1 + x_2 * g_l_0,
+        ),
+        (  # swivel_forces
+            t32 + actuator_forces_2 * rate_3_b,
+        ),
+        (  # regularity
+            regularity_a,
+        ),
+    )

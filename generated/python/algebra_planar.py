@@ -74,3 +74,14 @@ def rotation(phi: Any) -> tuple[Any, ...]:
         Q_10,
         Q_00,
     )
+
+
+def total(end_force: Any, moment: Any) -> tuple[Any, ...]:
+    """The wrench of three forces: their sum, and that of their moments.  Thesis: (5.36).  (6 add)"""
+    end_force_00, end_force_01, end_force_10, end_force_11, end_force_20, end_force_21 = end_force
+    moment_0, moment_1, moment_2 = moment
+    return (
+        end_force_20 + (end_force_00 + end_force_10),
+        end_force_21 + (end_force_01 + end_force_11),
+        moment_2 + (moment_0 + moment_1),
+    )

@@ -39,9 +39,11 @@ __all__ = [
     "forward_gauss_newton_2",
     "forward_gauss_newton_3",
     "forward_newton",
+    "forward_statics",
     "inverse",
     "inverse_all",
     "inverse_near",
+    "inverse_statics",
     "inverse_status",
     "jacobian_blocks",
     "jacobians",
@@ -442,6 +444,40 @@ SIGNATURES = {
         ),
         "(2),(),(3,2),(3,2),(3),(3),(3,2),(3),(3)->(3,2),()",
     ),
+    "inverse_statics": rt.Signature(
+        "inverse_statics",
+        "Forces of the actuators with which the robot applies a wrench, and forces along the redundant coordinates, to its environment: f = (J^-1 K)^T F where those are zero.",
+        "(5.12), (5.44)",
+        (
+            rt.Port("p", (2,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("phi", (), "rad", "base", "orientation of the platform, base from platform", "shared", ()),
+            rt.Port("s", (3, 2), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("theta", (3, 2), "rad or m", "joint", "actuated joints", "stacked", ("theta_1", "theta_2", )),
+            rt.Port("wrench", (3,), "N, N m", "base", "force and moment about O' that the robot applies to its environment", "shared", ()),
+            rt.Port("redundant_forces", (3,), "N m or N", "joint", "moment that the robot applies to its environment along beta, between redundant link and platform", "stacked", ()),
+        ),
+        (
+            rt.Port("actuator_forces", (3, 2), "N m or N", "joint", "torques or forces of the actuators, positive where they do work at positive rates", "shared", ("theta_1", "theta_2", )),
+        ),
+        "(2),(),(3,2),(3,2),(3),(3)->(3,2),()",
+    ),
+    "forward_statics": rt.Signature(
+        "forward_statics",
+        "What the robot applies to its environment with given forces of the actuators: a wrench, and forces along the redundant coordinates.",
+        "(5.24), (5.36)",
+        (
+            rt.Port("p", (2,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("phi", (), "rad", "base", "orientation of the platform, base from platform", "shared", ()),
+            rt.Port("s", (3, 2), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("theta", (3, 2), "rad or m", "joint", "actuated joints", "stacked", ("theta_1", "theta_2", )),
+            rt.Port("actuator_forces", (3, 2), "N m or N", "joint", "torques or forces of the actuators, positive where they do work at positive rates", "stacked", ("theta_1", "theta_2", )),
+        ),
+        (
+            rt.Port("wrench", (3,), "N, N m", "base", "force and moment about O' that the robot applies to its environment", "shared", ()),
+            rt.Port("redundant_forces", (3,), "N m or N", "joint", "moment that the robot applies to its environment along beta, between redundant link and platform", "stacked", ()),
+        ),
+        "(2),(),(3,2),(3,2),(3,2)->(3),(3),()",
+    ),
     "passive_joints": rt.Signature(
         "passive_joints",
         "Every passive joint, from the base to the platform.",
@@ -678,6 +714,13 @@ class JacobianBlocks(NamedTuple):
 
     J: Any
     K: Any
+
+
+class ForwardStatics(NamedTuple):
+    """Results of `forward_statics`."""
+
+    wrench: Any
+    redundant_forces: Any
 
 
 class PassiveJoints(NamedTuple):
@@ -1433,6 +1476,101 @@ def joint_accelerations(
             ),
         )
     answer = results[0]
+    return (answer, results[-1]) if status else answer
+
+
+def inverse_statics(
+    p: Any, phi: Any, s: Any, theta: Any, wrench: Any, redundant_forces: Any, *,
+    geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """Forces of the actuators with which the robot applies a wrench, and forces along the redundant
+    coordinates, to its environment: f = (J^-1 K)^T F where those are zero.
+
+    Thesis: (5.12), (5.44).
+
+    Args:
+        p (..., 2) [m] in the base frame: position of O'
+        phi (...) [rad] in the base frame: orientation of the platform, base from platform
+        s (..., 3, 2) [m] in the base frame: end point of the sub-leg, S_i
+        theta (..., 3, 2) [rad or m]: actuated joints [theta_1, theta_2]
+        wrench (..., 3) [N, N m] in the base frame: force and moment about O' that the robot
+            applies to its environment
+        redundant_forces (..., 3) [N m or N]: moment that the robot applies to its environment
+            along beta, between redundant link and platform
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        actuator_forces (..., 3, 2) [N m or N]: torques or forces of the actuators, positive
+            where they do work at positive rates [theta_1, theta_2]
+    """
+    arguments = rt.Arguments(SIGNATURES["inverse_statics"], (p, phi, s, theta, wrench, redundant_forces,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        Q = algebra.rotation(arguments.whole("phi"))
+        line, point, N, _scale = platform.line(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
+        along, redundant_line = platform.redundant_line(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
+        d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        K_n, regularity = subleg.transmission(g.subleg, d, u_1, u_2, N, along)
+        line_forces, det_regularity = platform.balance(
+            Q, rt.legs(line), rt.legs(point), rt.legs(redundant_line), arguments.whole("redundant_forces"),
+            arguments.whole("wrench"))
+        actuator_forces = subleg.torques(rt.legs(K_n), line_forces, arguments.whole("redundant_forces"))
+        results = arguments.finish(
+            {
+                "actuator_forces": actuator_forces,
+            },
+            (
+                rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True, ("actuator_forces", )),
+                rt.Guard(det_regularity[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("actuator_forces", )),
+            ),
+        )
+    answer = results[0]
+    return (answer, results[-1]) if status else answer
+
+
+def forward_statics(
+    p: Any, phi: Any, s: Any, theta: Any, actuator_forces: Any, *,
+    geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """What the robot applies to its environment with given forces of the actuators: a wrench, and
+    forces along the redundant coordinates.
+
+    Thesis: (5.24), (5.36).
+
+    Args:
+        p (..., 2) [m] in the base frame: position of O'
+        phi (...) [rad] in the base frame: orientation of the platform, base from platform
+        s (..., 3, 2) [m] in the base frame: end point of the sub-leg, S_i
+        theta (..., 3, 2) [rad or m]: actuated joints [theta_1, theta_2]
+        actuator_forces (..., 3, 2) [N m or N]: torques or forces of the actuators, positive
+            where they do work at positive rates [theta_1, theta_2]
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        wrench (..., 3) [N, N m] in the base frame: force and moment about O' that the robot
+            applies to its environment
+        redundant_forces (..., 3) [N m or N]: moment that the robot applies to its environment
+            along beta, between redundant link and platform
+    """
+    arguments = rt.Arguments(SIGNATURES["forward_statics"], (p, phi, s, theta, actuator_forces,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        Q = algebra.rotation(arguments.whole("phi"))
+        d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        end_force, regularity = subleg.end_force(g.subleg, d, u_1, u_2, arguments.leg("actuator_forces"))
+        moment, redundant_forces = platform.reaction(
+            g.platform, arguments.leg("p"), Q, arguments.leg("s"), end_force)
+        wrench = algebra.total(rt.legs(end_force), rt.legs(moment))
+        results = arguments.finish(
+            {
+                "wrench": wrench,
+                "redundant_forces": redundant_forces,
+            },
+            (
+                rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True, ("wrench", "redundant_forces", )),
+            ),
+        )
+    answer = ForwardStatics(*results[:-1])
     return (answer, results[-1]) if status else answer
 
 

@@ -1186,3 +1186,186 @@ def encoder_pose(s: Any, state: Any, axes: Any) -> tuple[Any, ...]:
             axes_22,
         ),
     )
+
+
+def redundant_line(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
+    """The line along which the redundant coordinate's force acts: c_i in the base frame, and with its
+    moment about O' in the platform frame.  Thesis: (5.53), (5.58).  (21 add, 30 multiply)"""
+    p_0, p_1, p_2 = p
+    Q_00, Q_01, Q_02, Q_10, Q_11, Q_12, Q_20, Q_21, Q_22 = Q
+    s_0, s_1, s_2 = s
+    Qt_0 = g.t[0] * Q_00 + g.t[1] * Q_01  # Q t_i
+    Qt_1 = g.t[0] * Q_10 + g.t[1] * Q_11
+    Qt_2 = g.t[0] * Q_20 + g.t[1] * Q_21
+    c_l_0 = Q_00 * Qt_0 + Q_10 * Qt_1 + Q_20 * Qt_2  # in the platform frame
+    c_l_1 = Q_01 * Qt_0 + Q_11 * Qt_1 + Q_21 * Qt_2
+    c_l_2 = Q_02 * Qt_0 + Q_12 * Qt_1 + Q_22 * Qt_2
+    t1 = s_0 - p_0
+    t2 = s_1 - p_1
+    t3 = s_2 - p_2
+    u_l_0 = Q_00 * t1 + Q_10 * t2 + Q_20 * t3  # O' to S_i
+    u_l_1 = Q_01 * t1 + Q_11 * t2 + Q_21 * t3
+    u_l_2 = Q_02 * t1 + Q_12 * t2 + Q_22 * t3
+    return (
+        (  # along
+            Qt_0,
+            Qt_1,
+            Qt_2,
+        ),
+        (  # redundant_line
+            c_l_0,
+            c_l_1,
+            c_l_2,
+            c_l_2 * u_l_1 - c_l_1 * u_l_2,
+            c_l_0 * u_l_2 - c_l_2 * u_l_0,
+            c_l_1 * u_l_0 - c_l_0 * u_l_1,
+        ),
+    )
+
+
+def balance(
+    Q: Any, line: Any, point: Any, redundant_line: Any, redundant_forces: Any,
+    wrench: Any) -> tuple[Any, ...]:
+    """Forces along the legs' lines that give a wrench and forces along the redundant coordinates: J^T
+    lambda = F - C^T phi solved in the platform frame.  Thesis: (5.12), (5.44).  (84 add, 114
+    multiply, 4 divide)"""
+    Q_00, Q_01, Q_02, Q_10, Q_11, Q_12, Q_20, Q_21, Q_22 = Q
+    line_00, line_01, line_02, line_03, line_04, line_05, line_10, line_11, line_12, line_13, line_14, line_15, line_20, line_21, line_22, line_23, line_24, line_25 = line
+    point_00, point_01, point_10, point_11, point_20, point_21 = point
+    redundant_line_00, redundant_line_01, redundant_line_02, redundant_line_03, redundant_line_04, redundant_line_05, redundant_line_10, redundant_line_11, redundant_line_12, redundant_line_13, redundant_line_14, redundant_line_15, redundant_line_20, redundant_line_21, redundant_line_22, redundant_line_23, redundant_line_24, redundant_line_25 = redundant_line
+    redundant_forces_0, redundant_forces_1, redundant_forces_2 = redundant_forces
+    wrench_0, wrench_1, wrench_2, wrench_3, wrench_4, wrench_5 = wrench
+    t1 = Q_00 * wrench_0 + Q_10 * wrench_1 + Q_20 * wrench_2 - redundant_line_00 * redundant_forces_0
+    rest_0 = t1 - redundant_line_10 * redundant_forces_1 - redundant_line_20 * redundant_forces_2  # F - C^T phi in the platform frame
+    t2 = Q_01 * wrench_0 + Q_11 * wrench_1 + Q_21 * wrench_2 - redundant_line_01 * redundant_forces_0
+    rest_1 = t2 - redundant_line_11 * redundant_forces_1 - redundant_line_21 * redundant_forces_2  # F - C^T phi in the platform frame
+    t3 = Q_02 * wrench_0 + Q_12 * wrench_1 + Q_22 * wrench_2 - redundant_line_02 * redundant_forces_0
+    rest_2 = t3 - redundant_line_12 * redundant_forces_1 - redundant_line_22 * redundant_forces_2  # F - C^T phi in the platform frame
+    t4 = Q_00 * wrench_3 + Q_10 * wrench_4 + Q_20 * wrench_5 - redundant_line_03 * redundant_forces_0
+    rest_3 = t4 - redundant_line_13 * redundant_forces_1 - redundant_line_23 * redundant_forces_2  # F - C^T phi in the platform frame
+    t5 = Q_01 * wrench_3 + Q_11 * wrench_4 + Q_21 * wrench_5 - redundant_line_04 * redundant_forces_0
+    rest_4 = t5 - redundant_line_14 * redundant_forces_1 - redundant_line_24 * redundant_forces_2  # F - C^T phi in the platform frame
+    t6 = Q_02 * wrench_3 + Q_12 * wrench_4 + Q_22 * wrench_5 - redundant_line_05 * redundant_forces_0
+    rest_5 = t6 - redundant_line_15 * redundant_forces_1 - redundant_line_25 * redundant_forces_2  # F - C^T phi in the platform frame
+    t7 = line_11 * line_25 - line_15 * line_21
+    t8 = line_05 * line_21 - line_01 * line_25
+    t9 = line_01 * line_15 - line_05 * line_11
+    det_a = line_00 * t7 + line_10 * t8 + line_20 * t9
+    inv_a = 1 / det_a
+    t10 = rest_0 * t7 + rest_1 * (line_15 * line_20 - line_10 * line_25) + rest_5 * (line_10 * line_21 - line_11 * line_20)
+    lambda_a_0 = inv_a * t10  # along the lines in the plane
+    t11 = rest_0 * t8 + rest_1 * (line_00 * line_25 - line_05 * line_20) + rest_5 * (line_01 * line_20 - line_00 * line_21)
+    lambda_a_1 = inv_a * t11  # along the lines in the plane
+    t12 = rest_0 * t9 + rest_1 * (line_05 * line_10 - line_00 * line_15) + rest_5 * (line_00 * line_11 - line_01 * line_10)
+    lambda_a_2 = inv_a * t12  # along the lines in the plane
+    r_n_0 = rest_2 - line_02 * lambda_a_0 - line_12 * lambda_a_1 - line_22 * lambda_a_2
+    r_n_1 = rest_3 - line_03 * lambda_a_0 - line_13 * lambda_a_1 - line_23 * lambda_a_2
+    r_n_2 = rest_4 - line_04 * lambda_a_0 - line_14 * lambda_a_1 - line_24 * lambda_a_2
+    t13 = point_00 * point_11
+    t14 = point_01 * point_20
+    t15 = point_10 * point_21
+    t16 = point_00 * point_21
+    t17 = point_01 * point_10
+    t18 = point_11 * point_20
+    det_n = t13 + t14 + t15 - t16 - t17 - t18
+    inv_n = 1 / det_n
+    t19 = r_n_0 * (t15 - t18) + r_n_1 * (point_20 - point_10) + r_n_2 * (point_21 - point_11)
+    lambda_n_0 = inv_n * t19  # along q_z
+    t20 = r_n_0 * (t14 - t16) + r_n_1 * (point_00 - point_20) + r_n_2 * (point_01 - point_21)
+    lambda_n_1 = inv_n * t20  # along q_z
+    t21 = r_n_0 * (t13 - t17) + r_n_1 * (point_10 - point_00) + r_n_2 * (point_11 - point_01)
+    lambda_n_2 = inv_n * t21  # along q_z
+    d2_0 = line_00 * line_00 + line_01 * line_01
+    d2_1 = line_10 * line_10 + line_11 * line_11
+    d2_2 = line_20 * line_20 + line_21 * line_21
+    t22 = point_00 * point_00 + point_01 * point_01 + point_10 * point_10 + point_11 * point_11
+    size = t22 + point_20 * point_20 + point_21 * point_21  # sum of |S_i - O'|^2
+    return (
+        (  # line_forces
+            lambda_a_0,
+            lambda_n_0,
+            lambda_a_1,
+            lambda_n_1,
+            lambda_a_2,
+            lambda_n_2,
+        ),
+        (  # regularity
+            det_a * det_a / (size * (d2_2 * (d2_0 * d2_1))),
+            det_n * det_n / (size * size),
+        ),
+    )
+
+
+def reaction(g: Any, p: Any, Q: Any, s: Any, end_force: Any) -> tuple[Any, ...]:
+    """What the force of a sub-leg does: its moment about O', and its part along the redundant
+    coordinate.  Thesis: (5.36).  (11 add, 15 multiply)"""
+    p_0, p_1, p_2 = p
+    Q_00, Q_01, _Q_02, Q_10, Q_11, _Q_12, Q_20, Q_21, _Q_22 = Q
+    s_0, s_1, s_2 = s
+    end_force_0, end_force_1, end_force_2 = end_force
+    u_0 = s_0 - p_0  # O' to S_i
+    u_1 = s_1 - p_1
+    u_2 = s_2 - p_2
+    Qt_0 = g.t[0] * Q_00 + g.t[1] * Q_01  # Q t_i
+    Qt_1 = g.t[0] * Q_10 + g.t[1] * Q_11
+    Qt_2 = g.t[0] * Q_20 + g.t[1] * Q_21
+    return (
+        (  # moment
+            end_force_2 * u_1 - end_force_1 * u_2,
+            end_force_0 * u_2 - end_force_2 * u_0,
+            end_force_1 * u_0 - end_force_0 * u_1,
+        ),
+        (  # redundant_forces
+            end_force_0 * Qt_0 + end_force_1 * Qt_1 + end_force_2 * Qt_2,
+        ),
+    )
+
+
+def opening(slide: Any, redundant: Any, jaws: Any) -> tuple[Any, ...]:
+    """The opening of the gripper, and where its centre is.  Thesis: 5.1, 5.3.  (25 add, 36 multiply, 2
+    divide)"""
+    slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
+    redundant_0, redundant_1, redundant_2 = redundant
+    jaws_0, jaws_1, jaws_2 = jaws
+    delta_1 = redundant_0 - jaws_0  # the jaw's face along t_i
+    delta_2 = redundant_1 - jaws_1
+    delta_3 = redundant_2 - jaws_2
+    lambda_1 = slide_10 * slide_21 - slide_11 * slide_20
+    lambda_2 = slide_01 * slide_20 - slide_00 * slide_21
+    lambda_3 = slide_00 * slide_11 - slide_01 * slide_10
+    total = lambda_3 + (lambda_1 + lambda_2)
+    t1 = 1 / total
+    share_1 = lambda_1 * t1
+    share_2 = lambda_2 * t1
+    share_3 = lambda_3 * t1
+    r = delta_1 * share_1 + delta_2 * share_2 + delta_3 * share_3  # half the opening
+    t2 = delta_2 - r
+    t3 = delta_3 - r
+    t4 = delta_1 - r
+    t5 = lambda_1 * (slide_21 * t2 - slide_11 * t3) + lambda_2 * (slide_01 * t3 - slide_21 * t4)
+    t6 = 1 / (lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3)
+    t7 = lambda_1 * (slide_10 * t3 - slide_20 * t2) + lambda_2 * (slide_20 * t4 - slide_00 * t3)
+    return (
+        (  # opening
+            r * 2,
+        ),
+        (  # centre
+            (t5 + lambda_3 * (slide_11 * t4 - slide_01 * t2)) * t6,
+            t6 * (t7 + lambda_3 * (slide_00 * t2 - slide_10 * t4)),
+        ),
+        (  # shares
+            share_1,
+            share_2,
+            share_3,
+        ),
+    )
+
+
+def redundant_of_opening(g: Any, opening: Any, centre: Any, jaws: Any) -> tuple[Any, ...]:
+    """The slide at which a jaw touches a round object.  Thesis: 5.1, 5.3.  (3 add, 3 multiply)"""
+    opening, = opening
+    centre_0, centre_1 = centre
+    jaws, = jaws
+    return (
+        jaws + opening * 0.5 + g.t[0] * centre_0 + g.t[1] * centre_1,
+    )

@@ -51,6 +51,8 @@ class Status(IntEnum):
     """no platform fits the three end points"""
     INCONSISTENT = 13
     """encoders contradict the end points by more than the tolerance"""
+    NO_GRASP = 14
+    """the jaws do not surround an object: their slides' directions lie on one side"""
 
 
 class Port(NamedTuple):

@@ -37,19 +37,23 @@ __all__ = [
     "forward_encoders_3",
     "forward_gauss_newton_2",
     "forward_gauss_newton_3",
+    "forward_statics",
     "inverse",
     "inverse_all",
     "inverse_near",
+    "inverse_statics",
     "inverse_status",
     "jacobian_blocks",
     "jacobians",
     "joint_accelerations",
     "joint_rates",
     "link_points",
+    "opening",
     "passive_joints",
     "passive_joints_of_theta",
     "platform_acceleration",
     "redundant_coordinates",
+    "redundant_of_opening",
     "rotation_error",
     "singularity",
     "subleg_forward",
@@ -420,6 +424,69 @@ SIGNATURES = {
         ),
         "(3),(3,3),(3,3),(3,3),(6),(3),(3,3),(6),(3)->(3,3),()",
     ),
+    "inverse_statics": rt.Signature(
+        "inverse_statics",
+        "Forces of the actuators with which the robot applies a wrench, and forces along the redundant coordinates, to its environment: f = (J^-1 K)^T F where those are zero.",
+        "(5.12), (5.44)",
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("theta_1", "theta_2", "theta_3", )),
+            rt.Port("wrench", (6,), "N, N m", "base", "force and moment about O' that the robot applies to its environment", "shared", ()),
+            rt.Port("redundant_forces", (3,), "N m or N", "joint", "force that the robot applies to its environment along d, between redundant link and platform", "stacked", ()),
+        ),
+        (
+            rt.Port("actuator_forces", (3, 3), "N m or N", "joint", "torques or forces of the actuators, positive where they do work at positive rates", "shared", ("theta_1", "theta_2", "theta_3", )),
+        ),
+        "(3),(3,3),(3,3),(3,3),(6),(3)->(3,3),()",
+    ),
+    "forward_statics": rt.Signature(
+        "forward_statics",
+        "What the robot applies to its environment with given forces of the actuators: a wrench, and forces along the redundant coordinates.",
+        "(5.24), (5.36)",
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("theta_1", "theta_2", "theta_3", )),
+            rt.Port("actuator_forces", (3, 3), "N m or N", "joint", "torques or forces of the actuators, positive where they do work at positive rates", "stacked", ("theta_1", "theta_2", "theta_3", )),
+        ),
+        (
+            rt.Port("wrench", (6,), "N, N m", "base", "force and moment about O' that the robot applies to its environment", "shared", ()),
+            rt.Port("redundant_forces", (3,), "N m or N", "joint", "force that the robot applies to its environment along d, between redundant link and platform", "stacked", ()),
+        ),
+        "(3),(3,3),(3,3),(3,3),(3,3)->(6),(3),()",
+    ),
+    "opening": rt.Signature(
+        "opening",
+        "The opening of a gripper with a jaw on each slide: diameter and centre of the round object that touches all three, and the shares in which they press on it.",
+        "5.1, 5.3",
+        (
+            rt.Port("redundant", (3,), "m", "joint", "slide d_i of S_i along t_i = e_r, from O', signed", "stacked", ()),
+            rt.Port("jaws", (3,), "m", "joint", "how far the jaw's face is from S_i, against the slide's direction t_i", "stacked", ()),
+        ),
+        (
+            rt.Port("opening", (), "m", "platform", "diameter of the round object that touches all three jaws; negative where they overlap", "shared", ()),
+            rt.Port("centre", (2,), "m", "platform", "its centre in the platform's plane", "shared", ()),
+            rt.Port("shares", (3,), "1", "-", "shares of the legs in forces that press on it in equilibrium; all positive where jaws surround it", "shared", ()),
+        ),
+        "(3),(3)->(),(2),(3),()",
+    ),
+    "redundant_of_opening": rt.Signature(
+        "redundant_of_opening",
+        "Redundant coordinates at which the jaws touch a round object with given diameter and centre.",
+        "5.1, 5.3",
+        (
+            rt.Port("opening", (), "m", "platform", "diameter of the round object that touches all three jaws; negative where they overlap", "shared", ()),
+            rt.Port("centre", (2,), "m", "platform", "its centre in the platform's plane", "shared", ()),
+            rt.Port("jaws", (3,), "m", "joint", "how far the jaw's face is from S_i, against the slide's direction t_i", "stacked", ()),
+        ),
+        (
+            rt.Port("redundant", (3,), "m", "joint", "slide d_i of S_i along t_i = e_r, from O', signed", "stacked", ()),
+        ),
+        "(),(2),(3)->(3),()",
+    ),
     "passive_joints": rt.Signature(
         "passive_joints",
         "Every passive joint, from the base to the platform.",
@@ -619,6 +686,21 @@ class JacobianBlocks(NamedTuple):
 
     J: Any
     K: Any
+
+
+class ForwardStatics(NamedTuple):
+    """Results of `forward_statics`."""
+
+    wrench: Any
+    redundant_forces: Any
+
+
+class Opening(NamedTuple):
+    """Results of `opening`."""
+
+    opening: Any
+    centre: Any
+    shares: Any
 
 
 class PassiveJoints(NamedTuple):
@@ -1318,6 +1400,174 @@ def joint_accelerations(
             (
                 rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True, ("theta_ddot", )),
             ),
+        )
+    answer = results[0]
+    return (answer, results[-1]) if status else answer
+
+
+def inverse_statics(
+    p: Any, Q: Any, s: Any, theta: Any, wrench: Any, redundant_forces: Any, *,
+    geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """Forces of the actuators with which the robot applies a wrench, and forces along the redundant
+    coordinates, to its environment: f = (J^-1 K)^T F where those are zero.
+
+    Thesis: (5.12), (5.44).
+
+    Args:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
+        theta (..., 3, 3) [rad or m]: actuated joints [theta_1, theta_2, theta_3]
+        wrench (..., 6) [N, N m] in the base frame: force and moment about O' that the robot
+            applies to its environment
+        redundant_forces (..., 3) [N m or N]: force that the robot applies to its environment
+            along d, between redundant link and platform
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        actuator_forces (..., 3, 3) [N m or N]: torques or forces of the actuators, positive
+            where they do work at positive rates [theta_1, theta_2, theta_3]
+    """
+    arguments = rt.Arguments(SIGNATURES["inverse_statics"], (p, Q, s, theta, wrench, redundant_forces,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        line, point, N, _scale = platform.line(
+            g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
+        along, redundant_line = platform.redundant_line(
+            g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
+        x, e_2, d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        K_n = subleg.transmission(g.subleg, x, e_2, d, v_1, N, along)
+        line_forces, det_regularity = platform.balance(
+            arguments.whole("Q"), rt.legs(line), rt.legs(point), rt.legs(redundant_line),
+            arguments.whole("redundant_forces"), arguments.whole("wrench"))
+        actuator_forces = subleg.torques(rt.legs(K_n), line_forces, arguments.whole("redundant_forces"))
+        results = arguments.finish(
+            {
+                "actuator_forces": actuator_forces,
+            },
+            (
+                rt.Guard(det_regularity[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("actuator_forces", )),
+                rt.Guard(det_regularity[1], True, 1e-24, Status.SINGULAR_NORMAL, False, ("actuator_forces", )),
+            ),
+        )
+    answer = results[0]
+    return (answer, results[-1]) if status else answer
+
+
+def forward_statics(
+    p: Any, Q: Any, s: Any, theta: Any, actuator_forces: Any, *,
+    geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """What the robot applies to its environment with given forces of the actuators: a wrench, and
+    forces along the redundant coordinates.
+
+    Thesis: (5.24), (5.36).
+
+    Args:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
+        theta (..., 3, 3) [rad or m]: actuated joints [theta_1, theta_2, theta_3]
+        actuator_forces (..., 3, 3) [N m or N]: torques or forces of the actuators, positive
+            where they do work at positive rates [theta_1, theta_2, theta_3]
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        wrench (..., 6) [N, N m] in the base frame: force and moment about O' that the robot
+            applies to its environment
+        redundant_forces (..., 3) [N m or N]: force that the robot applies to its environment
+            along d, between redundant link and platform
+    """
+    arguments = rt.Arguments(SIGNATURES["forward_statics"], (p, Q, s, theta, actuator_forces,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        x, e_2, d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        end_force, regularity = subleg.end_force(g.subleg, x, e_2, d, v_1, arguments.leg("actuator_forces"))
+        moment, redundant_forces = platform.reaction(
+            g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"), end_force)
+        wrench = algebra.total(rt.legs(end_force), rt.legs(moment))
+        results = arguments.finish(
+            {
+                "wrench": wrench,
+                "redundant_forces": redundant_forces,
+            },
+            (
+                rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True, ("wrench", "redundant_forces", )),
+            ),
+        )
+    answer = ForwardStatics(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def opening(redundant: Any, jaws: Any, *, geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """The opening of a gripper with a jaw on each slide: diameter and centre of the round object that
+    touches all three, and the shares in which they press on it.
+
+    Thesis: 5.1, 5.3.
+
+    Args:
+        redundant (..., 3) [m]: slide d_i of S_i along t_i = e_r, from O', signed
+        jaws (..., 3) [m]: how far the jaw's face is from S_i, against the slide's direction t_i
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        opening (...) [m] in the platform frame: diameter of the round object that touches all
+            three jaws; negative where they overlap
+        centre (..., 2) [m] in the platform frame: its centre in the platform's plane
+        shares (..., 3): shares of the legs in forces that press on it in equilibrium; all
+            positive where jaws surround it
+    """
+    arguments = rt.Arguments(SIGNATURES["opening"], (redundant, jaws,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        slide = platform.tie(g.platform)
+        opening, centre, shares = platform.opening(
+            rt.legs(slide), arguments.whole("redundant"), arguments.whole("jaws"))
+        results = arguments.finish(
+            {
+                "opening": opening,
+                "centre": centre,
+                "shares": shares,
+            },
+            (
+                rt.Guard(shares[0], True, 0.0, Status.NO_GRASP, False, ("opening", "centre", )),
+                rt.Guard(shares[1], True, 0.0, Status.NO_GRASP, False, ("opening", "centre", )),
+                rt.Guard(shares[2], True, 0.0, Status.NO_GRASP, False, ("opening", "centre", )),
+            ),
+        )
+    answer = Opening(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def redundant_of_opening(
+    opening: Any, centre: Any, jaws: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
+    """Redundant coordinates at which the jaws touch a round object with given diameter and centre.
+
+    Thesis: 5.1, 5.3.
+
+    Args:
+        opening (...) [m] in the platform frame: diameter of the round object that touches all
+            three jaws; negative where they overlap
+        centre (..., 2) [m] in the platform frame: its centre in the platform's plane
+        jaws (..., 3) [m]: how far the jaw's face is from S_i, against the slide's direction t_i
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        redundant (..., 3) [m]: slide d_i of S_i along t_i = e_r, from O', signed
+    """
+    arguments = rt.Arguments(SIGNATURES["redundant_of_opening"], (opening, centre, jaws,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        redundant = platform.redundant_of_opening(
+            g.platform, arguments.leg("opening"), arguments.leg("centre"), arguments.leg("jaws"))
+        results = arguments.finish(
+            {
+                "redundant": redundant,
+            },
         )
     answer = results[0]
     return (answer, results[-1]) if status else answer

@@ -545,3 +545,83 @@ def points(g: Any, u_1: Any, u_2: Any, s: Any) -> tuple[Any, ...]:
         s_0,
         s_1,
     )
+
+
+def transmission(g: Any, d: Any, u_1: Any, u_2: Any, N: Any, along: Any) -> tuple[Any, ...]:
+    """Rows of K_n for the (RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (17 add, 23
+    multiply, 1 divide, 1 select)"""
+    d_0, d_1 = d
+    u_1_0, u_1_1 = u_1
+    u_2_0, u_2_1 = u_2
+    N_00, N_01 = N
+    along_0, along_1 = along
+    v_1_0 = d_0 - u_1_0  # (1.14)
+    v_1_1 = d_1 - u_1_1
+    v_2_0 = u_1_0 + v_1_0 - g.o_12[0] - u_2_0  # (1.15)
+    v_2_1 = u_1_1 + v_1_1 - g.o_12[1] - u_2_1
+    t1 = u_1_0 * v_1_1
+    t2 = u_1_1 * v_1_0
+    b_22 = t1 - t2  # v_1^T (e_2 x u_1)
+    t3 = u_2_0 * v_2_1
+    t4 = u_2_1 * v_2_0
+    b_33 = t3 - t4  # v_2^T (e_3 x u_2)
+    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
+    t5 = 1 / delta
+    m_00 = v_2_1 * b_22 * t5  # A^-1 B in the leg's frame
+    m_01 = t5 * (v_1_1 * (t4 - t3))
+    m_10 = t5 * (v_2_0 * (t2 - t1))
+    m_11 = t5 * (v_1_0 * b_33)
+    return (
+        (  # K_n
+            N_00 * m_00 + N_01 * m_10,
+            N_00 * m_01 + N_01 * m_11,
+            along_0 * m_00 + along_1 * m_10,
+            along_0 * m_01 + along_1 * m_11,
+        ),
+        (  # regularity
+            np.abs(delta * g.k[10]),
+        ),
+    )
+
+
+def torques(K_n: Any, line_forces: Any, redundant_forces: Any) -> tuple[Any, ...]:
+    """Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (6 add, 12 multiply)"""
+    K_n_00, K_n_01, K_n_02, K_n_03, K_n_10, K_n_11, K_n_12, K_n_13, K_n_20, K_n_21, K_n_22, K_n_23 = K_n
+    line_forces_00, line_forces_10, line_forces_20 = line_forces
+    redundant_forces_0, redundant_forces_1, redundant_forces_2 = redundant_forces
+    return (
+        K_n_00 * line_forces_00 + K_n_02 * redundant_forces_0,
+        K_n_01 * line_forces_00 + K_n_03 * redundant_forces_0,
+        K_n_10 * line_forces_10 + K_n_12 * redundant_forces_1,
+        K_n_11 * line_forces_10 + K_n_13 * redundant_forces_1,
+        K_n_20 * line_forces_20 + K_n_22 * redundant_forces_2,
+        K_n_21 * line_forces_20 + K_n_23 * redundant_forces_2,
+    )
+
+
+def end_force(g: Any, d: Any, u_1: Any, u_2: Any, actuator_forces: Any) -> tuple[Any, ...]:
+    """Force at the end point of the (RR-RRR) sub-leg from those of its actuators: g = M_i^-T f.
+    Thesis: (5.36).  (12 add, 14 multiply, 2 divide, 3 select)"""
+    d_0, d_1 = d
+    u_1_0, u_1_1 = u_1
+    u_2_0, u_2_1 = u_2
+    actuator_forces_0, actuator_forces_1 = actuator_forces
+    v_1_0 = d_0 - u_1_0  # (1.14)
+    v_1_1 = d_1 - u_1_1
+    v_2_0 = u_1_0 + v_1_0 - g.o_12[0] - u_2_0  # (1.15)
+    v_2_1 = u_1_1 + v_1_1 - g.o_12[1] - u_2_1
+    b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
+    b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
+    t1 = 1 / b_22
+    t2 = 1 / b_33
+    g_l_0 = v_1_0 * actuator_forces_0 * t1 + v_2_0 * actuator_forces_1 * t2  # in the leg's frame
+    g_l_1 = t1 * (v_1_1 * actuator_forces_0) + t2 * (v_2_1 * actuator_forces_1)
+    return (
+        (  # end_force
+            g_l_0,
+            g_l_1,
+        ),
+        (  # regularity
+            np.fmin(np.abs(b_22 * g.k[11]), np.abs(b_33 * g.k[12])),
+        ),
+    )

@@ -218,3 +218,47 @@ def points(g: Any, v: Any, s: Any) -> tuple[Any, ...]:
         s_0,
         s_1,
     )
+
+
+def transmission(g: Any, N: Any, along: Any) -> tuple[Any, ...]:
+    """Rows of K_n for the PP sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (4 add, 8 multiply)"""
+    N_00, N_01 = N
+    along_0, along_1 = along
+    return (
+        g.e_1[0] * N_00 + g.e_1[1] * N_01,
+        g.e_2[0] * N_00 + g.e_2[1] * N_01,
+        g.e_1[0] * along_0 + g.e_1[1] * along_1,
+        g.e_2[0] * along_0 + g.e_2[1] * along_1,
+    )
+
+
+def torques(K_n: Any, line_forces: Any, redundant_forces: Any) -> tuple[Any, ...]:
+    """Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (6 add, 12 multiply)"""
+    K_n_00, K_n_01, K_n_02, K_n_03, K_n_10, K_n_11, K_n_12, K_n_13, K_n_20, K_n_21, K_n_22, K_n_23 = K_n
+    line_forces_00, line_forces_10, line_forces_20 = line_forces
+    redundant_forces_0, redundant_forces_1, redundant_forces_2 = redundant_forces
+    return (
+        K_n_00 * line_forces_00 + K_n_02 * redundant_forces_0,
+        K_n_01 * line_forces_00 + K_n_03 * redundant_forces_0,
+        K_n_10 * line_forces_10 + K_n_12 * redundant_forces_1,
+        K_n_11 * line_forces_10 + K_n_13 * redundant_forces_1,
+        K_n_20 * line_forces_20 + K_n_22 * redundant_forces_2,
+        K_n_21 * line_forces_20 + K_n_23 * redundant_forces_2,
+    )
+
+
+def end_force(g: Any, actuator_forces: Any) -> tuple[Any, ...]:
+    """Force at the end point of the PP sub-leg from those of its actuators: g = M_i^-T f.  Thesis:
+    (5.36).  (2 add, 8 multiply)"""
+    actuator_forces_0, actuator_forces_1 = actuator_forces
+    g_l_0 = g.e_2[1] * actuator_forces_0 * g.k[0] - g.k[0] * (g.e_1[1] * actuator_forces_1)
+    g_l_1 = g.k[0] * (g.e_1[0] * actuator_forces_1) - g.k[0] * (g.e_2[0] * actuator_forces_0)
+    return (
+        (  # end_force
+            g_l_0,
+            g_l_1,
+        ),
+        (  # regularity
+            g.k[1],
+        ),
+    )

@@ -389,3 +389,92 @@ def swivel_difference(swivel_accelerations: Any, swivel_bias: Any) -> tuple[Any,
     return (
         swivel_accelerations - swivel_bias,
     )
+
+
+def transmission(g: Any, d: Any, u_2: Any, u_3: Any, N: Any, along: Any) -> tuple[Any, ...]:
+    """Rows of K_n for the RRR sub-leg: N M_i, c_i^T M_i, and the swivel's.  Thesis: (5.57), (5.59).
+    (8 add, 12 multiply)"""
+    d_0, d_1 = d
+    u_2_0, u_2_1 = u_2
+    u_3_0, u_3_1 = u_3
+    N_00, N_01 = N
+    along_0, along_1 = along
+    t1 = u_2_1 + u_3_1
+    m_11 = u_2_0 + u_3_0  # A^-1 B in the leg's frame
+    return (
+        d_0 * N_01 - d_1 * N_00,
+        N_01 * m_11 - N_00 * t1,
+        u_3_0 * N_01 - u_3_1 * N_00,
+        d_0 * along_1 - d_1 * along_0,
+        along_1 * m_11 - along_0 * t1,
+        u_3_0 * along_1 - u_3_1 * along_0,
+        1,
+        1,
+        1,
+    )
+
+
+def torques(K_n: Any, line_forces: Any, redundant_forces: Any, swivel_forces: Any) -> tuple[Any, ...]:
+    """Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (18 add, 27
+    multiply)"""
+    K_n_00, K_n_01, K_n_02, K_n_03, K_n_04, K_n_05, K_n_06, K_n_07, K_n_08, K_n_10, K_n_11, K_n_12, K_n_13, K_n_14, K_n_15, K_n_16, K_n_17, K_n_18, K_n_20, K_n_21, K_n_22, K_n_23, K_n_24, K_n_25, K_n_26, K_n_27, K_n_28 = K_n
+    line_forces_00, line_forces_10, line_forces_20 = line_forces
+    redundant_forces_0, redundant_forces_1, redundant_forces_2 = redundant_forces
+    swivel_forces_0, swivel_forces_1, swivel_forces_2 = swivel_forces
+    actuator_forces_00 = K_n_00 * line_forces_00 + K_n_03 * redundant_forces_0 + K_n_06 * swivel_forces_0
+    actuator_forces_01 = K_n_01 * line_forces_00 + K_n_04 * redundant_forces_0 + K_n_07 * swivel_forces_0
+    actuator_forces_02 = K_n_02 * line_forces_00 + K_n_05 * redundant_forces_0 + K_n_08 * swivel_forces_0
+    actuator_forces_10 = K_n_10 * line_forces_10 + K_n_13 * redundant_forces_1 + K_n_16 * swivel_forces_1
+    actuator_forces_11 = K_n_11 * line_forces_10 + K_n_14 * redundant_forces_1 + K_n_17 * swivel_forces_1
+    actuator_forces_12 = K_n_12 * line_forces_10 + K_n_15 * redundant_forces_1 + K_n_18 * swivel_forces_1
+    actuator_forces_20 = K_n_20 * line_forces_20 + K_n_23 * redundant_forces_2 + K_n_26 * swivel_forces_2
+    actuator_forces_21 = K_n_21 * line_forces_20 + K_n_24 * redundant_forces_2 + K_n_27 * swivel_forces_2
+    actuator_forces_22 = K_n_22 * line_forces_20 + K_n_25 * redundant_forces_2 + K_n_28 * swivel_forces_2
+    return (
+        actuator_forces_00,
+        actuator_forces_01,
+        actuator_forces_02,
+        actuator_forces_10,
+        actuator_forces_11,
+        actuator_forces_12,
+        actuator_forces_20,
+        actuator_forces_21,
+        actuator_forces_22,
+    )
+
+
+def end_force(g: Any, d: Any, u_2: Any, u_3: Any, actuator_forces: Any) -> tuple[Any, ...]:
+    """Force at the end point of the RRR sub-leg from those of its actuators: g = M_i^-T f.  Thesis:
+    (5.36).  (19 add, 24 multiply, 1 divide, 1 select)"""
+    d_0, d_1 = d
+    u_2_0, u_2_1 = u_2
+    u_3_0, u_3_1 = u_3
+    actuator_forces_0, actuator_forces_1, actuator_forces_2 = actuator_forces
+    t1 = d_0 - u_2_0
+    u_1_0 = t1 - u_3_0  # first link
+    t2 = d_1 - u_2_1
+    u_1_1 = t2 - u_3_1  # first link
+    elbow = (u_2_1 * u_1_0 - u_2_0 * u_1_1) * g.k[5]  # sin(theta_2)
+    l12_sin_2 = g.l_2 * (g.l_1 * elbow)  # l_1 l_2 sin(theta_2)
+    t3 = 1 / l12_sin_2
+    t_1 = u_2_0 * t3  # rate of the first link
+    t_2 = t3 * (u_3_0 - t1)  # rate of the second link
+    t_1_a = u_2_1 * t3  # rate of the first link
+    t_2_a = t3 * (u_3_1 - t2)  # rate of the second link
+    t_1_b = t3 * (u_2_0 * u_3_1 - u_2_1 * u_3_0)  # rate of the first link
+    t_2_b = t3 * (u_3_0 * u_1_1 - u_3_1 * u_1_0)  # rate of the second link
+    g_l_0 = actuator_forces_0 * t_1 + actuator_forces_1 * (t_2 - t_1) - actuator_forces_2 * t_2  # in the leg's frame
+    g_l_1 = actuator_forces_0 * t_1_a + actuator_forces_1 * (t_2_a - t_1_a) - actuator_forces_2 * t_2_a
+    swivel_forces_a = actuator_forces_0 * t_1_b + actuator_forces_1 * (t_2_b - t_1_b) + actuator_forces_2 * (1 - t_2_b)
+    return (
+        (  # end_force
+            g_l_0,
+            g_l_1,
+        ),
+        (  # swivel_forces
+            swivel_forces_a,
+        ),
+        (  # regularity
+            np.abs(elbow),
+        ),
+    )

@@ -462,3 +462,87 @@ def points(g: Any, x: Any, d: Any, v_1: Any, s: Any) -> tuple[Any, ...]:
         s_1,
         s_2,
     )
+
+
+def transmission(g: Any, x: Any, e_2: Any, d: Any, v_1: Any, N: Any, along: Any) -> tuple[Any, ...]:
+    """Rows of K_n for the RRR sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (24 add, 42
+    multiply)"""
+    x_0, x_1, x_2 = x
+    e_2_0, e_2_1, e_2_2 = e_2
+    d_0, d_1 = d
+    v_1_0, v_1_1 = v_1
+    N_00, N_01, N_02, N_10, N_11, N_12 = N
+    along_0, along_1, along_2 = along
+    n_00 = x_0 * N_00 + x_1 * N_01 + x_2 * N_02
+    n_01 = g.e_1[0] * N_00 + g.e_1[1] * N_01 + g.e_1[2] * N_02
+    n_02 = e_2_0 * N_00 + e_2_1 * N_01 + e_2_2 * N_02
+    n_10 = x_0 * N_10 + x_1 * N_11 + x_2 * N_12
+    n_11 = g.e_1[0] * N_10 + g.e_1[1] * N_11 + g.e_1[2] * N_12
+    n_12 = e_2_0 * N_10 + e_2_1 * N_11 + e_2_2 * N_12
+    n_20 = x_0 * along_0 + x_1 * along_1 + x_2 * along_2
+    n_21 = g.e_1[0] * along_0 + g.e_1[1] * along_1 + g.e_1[2] * along_2
+    n_22 = e_2_0 * along_0 + e_2_1 * along_1 + e_2_2 * along_2
+    return (
+        -d_0 * n_02,
+        d_0 * n_01 - d_1 * n_00,
+        v_1_0 * n_01 - v_1_1 * n_00,
+        -d_0 * n_12,
+        d_0 * n_11 - d_1 * n_10,
+        v_1_0 * n_11 - v_1_1 * n_10,
+        -d_0 * n_22,
+        d_0 * n_21 - d_1 * n_20,
+        v_1_0 * n_21 - v_1_1 * n_20,
+    )
+
+
+def torques(K_n: Any, line_forces: Any, redundant_forces: Any) -> tuple[Any, ...]:
+    """Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (18 add, 27
+    multiply)"""
+    K_n_00, K_n_01, K_n_02, K_n_03, K_n_04, K_n_05, K_n_06, K_n_07, K_n_08, K_n_10, K_n_11, K_n_12, K_n_13, K_n_14, K_n_15, K_n_16, K_n_17, K_n_18, K_n_20, K_n_21, K_n_22, K_n_23, K_n_24, K_n_25, K_n_26, K_n_27, K_n_28 = K_n
+    line_forces_00, line_forces_01, line_forces_10, line_forces_11, line_forces_20, line_forces_21 = line_forces
+    redundant_forces_0, redundant_forces_1, redundant_forces_2 = redundant_forces
+    actuator_forces_00 = K_n_00 * line_forces_00 + K_n_03 * line_forces_01 + K_n_06 * redundant_forces_0
+    actuator_forces_01 = K_n_01 * line_forces_00 + K_n_04 * line_forces_01 + K_n_07 * redundant_forces_0
+    actuator_forces_02 = K_n_02 * line_forces_00 + K_n_05 * line_forces_01 + K_n_08 * redundant_forces_0
+    actuator_forces_10 = K_n_10 * line_forces_10 + K_n_13 * line_forces_11 + K_n_16 * redundant_forces_1
+    actuator_forces_11 = K_n_11 * line_forces_10 + K_n_14 * line_forces_11 + K_n_17 * redundant_forces_1
+    actuator_forces_12 = K_n_12 * line_forces_10 + K_n_15 * line_forces_11 + K_n_18 * redundant_forces_1
+    actuator_forces_20 = K_n_20 * line_forces_20 + K_n_23 * line_forces_21 + K_n_26 * redundant_forces_2
+    actuator_forces_21 = K_n_21 * line_forces_20 + K_n_24 * line_forces_21 + K_n_27 * redundant_forces_2
+    actuator_forces_22 = K_n_22 * line_forces_20 + K_n_25 * line_forces_21 + K_n_28 * redundant_forces_2
+    return (
+        actuator_forces_00,
+        actuator_forces_01,
+        actuator_forces_02,
+        actuator_forces_10,
+        actuator_forces_11,
+        actuator_forces_12,
+        actuator_forces_20,
+        actuator_forces_21,
+        actuator_forces_22,
+    )
+
+
+def end_force(g: Any, x: Any, e_2: Any, d: Any, v_1: Any, actuator_forces: Any) -> tuple[Any, ...]:
+    """Force at the end point of the RRR sub-leg from those of its actuators: g = M_i^-T f.  Thesis:
+    (5.36).  (9 add, 21 multiply, 2 divide, 3 select)"""
+    x_0, x_1, x_2 = x
+    e_2_0, e_2_1, e_2_2 = e_2
+    d_0, d_1 = d
+    v_1_0, v_1_1 = v_1
+    actuator_forces_0, actuator_forces_1, actuator_forces_2 = actuator_forces
+    elbow = d_0 * v_1_1 - d_1 * v_1_0  # a b sin(t_2)
+    t1 = 1 / elbow
+    g_l_0 = v_1_0 * actuator_forces_1 * t1 - t1 * (d_0 * actuator_forces_2)  # in the leg's frame
+    g_l_1 = t1 * (v_1_1 * actuator_forces_1) - t1 * (d_1 * actuator_forces_2)
+    t2 = actuator_forces_0 / d_0
+    return (
+        (  # end_force
+            g.e_1[0] * g_l_1 - e_2_0 * t2 + x_0 * g_l_0,
+            g.e_1[1] * g_l_1 - e_2_1 * t2 + x_1 * g_l_0,
+            g.e_1[2] * g_l_1 - e_2_2 * t2 + x_2 * g_l_0,
+        ),
+        (  # regularity
+            np.fmin(np.abs(d_0 * g.k[5]), np.abs(elbow * g.k[6])),
+        ),
+    )

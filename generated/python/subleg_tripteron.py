@@ -424,3 +424,71 @@ def points(g: Any, rho: Any, s: Any) -> tuple[Any, ...]:
             np.fmin(np.fmin(d2_1 * g.k[6], d2_2 * g.k[6]), d2_3 * g.k[6]),
         ),
     )
+
+
+def transmission(g: Any, N: Any, along: Any) -> tuple[Any, ...]:
+    """Rows of K_n for the (Tripteron) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (15 add, 24
+    multiply)"""
+    N_00, N_01, N_02, N_10, N_11, N_12 = N
+    along_0, along_1, along_2 = along
+    n_00 = g.e_x[0] * N_00 + g.e_x[1] * N_01 + g.e_x[2] * N_02
+    n_01 = g.e_1[0] * N_00 + g.e_1[1] * N_01 + g.e_1[2] * N_02
+    n_02 = g.e_t[0] * N_00 + g.e_t[1] * N_01
+    n_10 = g.e_x[0] * N_10 + g.e_x[1] * N_11 + g.e_x[2] * N_12
+    n_11 = g.e_1[0] * N_10 + g.e_1[1] * N_11 + g.e_1[2] * N_12
+    n_12 = g.e_t[0] * N_10 + g.e_t[1] * N_11
+    n_20 = g.e_x[0] * along_0 + g.e_x[1] * along_1 + g.e_x[2] * along_2
+    n_21 = g.e_1[0] * along_0 + g.e_1[1] * along_1 + g.e_1[2] * along_2
+    n_22 = g.e_t[0] * along_0 + g.e_t[1] * along_1
+    return (
+        n_00,
+        n_01,
+        n_02,
+        n_10,
+        n_11,
+        n_12,
+        n_20,
+        n_21,
+        n_22,
+    )
+
+
+def torques(K_n: Any, line_forces: Any, redundant_forces: Any) -> tuple[Any, ...]:
+    """Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (18 add, 27
+    multiply)"""
+    K_n_00, K_n_01, K_n_02, K_n_03, K_n_04, K_n_05, K_n_06, K_n_07, K_n_08, K_n_10, K_n_11, K_n_12, K_n_13, K_n_14, K_n_15, K_n_16, K_n_17, K_n_18, K_n_20, K_n_21, K_n_22, K_n_23, K_n_24, K_n_25, K_n_26, K_n_27, K_n_28 = K_n
+    line_forces_00, line_forces_01, line_forces_10, line_forces_11, line_forces_20, line_forces_21 = line_forces
+    redundant_forces_0, redundant_forces_1, redundant_forces_2 = redundant_forces
+    actuator_forces_00 = K_n_00 * line_forces_00 + K_n_03 * line_forces_01 + K_n_06 * redundant_forces_0
+    actuator_forces_01 = K_n_01 * line_forces_00 + K_n_04 * line_forces_01 + K_n_07 * redundant_forces_0
+    actuator_forces_02 = K_n_02 * line_forces_00 + K_n_05 * line_forces_01 + K_n_08 * redundant_forces_0
+    actuator_forces_10 = K_n_10 * line_forces_10 + K_n_13 * line_forces_11 + K_n_16 * redundant_forces_1
+    actuator_forces_11 = K_n_11 * line_forces_10 + K_n_14 * line_forces_11 + K_n_17 * redundant_forces_1
+    actuator_forces_12 = K_n_12 * line_forces_10 + K_n_15 * line_forces_11 + K_n_18 * redundant_forces_1
+    actuator_forces_20 = K_n_20 * line_forces_20 + K_n_23 * line_forces_21 + K_n_26 * redundant_forces_2
+    actuator_forces_21 = K_n_21 * line_forces_20 + K_n_24 * line_forces_21 + K_n_27 * redundant_forces_2
+    actuator_forces_22 = K_n_22 * line_forces_20 + K_n_25 * line_forces_21 + K_n_28 * redundant_forces_2
+    return (
+        actuator_forces_00,
+        actuator_forces_01,
+        actuator_forces_02,
+        actuator_forces_10,
+        actuator_forces_11,
+        actuator_forces_12,
+        actuator_forces_20,
+        actuator_forces_21,
+        actuator_forces_22,
+    )
+
+
+def end_force(g: Any, actuator_forces: Any) -> tuple[Any, ...]:
+    """Force at the end point of the (Tripteron) sub-leg from those of its actuators: g = M_i^-T f.
+    Thesis: (5.36).  (5 add, 8 multiply)"""
+    actuator_forces_0, actuator_forces_1, actuator_forces_2 = actuator_forces
+    end_force_0 = g.e_x[0] * actuator_forces_0 + g.e_1[0] * actuator_forces_1 + g.e_t[0] * actuator_forces_2
+    end_force_1 = g.e_x[1] * actuator_forces_0 + g.e_1[1] * actuator_forces_1 + g.e_t[1] * actuator_forces_2
+    return (
+        end_force_0,
+        end_force_1,
+        g.e_x[2] * actuator_forces_0 + g.e_1[2] * actuator_forces_1,
+    )

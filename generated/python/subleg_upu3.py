@@ -579,3 +579,95 @@ def points(g: Any, s: Any) -> tuple[Any, ...]:
         s_1,
         s_2,
     )
+
+
+def transmission(g: Any, w: Any, b: Any, N: Any, along: Any) -> tuple[Any, ...]:
+    """Rows of K_n for the (3-UPU) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (29 add, 67
+    multiply, 1 divide, 1 select)"""
+    w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
+    b_0, b_1, b_2 = b
+    N_00, N_01, N_02, N_10, N_11, N_12 = N
+    along_0, along_1, along_2 = along
+    t1 = w_11 * w_22 - w_12 * w_21
+    t2 = w_12 * w_20 - w_10 * w_22
+    t3 = w_10 * w_21 - w_11 * w_20
+    volume = w_00 * t1 + w_01 * t2 + w_02 * t3  # det [w_1 ...]
+    t4 = 1 / volume
+    m_00 = b_0 * t1 * t4  # A^-1 B in the leg's frame
+    m_01 = t4 * (b_1 * (w_02 * w_21 - w_01 * w_22))
+    m_02 = t4 * (b_2 * (w_01 * w_12 - w_02 * w_11))
+    m_10 = t4 * (b_0 * t2)
+    m_11 = t4 * (b_1 * (w_00 * w_22 - w_02 * w_20))
+    m_12 = t4 * (b_2 * (w_02 * w_10 - w_00 * w_12))
+    m_20 = t4 * (b_0 * t3)
+    m_21 = t4 * (b_1 * (w_01 * w_20 - w_00 * w_21))
+    m_22 = t4 * (b_2 * (w_00 * w_11 - w_01 * w_10))
+    return (
+        (  # K_n
+            N_00 * m_00 + N_01 * m_10 + N_02 * m_20,
+            N_00 * m_01 + N_01 * m_11 + N_02 * m_21,
+            N_00 * m_02 + N_01 * m_12 + N_02 * m_22,
+            N_10 * m_00 + N_11 * m_10 + N_12 * m_20,
+            N_10 * m_01 + N_11 * m_11 + N_12 * m_21,
+            N_10 * m_02 + N_11 * m_12 + N_12 * m_22,
+            along_0 * m_00 + along_1 * m_10 + along_2 * m_20,
+            along_0 * m_01 + along_1 * m_11 + along_2 * m_21,
+            along_0 * m_02 + along_1 * m_12 + along_2 * m_22,
+        ),
+        (  # regularity
+            np.abs(volume * g.k[9]),
+        ),
+    )
+
+
+def torques(K_n: Any, line_forces: Any, redundant_forces: Any) -> tuple[Any, ...]:
+    """Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (18 add, 27
+    multiply)"""
+    K_n_00, K_n_01, K_n_02, K_n_03, K_n_04, K_n_05, K_n_06, K_n_07, K_n_08, K_n_10, K_n_11, K_n_12, K_n_13, K_n_14, K_n_15, K_n_16, K_n_17, K_n_18, K_n_20, K_n_21, K_n_22, K_n_23, K_n_24, K_n_25, K_n_26, K_n_27, K_n_28 = K_n
+    line_forces_00, line_forces_01, line_forces_10, line_forces_11, line_forces_20, line_forces_21 = line_forces
+    redundant_forces_0, redundant_forces_1, redundant_forces_2 = redundant_forces
+    actuator_forces_00 = K_n_00 * line_forces_00 + K_n_03 * line_forces_01 + K_n_06 * redundant_forces_0
+    actuator_forces_01 = K_n_01 * line_forces_00 + K_n_04 * line_forces_01 + K_n_07 * redundant_forces_0
+    actuator_forces_02 = K_n_02 * line_forces_00 + K_n_05 * line_forces_01 + K_n_08 * redundant_forces_0
+    actuator_forces_10 = K_n_10 * line_forces_10 + K_n_13 * line_forces_11 + K_n_16 * redundant_forces_1
+    actuator_forces_11 = K_n_11 * line_forces_10 + K_n_14 * line_forces_11 + K_n_17 * redundant_forces_1
+    actuator_forces_12 = K_n_12 * line_forces_10 + K_n_15 * line_forces_11 + K_n_18 * redundant_forces_1
+    actuator_forces_20 = K_n_20 * line_forces_20 + K_n_23 * line_forces_21 + K_n_26 * redundant_forces_2
+    actuator_forces_21 = K_n_21 * line_forces_20 + K_n_24 * line_forces_21 + K_n_27 * redundant_forces_2
+    actuator_forces_22 = K_n_22 * line_forces_20 + K_n_25 * line_forces_21 + K_n_28 * redundant_forces_2
+    return (
+        actuator_forces_00,
+        actuator_forces_01,
+        actuator_forces_02,
+        actuator_forces_10,
+        actuator_forces_11,
+        actuator_forces_12,
+        actuator_forces_20,
+        actuator_forces_21,
+        actuator_forces_22,
+    )
+
+
+def end_force(g: Any, w: Any, b: Any, actuator_forces: Any) -> tuple[Any, ...]:
+    """Force at the end point of the (3-UPU) sub-leg from those of its actuators: g = M_i^-T f.
+    Thesis: (5.36).  (6 add, 21 multiply, 3 divide, 5 select)"""
+    w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
+    b_0, b_1, b_2 = b
+    actuator_forces_0, actuator_forces_1, actuator_forces_2 = actuator_forces
+    t1 = 1 / b_0
+    t2 = 1 / b_1
+    t3 = 1 / b_2
+    g_l_0 = w_00 * actuator_forces_0 * t1 + w_10 * actuator_forces_1 * t2 + w_20 * actuator_forces_2 * t3  # in the leg's frame
+    g_l_1 = t1 * (w_01 * actuator_forces_0) + t2 * (w_11 * actuator_forces_1) + t3 * (w_21 * actuator_forces_2)
+    g_l_2 = t1 * (w_02 * actuator_forces_0) + t2 * (w_12 * actuator_forces_1) + t3 * (w_22 * actuator_forces_2)
+    regularity_a = np.fmin(np.fmin(np.abs(b_0 * g.k[10]), np.abs(b_1 * g.k[10])), np.abs(b_2 * g.k[10]))
+    return (
+        (  # end_force
+            g_l_0,
+            g_l_1,
+            g_l_2,
+        ),
+        (  # regularity
+            regularity_a,
+        ),
+    )

@@ -26,6 +26,11 @@ if TYPE_CHECKING:
 _ZERO_UNLESS_GIVEN = {
     ("joint_rates", "redundant_rates"),
     ("joint_rates", "swivel_rates"),
+    ("inverse_statics", "redundant_forces"),
+    ("inverse_statics", "swivel_forces"),
+    ("opening", "jaws"),
+    ("redundant_of_opening", "centre"),
+    ("redundant_of_opening", "jaws"),
     ("joint_accelerations", "redundant_accelerations"),
     ("joint_accelerations", "swivel_accelerations"),
 }

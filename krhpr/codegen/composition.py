@@ -34,6 +34,7 @@ class Status(IntEnum):
     INVALID_INPUT = 11
     NO_ASSEMBLY = 12
     INCONSISTENT = 13
+    NO_GRASP = 14
 
 
 LEG_STATUSES = frozenset({Status.UNREACHABLE_LEG_1, Status.SINGULAR_LEG_1})
@@ -56,6 +57,7 @@ STATUS_DOC = {
     Status.INVALID_INPUT: "an input is NaN or infinite",
     Status.NO_ASSEMBLY: "no platform fits the three end points",
     Status.INCONSISTENT: "encoders contradict the end points by more than the tolerance",
+    Status.NO_GRASP: "the jaws do not surround an object: their slides' directions lie on one side",
 }
 
 SINGULAR_TOLERANCE = 1e-12

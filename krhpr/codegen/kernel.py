@@ -26,6 +26,10 @@ class Unit(StrEnum):
     METRE_PER_SECOND_SQUARED = "m/s^2"
     ACTUATOR_ACCELERATION = "rad/s^2 or m/s^2"
     TWIST_RATE = "m/s^2, rad/s^2"
+    NEWTON = "N"
+    NEWTON_METRE = "N m"
+    ACTUATOR_FORCE = "N m or N"
+    WRENCH = "N, N m"
     MIXED = "mixed"
 
 

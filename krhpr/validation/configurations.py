@@ -62,7 +62,7 @@ class Configuration:
 
 
 def configuration(subject: Subject, source: Draw) -> Configuration:
-    """A random consistent configuration, with random rates."""
+    """A random consistent configuration, with random rates and forces."""
     build = LEGS_BY_NAME.get(subject.code.subleg.name)
     found = configuration_in_balls(subject, source) if build is None else _rational(subject, source, build)
     kind = found.arithmetic.constant
@@ -77,7 +77,19 @@ def configuration(subject: Subject, source: Draw) -> Configuration:
         "theta_dot": LEGS * n,
         "theta_ddot": LEGS * n,
     }
+    of_statics = {
+        "wrench": freedom,
+        "redundant_forces": LEGS,
+        "swivel_forces": LEGS,
+        "actuator_forces": LEGS * n,
+        "jaws": LEGS,
+    }
     rates = {name: [kind(source.nonzero().fraction) for _ in range(size)] for name, size in sizes.items()}
+    # statics are linear in forces: any will do at every configuration
+    given = Draw(freedom)
+    rates |= {
+        name: [kind(given.nonzero().fraction) for _ in range(size)] for name, size in of_statics.items()
+    }
     return Configuration(subject, found.arithmetic, found.geometry, {**found.values, **rates})
 
 

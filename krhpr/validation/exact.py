@@ -7,11 +7,11 @@ arithmetic, at reachable configurations, in every working and assembly mode.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import Any
 
-from krhpr.codegen.composition import RobotFunction
+from krhpr.codegen.composition import Guard, Relation, RobotFunction
 from krhpr.codegen.evaluate import Arithmetic, evaluate_kernel, prepare_geometry
 from krhpr.codegen.kernel import LEGS, Port
 from krhpr.validation.arithmetic import BALLS, RATIONAL
@@ -137,8 +137,20 @@ def _rational_cases(
     subject: Subject, check: Check, function: RobotFunction, count: int
 ) -> Iterator[tuple[Inputs, Fields]]:
     source = Draw(check.seed)
+    given = {port.name for port in function.outputs}
+    guards = [g for g in function.guards if g.variable in given and g.relation is Relation.AT_LEAST]
     for _ in range(count):
-        yield source.inputs(subject.code, function), source.geometry(*subject.geometry_types.values())
+        while True:
+            inputs = source.inputs(subject.code, function)
+            geometry = source.geometry(*subject.geometry_types.values())
+            if not guards or _answered(derivation(subject, function, inputs, geometry, RATIONAL), guards):
+                break
+        yield inputs, geometry
+
+
+def _answered(outputs: Outputs, guards: Sequence[Guard]) -> bool:
+    """Whether what a function gives is not too small for it to be an answer."""
+    return all(outputs[guard.variable][guard.index] >= Exact(Fraction(guard.limit)) for guard in guards)
 
 
 def _cases_in_balls(

@@ -129,6 +129,7 @@ def _drawn(subject: Subject, seed: int, count: int, spread: float) -> Batch:
         geometry = draw_geometry(subject, rng, spread)
         found = _draw(subject, rng, count, geometry)
         if found is not None:
+            found |= _forces(subject, rng, count) | _objects(rng, count)
             for values in found.values():
                 values.flags.writeable = False
             return Batch(subject, geometry, found)
@@ -189,6 +190,26 @@ def _candidates(subject: Subject, rng: np.random.Generator, count: int) -> Value
     values["side"] = np.where(np.arange(count) % 2 == 0, 1.0, -1.0)
     values["turned"] = np.ones(count)  # end points of one platform seldom fit the one turned over
     return values
+
+
+def _forces(subject: Subject, rng: np.random.Generator, count: int) -> Values:
+    """Forces of any size; statics are linear in them."""
+    shapes = {
+        "wrench": (subject.platform.space.degrees_of_freedom,),
+        "redundant_forces": (LEGS,),
+        "swivel_forces": (LEGS,),
+        "actuator_forces": (LEGS, subject.subleg.n),
+    }
+    return {name: rng.uniform(-1, 1, (count, *shape)) for name, shape in shapes.items()}
+
+
+def _objects(rng: np.random.Generator, count: int) -> Values:
+    """Jaws, and objects between them."""
+    return {
+        "jaws": rng.uniform(0.0, 0.03, (count, LEGS)),
+        "opening": rng.uniform(0.1, 0.2, count),
+        "centre": rng.uniform(-0.01, 0.01, (count, 2)),
+    }
 
 
 def _measurements(subject: Subject, rng: np.random.Generator, values: Values) -> Values:

@@ -92,4 +92,18 @@ KRHPR_STATIC void krhpr_algebra_planar_rotation_tangent(const krhpr_dual *phi, k
     }
 }
 
+/* `total` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.36).  (12 add) */
+KRHPR_STATIC void krhpr_algebra_planar_total_tangent(
+    const krhpr_dual *end_force, const krhpr_dual *moment, krhpr_dual *KRHPR_RESTRICT wrench)
+{
+    wrench[0].v = end_force[4].v + (end_force[0].v + end_force[2].v);
+    wrench[1].v = end_force[5].v + (end_force[1].v + end_force[3].v);
+    wrench[2].v = moment[2].v + (moment[0].v + moment[1].v);
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        wrench[0].t[k] = end_force[4].t[k] + (end_force[0].t[k] + end_force[2].t[k]);
+        wrench[1].t[k] = end_force[5].t[k] + (end_force[1].t[k] + end_force[3].t[k]);
+        wrench[2].t[k] = moment[2].t[k] + (moment[0].t[k] + moment[1].t[k]);
+    }
+}
+
 #endif

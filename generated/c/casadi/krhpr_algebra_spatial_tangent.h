@@ -112,4 +112,24 @@ KRHPR_STATIC void krhpr_algebra_spatial_wrist_tangent(
     }
 }
 
+/* `total` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.36).  (24 add) */
+KRHPR_STATIC void krhpr_algebra_spatial_total_tangent(
+    const krhpr_dual *end_force, const krhpr_dual *moment, krhpr_dual *KRHPR_RESTRICT wrench)
+{
+    wrench[0].v = end_force[6].v + (end_force[0].v + end_force[3].v);
+    wrench[1].v = end_force[7].v + (end_force[1].v + end_force[4].v);
+    wrench[2].v = end_force[8].v + (end_force[2].v + end_force[5].v);
+    wrench[3].v = moment[6].v + (moment[0].v + moment[3].v);
+    wrench[4].v = moment[7].v + (moment[1].v + moment[4].v);
+    wrench[5].v = moment[8].v + (moment[2].v + moment[5].v);
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        wrench[0].t[k] = end_force[6].t[k] + (end_force[0].t[k] + end_force[3].t[k]);
+        wrench[1].t[k] = end_force[7].t[k] + (end_force[1].t[k] + end_force[4].t[k]);
+        wrench[2].t[k] = end_force[8].t[k] + (end_force[2].t[k] + end_force[5].t[k]);
+        wrench[3].t[k] = moment[6].t[k] + (moment[0].t[k] + moment[3].t[k]);
+        wrench[4].t[k] = moment[7].t[k] + (moment[1].t[k] + moment[4].t[k]);
+        wrench[5].t[k] = moment[8].t[k] + (moment[2].t[k] + moment[5].t[k]);
+    }
+}
+
 #endif

@@ -40,6 +40,8 @@
 #define krhpr_planar_fivebar_coupler_a_joint_rates plain_joint_rates
 #define krhpr_planar_fivebar_coupler_a_platform_acceleration plain_platform_acceleration
 #define krhpr_planar_fivebar_coupler_a_joint_accelerations plain_joint_accelerations
+#define krhpr_planar_fivebar_coupler_a_inverse_statics plain_inverse_statics
+#define krhpr_planar_fivebar_coupler_a_forward_statics plain_forward_statics
 #define krhpr_planar_fivebar_coupler_a_passive_joints plain_passive_joints
 #define krhpr_planar_fivebar_coupler_a_link_points plain_link_points
 #define krhpr_planar_fivebar_coupler_a_singularity plain_singularity
@@ -64,6 +66,8 @@
 #undef krhpr_planar_fivebar_coupler_a_joint_rates
 #undef krhpr_planar_fivebar_coupler_a_platform_acceleration
 #undef krhpr_planar_fivebar_coupler_a_joint_accelerations
+#undef krhpr_planar_fivebar_coupler_a_inverse_statics
+#undef krhpr_planar_fivebar_coupler_a_forward_statics
 #undef krhpr_planar_fivebar_coupler_a_passive_joints
 #undef krhpr_planar_fivebar_coupler_a_link_points
 #undef krhpr_planar_fivebar_coupler_a_singularity
@@ -100,7 +104,7 @@ static const krhpr_planar_fivebar_coupler_a_geometry geometry = {
         .l_r = {0.05, 0.05, 0.05, 0.05},
         .e_r = {{-0.8660254037844386, 0.8660254037844384, 6.123233995736766e-17, 6.123233995736766e-17}, {-0.5000000000000001, -0.5000000000000004, 1.0, 1.0}},
         .b = {{-0.10825317547305482, 0.1082531754730548, 7.654042494670958e-18, 7.654042494670958e-18}, {-0.06250000000000001, -0.06250000000000006, 0.125, 0.125}},
-        .k = {{0.0012500000000000002, 0.0012500000000000002, 0.0012500000000000002, 0.0012500000000000002}, {20.0, 20.0, 20.0, 20.0}, {-0.04330127018922193, 0.04330127018922192, 3.061616997868383e-18, 3.061616997868383e-18}, {-0.02500000000000001, -0.025000000000000022, 0.05, 0.05}}
+        .k = {{0.0012500000000000002, 0.0012500000000000002, 0.0012500000000000002, 0.0012500000000000002}, {20.0, 20.0, 20.0, 20.0}, {-0.04330127018922193, 0.04330127018922192, 3.061616997868383e-18, 3.061616997868383e-18}, {-0.02500000000000001, -0.025000000000000022, 0.05, 0.05}, {399.99999999999994, 399.99999999999994, 399.99999999999994, 399.99999999999994}}
     }
 };
 
@@ -161,33 +165,35 @@ static const casadi_int P47[14] = {8, 3, 0, 0, 0, 8, 0, 1, 2, 3, 4, 5, 6, 7};
 static const casadi_int P48[3] = {3, 6, 1};
 static const casadi_int P49[18] = {6, 6, 0, 2, 4, 6, 7, 8, 9, 0, 3, 1, 4, 2, 5, 3, 4, 5};
 static const casadi_int P50[3] = {6, 3, 1};
-static const casadi_int P51[5] = {9, 2, 0, 0, 0};
-static const casadi_int P52[4] = {9, 1, 0, 0};
-static const casadi_int P53[27] = {9, 6, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5,
+static const casadi_int P51[3] = {6, 6, 1};
+static const casadi_int P52[7] = {3, 2, 0, 1, 2, 2, 2};
+static const casadi_int P53[5] = {9, 2, 0, 0, 0};
+static const casadi_int P54[4] = {9, 1, 0, 0};
+static const casadi_int P55[27] = {9, 6, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5,
     8};
-static const casadi_int P54[24] = {9, 6, 0, 3, 6, 9, 11, 13, 15, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7, 5, 8};
-static const casadi_int P55[12] = {3, 6, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
-static const casadi_int P56[5] = {12, 2, 0, 0, 0};
-static const casadi_int P57[4] = {12, 1, 0, 0};
-static const casadi_int P58[13] = {12, 6, 0, 2, 2, 2, 4, 4, 4, 4, 5, 10, 11};
-static const casadi_int P59[15] = {12, 6, 0, 4, 4, 4, 6, 6, 6, 2, 4, 8, 10, 3, 9};
-static const casadi_int P60[13] = {12, 6, 0, 0, 2, 2, 2, 4, 4, 4, 5, 10, 11};
-static const casadi_int P61[15] = {12, 6, 0, 0, 4, 4, 4, 6, 6, 2, 4, 8, 10, 3, 9};
-static const casadi_int P62[13] = {12, 6, 0, 0, 0, 2, 2, 2, 4, 4, 5, 10, 11};
-static const casadi_int P63[15] = {12, 6, 0, 0, 0, 4, 4, 4, 6, 2, 4, 8, 10, 3, 9};
-static const casadi_int P64[3] = {1, 6, 1};
-static const casadi_int P65[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P66[3] = {1, 3, 1};
-static const casadi_int P67[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P68[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
-static const casadi_int P69[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P70[4] = {4, 1, 0, 0};
-static const casadi_int P71[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
-static const casadi_int P72[3] = {2, 3, 1};
-static const casadi_int P73[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
-static const casadi_int P74[3] = {4, 3, 1};
-static const casadi_int P75[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
-static const casadi_int P76[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P56[24] = {9, 6, 0, 3, 6, 9, 11, 13, 15, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7, 5, 8};
+static const casadi_int P57[12] = {3, 6, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
+static const casadi_int P58[5] = {12, 2, 0, 0, 0};
+static const casadi_int P59[4] = {12, 1, 0, 0};
+static const casadi_int P60[13] = {12, 6, 0, 2, 2, 2, 4, 4, 4, 4, 5, 10, 11};
+static const casadi_int P61[15] = {12, 6, 0, 4, 4, 4, 6, 6, 6, 2, 4, 8, 10, 3, 9};
+static const casadi_int P62[13] = {12, 6, 0, 0, 2, 2, 2, 4, 4, 4, 5, 10, 11};
+static const casadi_int P63[15] = {12, 6, 0, 0, 4, 4, 4, 6, 6, 2, 4, 8, 10, 3, 9};
+static const casadi_int P64[13] = {12, 6, 0, 0, 0, 2, 2, 2, 4, 4, 5, 10, 11};
+static const casadi_int P65[15] = {12, 6, 0, 0, 0, 4, 4, 4, 6, 2, 4, 8, 10, 3, 9};
+static const casadi_int P66[3] = {1, 6, 1};
+static const casadi_int P67[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P68[3] = {1, 3, 1};
+static const casadi_int P69[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P70[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
+static const casadi_int P71[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P72[4] = {4, 1, 0, 0};
+static const casadi_int P73[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
+static const casadi_int P74[3] = {2, 3, 1};
+static const casadi_int P75[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
+static const casadi_int P76[3] = {4, 3, 1};
+static const casadi_int P77[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P78[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- end_points -- */
 
@@ -946,6 +952,134 @@ static const krhpr_casadi_function function_joint_accelerations = {
 KRHPR_CASADI_FUNCTION(NAME(joint_accelerations), function_joint_accelerations)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(joint_accelerations), function_joint_accelerations)
 
+/* -- inverse_statics -- */
+
+static int value_inverse_statics(const double *x, double *y)
+{
+    return plain_inverse_statics(&geometry, x, x[2], x + 3, x + 9, x + 15, x + 18, y);
+}
+
+static void tangent_inverse_statics(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const phi = given + 2;
+    const krhpr_dual *const s = given + 3;
+    const krhpr_dual *const theta = given + 9;
+    const krhpr_dual *const wrench = given + 15;
+    const krhpr_dual *const redundant_forces = given + 18;
+    krhpr_dual *const actuator_forces = found;
+    krhpr_dual Q[4];
+    krhpr_dual line[9];
+    krhpr_dual point[6];
+    krhpr_dual redundant_line[9];
+    krhpr_dual K_n[12];
+    krhpr_dual line_forces[3];
+    krhpr_dual det_regularity[1];
+    krhpr_algebra_planar_rotation_tangent(phi, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[2];
+        krhpr_dual scale[2];
+        krhpr_dual along[2];
+        krhpr_dual d[2];
+        krhpr_dual u_1[2];
+        krhpr_dual u_2[2];
+        krhpr_platform_planar_a_line_tangent(
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_platform_planar_a_redundant_line_tangent(
+            &geometry.platform, i, p, Q, s + 2 * i, along, redundant_line + 3 * i);
+        krhpr_subleg_planar_fivebar_coupler_posture_tangent(
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, d, u_1, u_2);
+        krhpr_subleg_planar_fivebar_coupler_transmission_tangent(
+            &geometry.subleg, i, d, u_1, u_2, N, along, K_n + 4 * i);
+    }
+    krhpr_platform_planar_a_balance_tangent(
+        Q, line, point, redundant_line, redundant_forces, wrench, line_forces, det_regularity);
+    krhpr_subleg_planar_fivebar_coupler_torques_tangent(K_n, line_forces, redundant_forces, actuator_forces);
+}
+
+static const krhpr_casadi_slot in_inverse_statics[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+    {"out_wrench", 3, 1, 1, NULL, P4, P5},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_inverse_statics[] = {
+    {"out_actuator_forces", 3, 2, 1, NULL, P6, P7},
+};
+static const casadi_int *const structure_inverse_statics[] = {
+    P18, P21, P51, P24, P50, P50
+};
+static const char *const names_inverse_statics[] = {
+    "jac_actuator_forces_p", "jac_actuator_forces_phi", "jac_actuator_forces_s", "jac_actuator_forces_theta",
+    "jac_actuator_forces_wrench", "jac_actuator_forces_redundant_forces"
+};
+static const krhpr_casadi_function function_inverse_statics = {
+    6, in_inverse_statics, 1, out_inverse_statics, value_inverse_statics, tangent_inverse_statics, structure_inverse_statics, names_inverse_statics
+};
+KRHPR_CASADI_FUNCTION(NAME(inverse_statics), function_inverse_statics)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(inverse_statics), function_inverse_statics)
+
+/* -- forward_statics -- */
+
+static int value_forward_statics(const double *x, double *y)
+{
+    return plain_forward_statics(&geometry, x, x[2], x + 3, x + 9, x + 15, y, y + 3);
+}
+
+static void tangent_forward_statics(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const phi = given + 2;
+    const krhpr_dual *const s = given + 3;
+    const krhpr_dual *const theta = given + 9;
+    const krhpr_dual *const actuator_forces = given + 15;
+    krhpr_dual *const wrench = found;
+    krhpr_dual *const redundant_forces = found + 3;
+    krhpr_dual Q[4];
+    krhpr_dual end_force[6];
+    krhpr_dual moment[3];
+    krhpr_algebra_planar_rotation_tangent(phi, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual d[2];
+        krhpr_dual u_1[2];
+        krhpr_dual u_2[2];
+        krhpr_subleg_planar_fivebar_coupler_posture_tangent(
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, d, u_1, u_2);
+        krhpr_subleg_planar_fivebar_coupler_end_force_tangent(
+            &geometry.subleg, i, d, u_1, u_2, actuator_forces + 2 * i, end_force + 2 * i);
+        krhpr_platform_planar_a_reaction_tangent(
+            &geometry.platform, i, p, Q, s + 2 * i, end_force + 2 * i, moment + i, redundant_forces + i);
+    }
+    krhpr_algebra_planar_total_tangent(end_force, moment, wrench);
+}
+
+static const krhpr_casadi_slot in_forward_statics[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+    {"out_actuator_forces", 3, 2, 1, NULL, P6, P7},
+};
+static const krhpr_casadi_slot out_forward_statics[] = {
+    {"out_wrench", 3, 1, 1, NULL, P4, P5},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_forward_statics[] = {
+    P52, P5, P48, P48, P48, P6, P4, P23, P23, P23
+};
+static const char *const names_forward_statics[] = {
+    "jac_wrench_p", "jac_wrench_phi", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
+    "jac_redundant_forces_p", "jac_redundant_forces_phi", "jac_redundant_forces_s", "jac_redundant_forces_theta",
+    "jac_redundant_forces_actuator_forces"
+};
+static const krhpr_casadi_function function_forward_statics = {
+    5, in_forward_statics, 2, out_forward_statics, value_forward_statics, tangent_forward_statics, structure_forward_statics, names_forward_statics
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_statics), function_forward_statics)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_statics), function_forward_statics)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -992,7 +1126,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P51, P52, P53, P54, P6, P4, P23, P55, P6, P4, P23, P15
+    P53, P54, P55, P56, P6, P4, P23, P57, P6, P4, P23, P15
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_phi", "jac_passive_s", "jac_passive_theta", "jac_wrist_p", "jac_wrist_phi",
@@ -1047,7 +1181,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_link_points[] = {
-    P56, P57, P58, P59, P56, P57, P60, P61, P56, P57, P62, P63, P20, P21, P42, P42
+    P58, P59, P60, P61, P58, P59, P62, P63, P58, P59, P64, P65, P20, P21, P42, P42
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_phi", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_phi",
@@ -1110,7 +1244,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_singularity[] = {
-    P7, P5, P23, P23, P51, P52, P53, P54, P16, P2, P64, P65, P16, P2, P64, P65
+    P7, P5, P23, P23, P53, P54, P55, P56, P16, P2, P66, P67, P16, P2, P66, P67
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_phi", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_phi",
@@ -1153,7 +1287,7 @@ static const krhpr_casadi_slot out_type_2_of_redundant[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
-    P66, P66
+    P68, P68
 };
 static const char *const names_type_2_of_redundant[] = {
     "jac_type_2_redundant", "jac_margins_redundant"
@@ -1233,7 +1367,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P67, P8, P1, P68, P16, P3, P69, P10, P70, P68, P16, P3
+    P69, P8, P1, P70, P16, P3, P71, P10, P72, P70, P16, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",
@@ -1292,7 +1426,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P71, P72, P1, P64, P66, P3, P73, P74, P70, P75, P76, P5
+    P73, P74, P1, P66, P68, P3, P75, P76, P72, P77, P78, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",

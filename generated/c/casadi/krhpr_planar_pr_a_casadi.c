@@ -39,6 +39,8 @@
 #define krhpr_planar_pr_a_joint_rates plain_joint_rates
 #define krhpr_planar_pr_a_platform_acceleration plain_platform_acceleration
 #define krhpr_planar_pr_a_joint_accelerations plain_joint_accelerations
+#define krhpr_planar_pr_a_inverse_statics plain_inverse_statics
+#define krhpr_planar_pr_a_forward_statics plain_forward_statics
 #define krhpr_planar_pr_a_passive_joints plain_passive_joints
 #define krhpr_planar_pr_a_link_points plain_link_points
 #define krhpr_planar_pr_a_singularity plain_singularity
@@ -62,6 +64,8 @@
 #undef krhpr_planar_pr_a_joint_rates
 #undef krhpr_planar_pr_a_platform_acceleration
 #undef krhpr_planar_pr_a_joint_accelerations
+#undef krhpr_planar_pr_a_inverse_statics
+#undef krhpr_planar_pr_a_forward_statics
 #undef krhpr_planar_pr_a_passive_joints
 #undef krhpr_planar_pr_a_link_points
 #undef krhpr_planar_pr_a_singularity
@@ -94,7 +98,7 @@ static const krhpr_planar_pr_a_geometry geometry = {
         .l_r = {0.05, 0.05, 0.05, 0.05},
         .e_r = {{-0.8660254037844386, 0.8660254037844384, 6.123233995736766e-17, 6.123233995736766e-17}, {-0.5000000000000001, -0.5000000000000004, 1.0, 1.0}},
         .b = {{-0.10825317547305482, 0.1082531754730548, 7.654042494670958e-18, 7.654042494670958e-18}, {-0.06250000000000001, -0.06250000000000006, 0.125, 0.125}},
-        .k = {{0.0012500000000000002, 0.0012500000000000002, 0.0012500000000000002, 0.0012500000000000002}, {20.0, 20.0, 20.0, 20.0}, {-0.04330127018922193, 0.04330127018922192, 3.061616997868383e-18, 3.061616997868383e-18}, {-0.02500000000000001, -0.025000000000000022, 0.05, 0.05}}
+        .k = {{0.0012500000000000002, 0.0012500000000000002, 0.0012500000000000002, 0.0012500000000000002}, {20.0, 20.0, 20.0, 20.0}, {-0.04330127018922193, 0.04330127018922192, 3.061616997868383e-18, 3.061616997868383e-18}, {-0.02500000000000001, -0.025000000000000022, 0.05, 0.05}, {399.99999999999994, 399.99999999999994, 399.99999999999994, 399.99999999999994}}
     }
 };
 
@@ -157,29 +161,33 @@ static const casadi_int P49[3] = {3, 6, 1};
 static const casadi_int P50[18] = {3, 6, 0, 0, 0, 0, 3, 6, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
 static const casadi_int P51[15] = {6, 6, 0, 0, 0, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
 static const casadi_int P52[3] = {6, 3, 1};
-static const casadi_int P53[12] = {3, 6, 0, 0, 0, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P54[5] = {6, 2, 0, 0, 0};
-static const casadi_int P55[4] = {6, 1, 0, 0};
-static const casadi_int P56[13] = {6, 6, 0, 2, 2, 2, 4, 4, 4, 1, 2, 4, 5};
-static const casadi_int P57[11] = {6, 6, 0, 0, 0, 0, 2, 2, 2, 1, 4};
-static const casadi_int P58[13] = {6, 6, 0, 0, 2, 2, 2, 4, 4, 1, 2, 4, 5};
-static const casadi_int P59[11] = {6, 6, 0, 0, 0, 0, 0, 2, 2, 1, 4};
-static const casadi_int P60[13] = {6, 6, 0, 0, 0, 2, 2, 2, 4, 1, 2, 4, 5};
-static const casadi_int P61[11] = {6, 6, 0, 0, 0, 0, 0, 0, 2, 1, 4};
-static const casadi_int P62[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P63[3] = {1, 6, 1};
-static const casadi_int P64[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P65[3] = {1, 3, 1};
-static const casadi_int P66[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P67[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
-static const casadi_int P68[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P69[4] = {4, 1, 0, 0};
-static const casadi_int P70[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
-static const casadi_int P71[3] = {2, 3, 1};
-static const casadi_int P72[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
-static const casadi_int P73[3] = {4, 3, 1};
-static const casadi_int P74[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
-static const casadi_int P75[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P53[3] = {6, 6, 1};
+static const casadi_int P54[12] = {6, 6, 0, 0, 0, 0, 1, 2, 3, 3, 4, 5};
+static const casadi_int P55[7] = {3, 2, 0, 1, 2, 2, 2};
+static const casadi_int P56[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 2, 2, 2, 2, 2, 2};
+static const casadi_int P57[12] = {3, 6, 0, 0, 0, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P58[5] = {6, 2, 0, 0, 0};
+static const casadi_int P59[4] = {6, 1, 0, 0};
+static const casadi_int P60[13] = {6, 6, 0, 2, 2, 2, 4, 4, 4, 1, 2, 4, 5};
+static const casadi_int P61[11] = {6, 6, 0, 0, 0, 0, 2, 2, 2, 1, 4};
+static const casadi_int P62[13] = {6, 6, 0, 0, 2, 2, 2, 4, 4, 1, 2, 4, 5};
+static const casadi_int P63[11] = {6, 6, 0, 0, 0, 0, 0, 2, 2, 1, 4};
+static const casadi_int P64[13] = {6, 6, 0, 0, 0, 2, 2, 2, 4, 1, 2, 4, 5};
+static const casadi_int P65[11] = {6, 6, 0, 0, 0, 0, 0, 0, 2, 1, 4};
+static const casadi_int P66[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P67[3] = {1, 6, 1};
+static const casadi_int P68[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P69[3] = {1, 3, 1};
+static const casadi_int P70[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P71[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
+static const casadi_int P72[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P73[4] = {4, 1, 0, 0};
+static const casadi_int P74[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
+static const casadi_int P75[3] = {2, 3, 1};
+static const casadi_int P76[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
+static const casadi_int P77[3] = {4, 3, 1};
+static const casadi_int P78[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P79[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- end_points -- */
 
@@ -871,6 +879,127 @@ static const krhpr_casadi_function function_joint_accelerations = {
 KRHPR_CASADI_FUNCTION(NAME(joint_accelerations), function_joint_accelerations)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(joint_accelerations), function_joint_accelerations)
 
+/* -- inverse_statics -- */
+
+static int value_inverse_statics(const double *x, double *y)
+{
+    return plain_inverse_statics(&geometry, x, x[2], x + 3, x + 9, x + 15, x + 18, y);
+}
+
+static void tangent_inverse_statics(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const phi = given + 2;
+    const krhpr_dual *const s = given + 3;
+    const krhpr_dual *const theta = given + 9;
+    const krhpr_dual *const wrench = given + 15;
+    const krhpr_dual *const redundant_forces = given + 18;
+    krhpr_dual *const actuator_forces = found;
+    krhpr_dual Q[4];
+    krhpr_dual line[9];
+    krhpr_dual point[6];
+    krhpr_dual redundant_line[9];
+    krhpr_dual K_n[12];
+    krhpr_dual line_forces[3];
+    krhpr_dual det_regularity[1];
+    krhpr_algebra_planar_rotation_tangent(phi, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[2];
+        krhpr_dual scale[2];
+        krhpr_dual along[2];
+        krhpr_dual u[2];
+        krhpr_platform_planar_a_line_tangent(
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_platform_planar_a_redundant_line_tangent(
+            &geometry.platform, i, p, Q, s + 2 * i, along, redundant_line + 3 * i);
+        krhpr_subleg_planar_pr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, u);
+        krhpr_subleg_planar_pr_transmission_tangent(&geometry.subleg, i, u, N, along, K_n + 4 * i);
+    }
+    krhpr_platform_planar_a_balance_tangent(
+        Q, line, point, redundant_line, redundant_forces, wrench, line_forces, det_regularity);
+    krhpr_subleg_planar_pr_torques_tangent(K_n, line_forces, redundant_forces, actuator_forces);
+}
+
+static const krhpr_casadi_slot in_inverse_statics[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+    {"out_wrench", 3, 1, 1, NULL, P4, P5},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_inverse_statics[] = {
+    {"out_actuator_forces", 3, 2, 1, NULL, P6, P7},
+};
+static const casadi_int *const structure_inverse_statics[] = {
+    P42, P17, P53, P54, P52, P52
+};
+static const char *const names_inverse_statics[] = {
+    "jac_actuator_forces_p", "jac_actuator_forces_phi", "jac_actuator_forces_s", "jac_actuator_forces_theta",
+    "jac_actuator_forces_wrench", "jac_actuator_forces_redundant_forces"
+};
+static const krhpr_casadi_function function_inverse_statics = {
+    6, in_inverse_statics, 1, out_inverse_statics, value_inverse_statics, tangent_inverse_statics, structure_inverse_statics, names_inverse_statics
+};
+KRHPR_CASADI_FUNCTION(NAME(inverse_statics), function_inverse_statics)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(inverse_statics), function_inverse_statics)
+
+/* -- forward_statics -- */
+
+static int value_forward_statics(const double *x, double *y)
+{
+    return plain_forward_statics(&geometry, x, x[2], x + 3, x + 9, x + 15, y, y + 3);
+}
+
+static void tangent_forward_statics(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const phi = given + 2;
+    const krhpr_dual *const s = given + 3;
+    const krhpr_dual *const theta = given + 9;
+    const krhpr_dual *const actuator_forces = given + 15;
+    krhpr_dual *const wrench = found;
+    krhpr_dual *const redundant_forces = found + 3;
+    krhpr_dual Q[4];
+    krhpr_dual end_force[6];
+    krhpr_dual moment[3];
+    krhpr_algebra_planar_rotation_tangent(phi, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual u[2];
+        krhpr_subleg_planar_pr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, u);
+        krhpr_subleg_planar_pr_end_force_tangent(
+            &geometry.subleg, i, u, actuator_forces + 2 * i, end_force + 2 * i);
+        krhpr_platform_planar_a_reaction_tangent(
+            &geometry.platform, i, p, Q, s + 2 * i, end_force + 2 * i, moment + i, redundant_forces + i);
+    }
+    krhpr_algebra_planar_total_tangent(end_force, moment, wrench);
+}
+
+static const krhpr_casadi_slot in_forward_statics[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+    {"out_actuator_forces", 3, 2, 1, NULL, P6, P7},
+};
+static const krhpr_casadi_slot out_forward_statics[] = {
+    {"out_wrench", 3, 1, 1, NULL, P4, P5},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_forward_statics[] = {
+    P55, P5, P56, P50, P49, P6, P4, P19, P57, P19
+};
+static const char *const names_forward_statics[] = {
+    "jac_wrench_p", "jac_wrench_phi", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
+    "jac_redundant_forces_p", "jac_redundant_forces_phi", "jac_redundant_forces_s", "jac_redundant_forces_theta",
+    "jac_redundant_forces_actuator_forces"
+};
+static const krhpr_casadi_function function_forward_statics = {
+    5, in_forward_statics, 2, out_forward_statics, value_forward_statics, tangent_forward_statics, structure_forward_statics, names_forward_statics
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_statics), function_forward_statics)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_statics), function_forward_statics)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -911,7 +1040,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P6, P4, P19, P53, P6, P4, P19, P13
+    P6, P4, P19, P57, P6, P4, P19, P13
 };
 static const char *const names_passive_joints[] = {
     "jac_wrist_p", "jac_wrist_phi", "jac_wrist_s", "jac_wrist_theta", "jac_platform_joint_p", "jac_platform_joint_phi",
@@ -961,7 +1090,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_link_points[] = {
-    P54, P55, P56, P57, P54, P55, P58, P59, P54, P55, P60, P61, P16, P17, P62, P62
+    P58, P59, P60, P61, P58, P59, P62, P63, P58, P59, P64, P65, P16, P17, P66, P66
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_phi", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_phi",
@@ -1020,7 +1149,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_singularity[] = {
-    P7, P5, P13, P53, P7, P5, P13, P53, P14, P2, P63, P64, P14, P2, P63, P64
+    P7, P5, P13, P57, P7, P5, P13, P57, P14, P2, P67, P68, P14, P2, P67, P68
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_phi", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_phi",
@@ -1063,7 +1192,7 @@ static const krhpr_casadi_slot out_type_2_of_redundant[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
-    P65, P65
+    P69, P69
 };
 static const char *const names_type_2_of_redundant[] = {
     "jac_type_2_redundant", "jac_margins_redundant"
@@ -1143,7 +1272,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P66, P8, P1, P67, P14, P3, P68, P44, P69, P67, P14, P3
+    P70, P8, P1, P71, P14, P3, P72, P44, P73, P71, P14, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",
@@ -1202,7 +1331,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P70, P71, P1, P63, P65, P3, P72, P73, P69, P74, P75, P5
+    P74, P75, P1, P67, P69, P3, P76, P77, P73, P78, P79, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",

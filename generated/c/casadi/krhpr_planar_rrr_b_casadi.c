@@ -40,6 +40,10 @@
 #define krhpr_planar_rrr_b_joint_rates plain_joint_rates
 #define krhpr_planar_rrr_b_platform_acceleration plain_platform_acceleration
 #define krhpr_planar_rrr_b_joint_accelerations plain_joint_accelerations
+#define krhpr_planar_rrr_b_inverse_statics plain_inverse_statics
+#define krhpr_planar_rrr_b_forward_statics plain_forward_statics
+#define krhpr_planar_rrr_b_opening plain_opening
+#define krhpr_planar_rrr_b_redundant_of_opening plain_redundant_of_opening
 #define krhpr_planar_rrr_b_passive_joints plain_passive_joints
 #define krhpr_planar_rrr_b_link_points plain_link_points
 #define krhpr_planar_rrr_b_singularity plain_singularity
@@ -65,6 +69,10 @@
 #undef krhpr_planar_rrr_b_joint_rates
 #undef krhpr_planar_rrr_b_platform_acceleration
 #undef krhpr_planar_rrr_b_joint_accelerations
+#undef krhpr_planar_rrr_b_inverse_statics
+#undef krhpr_planar_rrr_b_forward_statics
+#undef krhpr_planar_rrr_b_opening
+#undef krhpr_planar_rrr_b_redundant_of_opening
 #undef krhpr_planar_rrr_b_passive_joints
 #undef krhpr_planar_rrr_b_link_points
 #undef krhpr_planar_rrr_b_singularity
@@ -179,35 +187,40 @@ static const casadi_int P60[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 
 static const casadi_int P61[3] = {9, 3, 1};
 static const casadi_int P62[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P63[5] = {8, 2, 0, 0, 0};
-static const casadi_int P64[4] = {8, 1, 0, 0};
-static const casadi_int P65[15] = {8, 6, 0, 3, 3, 3, 6, 6, 6, 1, 2, 3, 5, 6, 7};
-static const casadi_int P66[20] = {8, 9, 0, 4, 4, 4, 8, 8, 8, 8, 8, 8, 1, 2, 5, 6, 1, 2, 5, 6};
-static const casadi_int P67[15] = {8, 6, 0, 0, 3, 3, 3, 6, 6, 1, 2, 3, 5, 6, 7};
-static const casadi_int P68[20] = {8, 9, 0, 0, 4, 4, 4, 8, 8, 8, 8, 8, 1, 2, 5, 6, 1, 2, 5, 6};
-static const casadi_int P69[15] = {8, 6, 0, 0, 0, 3, 3, 3, 6, 1, 2, 3, 5, 6, 7};
-static const casadi_int P70[20] = {8, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 8, 1, 2, 5, 6, 1, 2, 5, 6};
-static const casadi_int P71[5] = {6, 2, 0, 0, 0};
-static const casadi_int P72[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P73[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P74[3] = {1, 2, 1};
-static const casadi_int P75[3] = {1, 6, 1};
-static const casadi_int P76[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P77[3] = {4, 6, 1};
-static const casadi_int P78[3] = {2, 6, 1};
-static const casadi_int P79[3] = {6, 6, 1};
-static const casadi_int P80[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P81[3] = {2, 9, 1};
-static const casadi_int P82[3] = {1, 9, 1};
-static const casadi_int P83[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P84[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
-static const casadi_int P85[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P86[4] = {4, 1, 0, 0};
-static const casadi_int P87[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
-static const casadi_int P88[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
-static const casadi_int P89[3] = {4, 3, 1};
-static const casadi_int P90[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
-static const casadi_int P91[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P63[3] = {9, 6, 1};
+static const casadi_int P64[24] = {9, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 3, 6, 4, 7, 5, 8, 3, 6, 4, 7, 5, 8};
+static const casadi_int P65[7] = {3, 2, 0, 1, 2, 2, 2};
+static const casadi_int P66[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P67[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P68[5] = {8, 2, 0, 0, 0};
+static const casadi_int P69[4] = {8, 1, 0, 0};
+static const casadi_int P70[15] = {8, 6, 0, 3, 3, 3, 6, 6, 6, 1, 2, 3, 5, 6, 7};
+static const casadi_int P71[20] = {8, 9, 0, 4, 4, 4, 8, 8, 8, 8, 8, 8, 1, 2, 5, 6, 1, 2, 5, 6};
+static const casadi_int P72[15] = {8, 6, 0, 0, 3, 3, 3, 6, 6, 1, 2, 3, 5, 6, 7};
+static const casadi_int P73[20] = {8, 9, 0, 0, 4, 4, 4, 8, 8, 8, 8, 8, 1, 2, 5, 6, 1, 2, 5, 6};
+static const casadi_int P74[15] = {8, 6, 0, 0, 0, 3, 3, 3, 6, 1, 2, 3, 5, 6, 7};
+static const casadi_int P75[20] = {8, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 8, 1, 2, 5, 6, 1, 2, 5, 6};
+static const casadi_int P76[5] = {6, 2, 0, 0, 0};
+static const casadi_int P77[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P78[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P79[3] = {1, 2, 1};
+static const casadi_int P80[3] = {1, 6, 1};
+static const casadi_int P81[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P82[3] = {4, 6, 1};
+static const casadi_int P83[3] = {2, 6, 1};
+static const casadi_int P84[3] = {6, 6, 1};
+static const casadi_int P85[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P86[3] = {2, 9, 1};
+static const casadi_int P87[3] = {1, 9, 1};
+static const casadi_int P88[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P89[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
+static const casadi_int P90[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P91[4] = {4, 1, 0, 0};
+static const casadi_int P92[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
+static const casadi_int P93[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
+static const casadi_int P94[3] = {4, 3, 1};
+static const casadi_int P95[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P96[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- end_points -- */
 
@@ -975,6 +988,221 @@ static const krhpr_casadi_function function_joint_accelerations = {
 KRHPR_CASADI_FUNCTION(NAME(joint_accelerations), function_joint_accelerations)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(joint_accelerations), function_joint_accelerations)
 
+/* -- inverse_statics -- */
+
+static int value_inverse_statics(const double *x, double *y)
+{
+    return plain_inverse_statics(&geometry, x, x[2], x + 3, x + 9, x + 18, x + 21, x + 24, y);
+}
+
+static void tangent_inverse_statics(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const phi = given + 2;
+    const krhpr_dual *const s = given + 3;
+    const krhpr_dual *const theta = given + 9;
+    const krhpr_dual *const wrench = given + 18;
+    const krhpr_dual *const redundant_forces = given + 21;
+    const krhpr_dual *const swivel_forces = given + 24;
+    krhpr_dual *const actuator_forces = found;
+    krhpr_dual Q[4];
+    krhpr_dual line[9];
+    krhpr_dual point[6];
+    krhpr_dual redundant_line[9];
+    krhpr_dual K_n[27];
+    krhpr_dual line_forces[3];
+    krhpr_dual det_regularity[1];
+    krhpr_algebra_planar_rotation_tangent(phi, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[2];
+        krhpr_dual scale[2];
+        krhpr_dual along[2];
+        krhpr_dual d[2];
+        krhpr_dual u_2[2];
+        krhpr_dual u_3[2];
+        krhpr_platform_planar_b_line_tangent(
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_platform_planar_b_redundant_line_tangent(
+            &geometry.platform, i, p, Q, s + 2 * i, along, redundant_line + 3 * i);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_transmission_tangent(&geometry.subleg, i, d, u_2, u_3, N, along, K_n + 9 * i);
+    }
+    krhpr_platform_planar_b_balance_tangent(
+        Q, line, point, redundant_line, redundant_forces, wrench, line_forces, det_regularity);
+    krhpr_subleg_planar_rrr_torques_tangent(
+        K_n, line_forces, redundant_forces, swivel_forces, actuator_forces);
+}
+
+static const krhpr_casadi_slot in_inverse_statics[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 3, 1, NULL, P8, P9},
+    {"out_wrench", 3, 1, 1, NULL, P4, P5},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_swivel_forces", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_inverse_statics[] = {
+    {"out_actuator_forces", 3, 3, 1, NULL, P8, P9},
+};
+static const casadi_int *const structure_inverse_statics[] = {
+    P52, P39, P63, P64, P61, P61, P53
+};
+static const char *const names_inverse_statics[] = {
+    "jac_actuator_forces_p", "jac_actuator_forces_phi", "jac_actuator_forces_s", "jac_actuator_forces_theta",
+    "jac_actuator_forces_wrench", "jac_actuator_forces_redundant_forces", "jac_actuator_forces_swivel_forces"
+};
+static const krhpr_casadi_function function_inverse_statics = {
+    7, in_inverse_statics, 1, out_inverse_statics, value_inverse_statics, tangent_inverse_statics, structure_inverse_statics, names_inverse_statics
+};
+KRHPR_CASADI_FUNCTION(NAME(inverse_statics), function_inverse_statics)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(inverse_statics), function_inverse_statics)
+
+/* -- forward_statics -- */
+
+static int value_forward_statics(const double *x, double *y)
+{
+    return plain_forward_statics(&geometry, x, x[2], x + 3, x + 9, x + 18, y, y + 3, y + 6);
+}
+
+static void tangent_forward_statics(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const phi = given + 2;
+    const krhpr_dual *const s = given + 3;
+    const krhpr_dual *const theta = given + 9;
+    const krhpr_dual *const actuator_forces = given + 18;
+    krhpr_dual *const wrench = found;
+    krhpr_dual *const redundant_forces = found + 3;
+    krhpr_dual *const swivel_forces = found + 6;
+    krhpr_dual Q[4];
+    krhpr_dual end_force[6];
+    krhpr_dual moment[3];
+    krhpr_algebra_planar_rotation_tangent(phi, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual d[2];
+        krhpr_dual u_2[2];
+        krhpr_dual u_3[2];
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_end_force_tangent(
+            &geometry.subleg, i, d, u_2, u_3, actuator_forces + 3 * i, end_force + 2 * i, swivel_forces + i);
+        krhpr_platform_planar_b_reaction_tangent(
+            &geometry.platform, i, p, Q, s + 2 * i, end_force + 2 * i, moment + i, redundant_forces + i);
+    }
+    krhpr_algebra_planar_total_tangent(end_force, moment, wrench);
+}
+
+static const krhpr_casadi_slot in_forward_statics[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 3, 1, NULL, P8, P9},
+    {"out_actuator_forces", 3, 3, 1, NULL, P8, P9},
+};
+static const krhpr_casadi_slot out_forward_statics[] = {
+    {"out_wrench", 3, 1, 1, NULL, P4, P5},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_swivel_forces", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_forward_statics[] = {
+    P65, P5, P56, P57, P58, P7, P4, P23, P31, P66, P7, P5, P23, P31, P66
+};
+static const char *const names_forward_statics[] = {
+    "jac_wrench_p", "jac_wrench_phi", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
+    "jac_redundant_forces_p", "jac_redundant_forces_phi", "jac_redundant_forces_s", "jac_redundant_forces_theta",
+    "jac_redundant_forces_actuator_forces", "jac_swivel_forces_p", "jac_swivel_forces_phi", "jac_swivel_forces_s",
+    "jac_swivel_forces_theta", "jac_swivel_forces_actuator_forces"
+};
+static const krhpr_casadi_function function_forward_statics = {
+    5, in_forward_statics, 3, out_forward_statics, value_forward_statics, tangent_forward_statics, structure_forward_statics, names_forward_statics
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_statics), function_forward_statics)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_statics), function_forward_statics)
+
+/* -- opening -- */
+
+static int value_opening(const double *x, double *y)
+{
+    return plain_opening(&geometry, x, x + 3, y, y + 1, y + 3);
+}
+
+static void tangent_opening(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const redundant = given;
+    const krhpr_dual *const jaws = given + 3;
+    krhpr_dual *const opening = found;
+    krhpr_dual *const centre = found + 1;
+    krhpr_dual *const shares = found + 3;
+    krhpr_dual slide[6];
+    krhpr_dual start[3];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual distance[1];
+        krhpr_platform_planar_b_tie_tangent(&geometry.platform, i, slide + 2 * i, distance, start + i);
+    }
+    krhpr_platform_planar_b_opening_tangent(slide, redundant, jaws, start, opening, centre, shares);
+}
+
+static const krhpr_casadi_slot in_opening[] = {
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+    {"out_jaws", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_opening[] = {
+    {"out_opening", 1, 1, 1, NULL, P2, P3},
+    {"out_centre", 2, 1, 1, NULL, P0, P1},
+    {"out_shares", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_opening[] = {
+    P14, P14, P10, P10, P9, P9
+};
+static const char *const names_opening[] = {
+    "jac_opening_redundant", "jac_opening_jaws", "jac_centre_redundant", "jac_centre_jaws", "jac_shares_redundant",
+    "jac_shares_jaws"
+};
+static const krhpr_casadi_function function_opening = {
+    2, in_opening, 3, out_opening, value_opening, tangent_opening, structure_opening, names_opening
+};
+KRHPR_CASADI_FUNCTION(NAME(opening), function_opening)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(opening), function_opening)
+
+/* -- redundant_of_opening -- */
+
+static int value_redundant_of_opening(const double *x, double *y)
+{
+    return plain_redundant_of_opening(&geometry, x[0], x + 1, x + 3, y);
+}
+
+static void tangent_redundant_of_opening(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const opening = given;
+    const krhpr_dual *const centre = given + 1;
+    const krhpr_dual *const jaws = given + 3;
+    krhpr_dual *const redundant = found;
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_b_redundant_of_opening_tangent(
+            &geometry.platform, i, opening, centre, jaws + i, redundant + i);
+    }
+}
+
+static const krhpr_casadi_slot in_redundant_of_opening[] = {
+    {"out_opening", 1, 1, 1, NULL, P2, P3},
+    {"out_centre", 2, 1, 1, NULL, P0, P1},
+    {"out_jaws", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_redundant_of_opening[] = {
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_redundant_of_opening[] = {
+    P4, P6, P67
+};
+static const char *const names_redundant_of_opening[] = {
+    "jac_redundant_opening", "jac_redundant_centre", "jac_redundant_jaws"
+};
+static const krhpr_casadi_function function_redundant_of_opening = {
+    3, in_redundant_of_opening, 1, out_redundant_of_opening, value_redundant_of_opening, tangent_redundant_of_opening, structure_redundant_of_opening, names_redundant_of_opening
+};
+KRHPR_CASADI_FUNCTION(NAME(redundant_of_opening), function_redundant_of_opening)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(redundant_of_opening), function_redundant_of_opening)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -1068,7 +1296,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_link_points[] = {
-    P63, P64, P65, P66, P63, P64, P67, P68, P63, P64, P69, P70, P71, P21, P72, P73
+    P68, P69, P70, P71, P68, P69, P72, P73, P68, P69, P74, P75, P76, P21, P77, P78
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_phi", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_phi",
@@ -1130,7 +1358,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_singularity[] = {
-    P7, P5, P23, P31, P7, P5, P23, P31, P74, P2, P75, P76, P74, P2, P75, P76
+    P7, P5, P23, P31, P7, P5, P23, P31, P79, P2, P80, P81, P79, P2, P80, P81
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_phi", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_phi",
@@ -1222,7 +1450,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P77, P78, P79, P78, P80
+    P82, P83, P84, P83, P85
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_phi_s", "jac_redundant_s", "jac_det_J_s", "jac_count_s"
@@ -1277,7 +1505,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P81, P0, P82, P2, P58, P4, P76, P3, P76, P3
+    P86, P0, P87, P2, P58, P4, P81, P3, P81, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_side", "jac_phi_theta", "jac_phi_side", "jac_redundant_theta", "jac_redundant_side",
@@ -1333,7 +1561,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P83, P18, P1, P84, P74, P3, P85, P16, P86, P84, P74, P3
+    P88, P18, P1, P89, P79, P3, P90, P16, P91, P89, P79, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",
@@ -1389,7 +1617,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P87, P10, P1, P75, P14, P3, P88, P89, P86, P90, P91, P5
+    P92, P10, P1, P80, P14, P3, P93, P94, P91, P95, P96, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",

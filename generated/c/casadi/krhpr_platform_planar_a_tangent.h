@@ -2521,4 +2521,163 @@ KRHPR_STATIC void krhpr_platform_planar_a_encoder_pose_tangent(
     }
 }
 
+/* `redundant_line` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.53),
+ * (5.58).  (36 add, 42 multiply) */
+KRHPR_STATIC void krhpr_platform_planar_a_redundant_line_tangent(
+    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT along, krhpr_dual *KRHPR_RESTRICT redundant_line)
+{
+    const double Qb_0 = g->b[0][i] * Q[0].v + g->b[1][i] * Q[1].v;
+    const double Qb_1 = g->b[0][i] * Q[2].v + g->b[1][i] * Q[3].v;
+    const double a_0 = p[0].v + Qb_0 - s[0].v;
+    const double e_0 = s[1].v - (p[1].v + Qb_1);
+    const double c_0 = e_0 * g->k[4][i];
+    const double c_1 = a_0 * g->k[4][i];
+    const double c_l_0 = Q[0].v * c_0 + Q[2].v * c_1;
+    const double c_l_1 = Q[1].v * c_0 + Q[3].v * c_1;
+    const double h1 = s[0].v - p[0].v;
+    const double h2 = s[1].v - p[1].v;
+    const double u_l_0 = Q[0].v * h1 + Q[2].v * h2;
+    const double u_l_1 = Q[1].v * h1 + Q[3].v * h2;
+    along[0].v = c_0;
+    along[1].v = c_1;
+    redundant_line[0].v = c_l_0;
+    redundant_line[1].v = c_l_1;
+    redundant_line[2].v = c_l_1 * u_l_0 - c_l_0 * u_l_1;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = g->k[4][i] * (s[1].t[k] - (p[1].t[k] + (g->b[0][i] * Q[2].t[k] + g->b[1][i] * Q[3].t[k])));
+        const double t2 = g->k[4][i] * (p[0].t[k] + (g->b[0][i] * Q[0].t[k] + g->b[1][i] * Q[1].t[k]) - s[0].t[k]);
+        const double t3 = c_0 * Q[0].t[k] + Q[0].v * t1 + (c_1 * Q[2].t[k] + Q[2].v * t2);
+        const double t4 = c_0 * Q[1].t[k] + Q[1].v * t1 + (c_1 * Q[3].t[k] + Q[3].v * t2);
+        const double t5 = s[0].t[k] - p[0].t[k];
+        const double t6 = s[1].t[k] - p[1].t[k];
+        const double t7 = u_l_0 * t4 + c_l_1 * (h1 * Q[0].t[k] + Q[0].v * t5 + (h2 * Q[2].t[k] + Q[2].v * t6));
+        const double t8 = u_l_1 * t3 + c_l_0 * (h1 * Q[1].t[k] + Q[1].v * t5 + (h2 * Q[3].t[k] + Q[3].v * t6));
+        along[0].t[k] = t1;
+        along[1].t[k] = t2;
+        redundant_line[0].t[k] = t3;
+        redundant_line[1].t[k] = t4;
+        redundant_line[2].t[k] = t7 - t8;
+    }
+}
+
+/* `balance` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.12), (5.44).
+ * (135 add, 177 multiply, 3 divide) */
+KRHPR_STATIC void krhpr_platform_planar_a_balance_tangent(
+    const krhpr_dual *Q, const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *redundant_line,
+    const krhpr_dual *redundant_forces, const krhpr_dual *wrench, krhpr_dual *KRHPR_RESTRICT line_forces,
+    krhpr_dual *KRHPR_RESTRICT regularity)
+{
+    const double t1 = Q[0].v * wrench[0].v + Q[2].v * wrench[1].v - redundant_line[0].v * redundant_forces[0].v;
+    const double rest_0 = t1 - redundant_line[3].v * redundant_forces[1].v - redundant_line[6].v * redundant_forces[2].v;
+    const double t2 = Q[1].v * wrench[0].v + Q[3].v * wrench[1].v - redundant_line[1].v * redundant_forces[0].v;
+    const double rest_1 = t2 - redundant_line[4].v * redundant_forces[1].v - redundant_line[7].v * redundant_forces[2].v;
+    const double t3 = wrench[2].v - redundant_line[2].v * redundant_forces[0].v - redundant_line[5].v * redundant_forces[1].v;
+    const double rest_2 = t3 - redundant_line[8].v * redundant_forces[2].v;
+    const double h1 = line[4].v * line[8].v - line[5].v * line[7].v;
+    const double h2 = line[2].v * line[7].v - line[1].v * line[8].v;
+    const double h3 = line[1].v * line[5].v - line[2].v * line[4].v;
+    const double det_a = line[0].v * h1 + line[3].v * h2 + line[6].v * h3;
+    const double inv_a = 1.0 / det_a;
+    const double h4 = line[5].v * line[6].v - line[3].v * line[8].v;
+    const double h5 = line[3].v * line[7].v - line[4].v * line[6].v;
+    const double h6 = rest_0 * h1 + rest_1 * h4 + rest_2 * h5;
+    const double lambda_a_0 = inv_a * h6;
+    const double h7 = line[0].v * line[8].v - line[2].v * line[6].v;
+    const double h8 = line[1].v * line[6].v - line[0].v * line[7].v;
+    const double h9 = rest_0 * h2 + rest_1 * h7 + rest_2 * h8;
+    const double lambda_a_1 = inv_a * h9;
+    const double h10 = line[2].v * line[3].v - line[0].v * line[5].v;
+    const double h11 = line[0].v * line[4].v - line[1].v * line[3].v;
+    const double h12 = rest_0 * h3 + rest_1 * h10 + rest_2 * h11;
+    const double lambda_a_2 = inv_a * h12;
+    const double d2_0 = line[0].v * line[0].v + line[1].v * line[1].v;
+    const double d2_1 = line[3].v * line[3].v + line[4].v * line[4].v;
+    const double d2_2 = line[6].v * line[6].v + line[7].v * line[7].v;
+    const double t4 = point[0].v * point[0].v + point[1].v * point[1].v + point[2].v * point[2].v + point[3].v * point[3].v;
+    const double size = t4 + point[4].v * point[4].v + point[5].v * point[5].v;
+    const double h13 = d2_0 * d2_1;
+    const double h14 = d2_2 * h13;
+    const double t5 = size * h14;
+    const double regularity_0 = det_a * det_a / t5;
+    const double h15 = 1.0 / t5;
+    line_forces[0].v = lambda_a_0;
+    line_forces[1].v = lambda_a_1;
+    line_forces[2].v = lambda_a_2;
+    regularity[0].v = regularity_0;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t6 = wrench[0].v * Q[0].t[k] + Q[0].v * wrench[0].t[k] + (wrench[1].v * Q[2].t[k] + Q[2].v * wrench[1].t[k]);
+        const double t7 = redundant_forces[0].v * redundant_line[0].t[k] + redundant_line[0].v * redundant_forces[0].t[k];
+        const double t8 = redundant_forces[1].v * redundant_line[3].t[k] + redundant_line[3].v * redundant_forces[1].t[k];
+        const double t9 = redundant_forces[2].v * redundant_line[6].t[k] + redundant_line[6].v * redundant_forces[2].t[k];
+        const double t10 = t6 - t7 - t8 - t9;
+        const double t11 = wrench[0].v * Q[1].t[k] + Q[1].v * wrench[0].t[k] + (wrench[1].v * Q[3].t[k] + Q[3].v * wrench[1].t[k]);
+        const double t12 = redundant_forces[0].v * redundant_line[1].t[k] + redundant_line[1].v * redundant_forces[0].t[k];
+        const double t13 = redundant_forces[1].v * redundant_line[4].t[k] + redundant_line[4].v * redundant_forces[1].t[k];
+        const double t14 = redundant_forces[2].v * redundant_line[7].t[k] + redundant_line[7].v * redundant_forces[2].t[k];
+        const double t15 = t11 - t12 - t13 - t14;
+        const double t16 = redundant_forces[0].v * redundant_line[2].t[k] + redundant_line[2].v * redundant_forces[0].t[k];
+        const double t17 = redundant_forces[1].v * redundant_line[5].t[k] + redundant_line[5].v * redundant_forces[1].t[k];
+        const double t18 = redundant_forces[2].v * redundant_line[8].t[k] + redundant_line[8].v * redundant_forces[2].t[k];
+        const double t19 = wrench[2].t[k] - t16 - t17 - t18;
+        const double t20 = line[8].v * line[4].t[k] + line[4].v * line[8].t[k] - (line[7].v * line[5].t[k] + line[5].v * line[7].t[k]);
+        const double t21 = line[7].v * line[2].t[k] + line[2].v * line[7].t[k] - (line[8].v * line[1].t[k] + line[1].v * line[8].t[k]);
+        const double t22 = line[5].v * line[1].t[k] + line[1].v * line[5].t[k] - (line[4].v * line[2].t[k] + line[2].v * line[4].t[k]);
+        const double t23 = h1 * line[0].t[k] + line[0].v * t20 + (h2 * line[3].t[k] + line[3].v * t21) + (h3 * line[6].t[k] + line[6].v * t22);
+        const double t24 = inv_a * (inv_a * t23);
+        const double t25 = line[6].v * line[5].t[k] + line[5].v * line[6].t[k] - (line[8].v * line[3].t[k] + line[3].v * line[8].t[k]);
+        const double t26 = line[7].v * line[3].t[k] + line[3].v * line[7].t[k] - (line[6].v * line[4].t[k] + line[4].v * line[6].t[k]);
+        const double t27 = h1 * t10 + rest_0 * t20 + (h4 * t15 + rest_1 * t25) + (h5 * t19 + rest_2 * t26);
+        const double t28 = line[8].v * line[0].t[k] + line[0].v * line[8].t[k] - (line[6].v * line[2].t[k] + line[2].v * line[6].t[k]);
+        const double t29 = line[6].v * line[1].t[k] + line[1].v * line[6].t[k] - (line[7].v * line[0].t[k] + line[0].v * line[7].t[k]);
+        const double t30 = h2 * t10 + rest_0 * t21 + (h7 * t15 + rest_1 * t28) + (h8 * t19 + rest_2 * t29);
+        const double t31 = line[3].v * line[2].t[k] + line[2].v * line[3].t[k] - (line[5].v * line[0].t[k] + line[0].v * line[5].t[k]);
+        const double t32 = line[4].v * line[0].t[k] + line[0].v * line[4].t[k] - (line[3].v * line[1].t[k] + line[1].v * line[3].t[k]);
+        const double t33 = h3 * t10 + rest_0 * t22 + (h10 * t15 + rest_1 * t31) + (h11 * t19 + rest_2 * t32);
+        const double t34 = line[0].v * line[0].t[k];
+        const double t35 = line[1].v * line[1].t[k];
+        const double t36 = line[3].v * line[3].t[k];
+        const double t37 = line[4].v * line[4].t[k];
+        const double t38 = line[6].v * line[6].t[k];
+        const double t39 = line[7].v * line[7].t[k];
+        const double t40 = point[0].v * point[0].t[k];
+        const double t41 = point[1].v * point[1].t[k];
+        const double t42 = point[2].v * point[2].t[k];
+        const double t43 = point[3].v * point[3].t[k];
+        const double t44 = point[4].v * point[4].t[k];
+        const double t45 = point[5].v * point[5].t[k];
+        const double t46 = t40 + t40 + (t41 + t41) + (t42 + t42) + (t43 + t43) + (t44 + t44) + (t45 + t45);
+        const double t47 = det_a * t23;
+        const double t48 = h13 * (t38 + t38 + (t39 + t39)) + d2_2 * (d2_1 * (t34 + t34 + (t35 + t35)) + d2_0 * (t36 + t36 + (t37 + t37)));
+        line_forces[0].t[k] = inv_a * t27 - h6 * t24;
+        line_forces[1].t[k] = inv_a * t30 - h9 * t24;
+        line_forces[2].t[k] = inv_a * t33 - h12 * t24;
+        regularity[0].t[k] = h15 * (t47 + t47 - regularity_0 * (h14 * t46 + size * t48));
+    }
+}
+
+/* `reaction` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.36).  (24 add,
+ * 20 multiply) */
+KRHPR_STATIC void krhpr_platform_planar_a_reaction_tangent(
+    const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_dual *s, const krhpr_dual *end_force, krhpr_dual *KRHPR_RESTRICT moment,
+    krhpr_dual *KRHPR_RESTRICT redundant_forces)
+{
+    const double u_0 = s[0].v - p[0].v;
+    const double u_1 = s[1].v - p[1].v;
+    const double Qb_0 = g->b[0][i] * Q[0].v + g->b[1][i] * Q[1].v;
+    const double Qb_1 = g->b[0][i] * Q[2].v + g->b[1][i] * Q[3].v;
+    const double a_0 = p[0].v + Qb_0 - s[0].v;
+    const double e_0 = s[1].v - (p[1].v + Qb_1);
+    moment[0].v = end_force[1].v * u_0 - end_force[0].v * u_1;
+    redundant_forces[0].v = end_force[1].v * a_0 + end_force[0].v * e_0;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = u_0 * end_force[1].t[k] + end_force[1].v * (s[0].t[k] - p[0].t[k]) - (u_1 * end_force[0].t[k] + end_force[0].v * (s[1].t[k] - p[1].t[k]));
+        const double t2 = end_force[1].v * (p[0].t[k] + (g->b[0][i] * Q[0].t[k] + g->b[1][i] * Q[1].t[k]) - s[0].t[k]);
+        const double t3 = end_force[0].v * (s[1].t[k] - (p[1].t[k] + (g->b[0][i] * Q[2].t[k] + g->b[1][i] * Q[3].t[k])));
+        moment[0].t[k] = t1;
+        redundant_forces[0].t[k] = a_0 * end_force[1].t[k] + t2 + (e_0 * end_force[0].t[k] + t3);
+    }
+}
+
 #endif

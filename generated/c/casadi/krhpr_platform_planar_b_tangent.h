@@ -1723,4 +1723,243 @@ KRHPR_STATIC void krhpr_platform_planar_b_encoder_pose_tangent(
     }
 }
 
+/* `redundant_line` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.53),
+ * (5.58).  (28 add, 38 multiply) */
+KRHPR_STATIC void krhpr_platform_planar_b_redundant_line_tangent(
+    const krhpr_platform_planar_b_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT along, krhpr_dual *KRHPR_RESTRICT redundant_line)
+{
+    const double Qt_0 = g->t[0][i] * Q[0].v + g->t[1][i] * Q[1].v;
+    const double Qt_1 = g->t[0][i] * Q[2].v + g->t[1][i] * Q[3].v;
+    const double c_l_0 = Q[0].v * Qt_0 + Q[2].v * Qt_1;
+    const double c_l_1 = Q[1].v * Qt_0 + Q[3].v * Qt_1;
+    const double h1 = s[0].v - p[0].v;
+    const double h2 = s[1].v - p[1].v;
+    const double u_l_0 = Q[0].v * h1 + Q[2].v * h2;
+    const double u_l_1 = Q[1].v * h1 + Q[3].v * h2;
+    along[0].v = Qt_0;
+    along[1].v = Qt_1;
+    redundant_line[0].v = c_l_0;
+    redundant_line[1].v = c_l_1;
+    redundant_line[2].v = c_l_1 * u_l_0 - c_l_0 * u_l_1;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = g->t[0][i] * Q[0].t[k] + g->t[1][i] * Q[1].t[k];
+        const double t2 = g->t[0][i] * Q[2].t[k] + g->t[1][i] * Q[3].t[k];
+        const double t3 = Qt_0 * Q[0].t[k] + Q[0].v * t1 + (Qt_1 * Q[2].t[k] + Q[2].v * t2);
+        const double t4 = Qt_0 * Q[1].t[k] + Q[1].v * t1 + (Qt_1 * Q[3].t[k] + Q[3].v * t2);
+        const double t5 = s[0].t[k] - p[0].t[k];
+        const double t6 = s[1].t[k] - p[1].t[k];
+        const double t7 = u_l_0 * t4 + c_l_1 * (h1 * Q[0].t[k] + Q[0].v * t5 + (h2 * Q[2].t[k] + Q[2].v * t6));
+        const double t8 = u_l_1 * t3 + c_l_0 * (h1 * Q[1].t[k] + Q[1].v * t5 + (h2 * Q[3].t[k] + Q[3].v * t6));
+        along[0].t[k] = t1;
+        along[1].t[k] = t2;
+        redundant_line[0].t[k] = t3;
+        redundant_line[1].t[k] = t4;
+        redundant_line[2].t[k] = t7 - t8;
+    }
+}
+
+/* `balance` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.12), (5.44).
+ * (135 add, 177 multiply, 3 divide) */
+KRHPR_STATIC void krhpr_platform_planar_b_balance_tangent(
+    const krhpr_dual *Q, const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *redundant_line,
+    const krhpr_dual *redundant_forces, const krhpr_dual *wrench, krhpr_dual *KRHPR_RESTRICT line_forces,
+    krhpr_dual *KRHPR_RESTRICT regularity)
+{
+    const double t1 = Q[0].v * wrench[0].v + Q[2].v * wrench[1].v - redundant_line[0].v * redundant_forces[0].v;
+    const double rest_0 = t1 - redundant_line[3].v * redundant_forces[1].v - redundant_line[6].v * redundant_forces[2].v;
+    const double t2 = Q[1].v * wrench[0].v + Q[3].v * wrench[1].v - redundant_line[1].v * redundant_forces[0].v;
+    const double rest_1 = t2 - redundant_line[4].v * redundant_forces[1].v - redundant_line[7].v * redundant_forces[2].v;
+    const double t3 = wrench[2].v - redundant_line[2].v * redundant_forces[0].v - redundant_line[5].v * redundant_forces[1].v;
+    const double rest_2 = t3 - redundant_line[8].v * redundant_forces[2].v;
+    const double h1 = line[4].v * line[8].v - line[5].v * line[7].v;
+    const double h2 = line[2].v * line[7].v - line[1].v * line[8].v;
+    const double h3 = line[1].v * line[5].v - line[2].v * line[4].v;
+    const double det_a = line[0].v * h1 + line[3].v * h2 + line[6].v * h3;
+    const double inv_a = 1.0 / det_a;
+    const double h4 = line[5].v * line[6].v - line[3].v * line[8].v;
+    const double h5 = line[3].v * line[7].v - line[4].v * line[6].v;
+    const double h6 = rest_0 * h1 + rest_1 * h4 + rest_2 * h5;
+    const double lambda_a_0 = inv_a * h6;
+    const double h7 = line[0].v * line[8].v - line[2].v * line[6].v;
+    const double h8 = line[1].v * line[6].v - line[0].v * line[7].v;
+    const double h9 = rest_0 * h2 + rest_1 * h7 + rest_2 * h8;
+    const double lambda_a_1 = inv_a * h9;
+    const double h10 = line[2].v * line[3].v - line[0].v * line[5].v;
+    const double h11 = line[0].v * line[4].v - line[1].v * line[3].v;
+    const double h12 = rest_0 * h3 + rest_1 * h10 + rest_2 * h11;
+    const double lambda_a_2 = inv_a * h12;
+    const double d2_0 = line[0].v * line[0].v + line[1].v * line[1].v;
+    const double d2_1 = line[3].v * line[3].v + line[4].v * line[4].v;
+    const double d2_2 = line[6].v * line[6].v + line[7].v * line[7].v;
+    const double t4 = point[0].v * point[0].v + point[1].v * point[1].v + point[2].v * point[2].v + point[3].v * point[3].v;
+    const double size = t4 + point[4].v * point[4].v + point[5].v * point[5].v;
+    const double h13 = d2_0 * d2_1;
+    const double h14 = d2_2 * h13;
+    const double t5 = size * h14;
+    const double regularity_0 = det_a * det_a / t5;
+    const double h15 = 1.0 / t5;
+    line_forces[0].v = lambda_a_0;
+    line_forces[1].v = lambda_a_1;
+    line_forces[2].v = lambda_a_2;
+    regularity[0].v = regularity_0;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t6 = wrench[0].v * Q[0].t[k] + Q[0].v * wrench[0].t[k] + (wrench[1].v * Q[2].t[k] + Q[2].v * wrench[1].t[k]);
+        const double t7 = redundant_forces[0].v * redundant_line[0].t[k] + redundant_line[0].v * redundant_forces[0].t[k];
+        const double t8 = redundant_forces[1].v * redundant_line[3].t[k] + redundant_line[3].v * redundant_forces[1].t[k];
+        const double t9 = redundant_forces[2].v * redundant_line[6].t[k] + redundant_line[6].v * redundant_forces[2].t[k];
+        const double t10 = t6 - t7 - t8 - t9;
+        const double t11 = wrench[0].v * Q[1].t[k] + Q[1].v * wrench[0].t[k] + (wrench[1].v * Q[3].t[k] + Q[3].v * wrench[1].t[k]);
+        const double t12 = redundant_forces[0].v * redundant_line[1].t[k] + redundant_line[1].v * redundant_forces[0].t[k];
+        const double t13 = redundant_forces[1].v * redundant_line[4].t[k] + redundant_line[4].v * redundant_forces[1].t[k];
+        const double t14 = redundant_forces[2].v * redundant_line[7].t[k] + redundant_line[7].v * redundant_forces[2].t[k];
+        const double t15 = t11 - t12 - t13 - t14;
+        const double t16 = redundant_forces[0].v * redundant_line[2].t[k] + redundant_line[2].v * redundant_forces[0].t[k];
+        const double t17 = redundant_forces[1].v * redundant_line[5].t[k] + redundant_line[5].v * redundant_forces[1].t[k];
+        const double t18 = redundant_forces[2].v * redundant_line[8].t[k] + redundant_line[8].v * redundant_forces[2].t[k];
+        const double t19 = wrench[2].t[k] - t16 - t17 - t18;
+        const double t20 = line[8].v * line[4].t[k] + line[4].v * line[8].t[k] - (line[7].v * line[5].t[k] + line[5].v * line[7].t[k]);
+        const double t21 = line[7].v * line[2].t[k] + line[2].v * line[7].t[k] - (line[8].v * line[1].t[k] + line[1].v * line[8].t[k]);
+        const double t22 = line[5].v * line[1].t[k] + line[1].v * line[5].t[k] - (line[4].v * line[2].t[k] + line[2].v * line[4].t[k]);
+        const double t23 = h1 * line[0].t[k] + line[0].v * t20 + (h2 * line[3].t[k] + line[3].v * t21) + (h3 * line[6].t[k] + line[6].v * t22);
+        const double t24 = inv_a * (inv_a * t23);
+        const double t25 = line[6].v * line[5].t[k] + line[5].v * line[6].t[k] - (line[8].v * line[3].t[k] + line[3].v * line[8].t[k]);
+        const double t26 = line[7].v * line[3].t[k] + line[3].v * line[7].t[k] - (line[6].v * line[4].t[k] + line[4].v * line[6].t[k]);
+        const double t27 = h1 * t10 + rest_0 * t20 + (h4 * t15 + rest_1 * t25) + (h5 * t19 + rest_2 * t26);
+        const double t28 = line[8].v * line[0].t[k] + line[0].v * line[8].t[k] - (line[6].v * line[2].t[k] + line[2].v * line[6].t[k]);
+        const double t29 = line[6].v * line[1].t[k] + line[1].v * line[6].t[k] - (line[7].v * line[0].t[k] + line[0].v * line[7].t[k]);
+        const double t30 = h2 * t10 + rest_0 * t21 + (h7 * t15 + rest_1 * t28) + (h8 * t19 + rest_2 * t29);
+        const double t31 = line[3].v * line[2].t[k] + line[2].v * line[3].t[k] - (line[5].v * line[0].t[k] + line[0].v * line[5].t[k]);
+        const double t32 = line[4].v * line[0].t[k] + line[0].v * line[4].t[k] - (line[3].v * line[1].t[k] + line[1].v * line[3].t[k]);
+        const double t33 = h3 * t10 + rest_0 * t22 + (h10 * t15 + rest_1 * t31) + (h11 * t19 + rest_2 * t32);
+        const double t34 = line[0].v * line[0].t[k];
+        const double t35 = line[1].v * line[1].t[k];
+        const double t36 = line[3].v * line[3].t[k];
+        const double t37 = line[4].v * line[4].t[k];
+        const double t38 = line[6].v * line[6].t[k];
+        const double t39 = line[7].v * line[7].t[k];
+        const double t40 = point[0].v * point[0].t[k];
+        const double t41 = point[1].v * point[1].t[k];
+        const double t42 = point[2].v * point[2].t[k];
+        const double t43 = point[3].v * point[3].t[k];
+        const double t44 = point[4].v * point[4].t[k];
+        const double t45 = point[5].v * point[5].t[k];
+        const double t46 = t40 + t40 + (t41 + t41) + (t42 + t42) + (t43 + t43) + (t44 + t44) + (t45 + t45);
+        const double t47 = det_a * t23;
+        const double t48 = h13 * (t38 + t38 + (t39 + t39)) + d2_2 * (d2_1 * (t34 + t34 + (t35 + t35)) + d2_0 * (t36 + t36 + (t37 + t37)));
+        line_forces[0].t[k] = inv_a * t27 - h6 * t24;
+        line_forces[1].t[k] = inv_a * t30 - h9 * t24;
+        line_forces[2].t[k] = inv_a * t33 - h12 * t24;
+        regularity[0].t[k] = h15 * (t47 + t47 - regularity_0 * (h14 * t46 + size * t48));
+    }
+}
+
+/* `reaction` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.36).  (16 add,
+ * 20 multiply) */
+KRHPR_STATIC void krhpr_platform_planar_b_reaction_tangent(
+    const krhpr_platform_planar_b_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_dual *s, const krhpr_dual *end_force, krhpr_dual *KRHPR_RESTRICT moment,
+    krhpr_dual *KRHPR_RESTRICT redundant_forces)
+{
+    const double u_0 = s[0].v - p[0].v;
+    const double u_1 = s[1].v - p[1].v;
+    const double Qt_0 = g->t[0][i] * Q[0].v + g->t[1][i] * Q[1].v;
+    const double Qt_1 = g->t[0][i] * Q[2].v + g->t[1][i] * Q[3].v;
+    moment[0].v = end_force[1].v * u_0 - end_force[0].v * u_1;
+    redundant_forces[0].v = end_force[0].v * Qt_0 + end_force[1].v * Qt_1;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = u_0 * end_force[1].t[k] + end_force[1].v * (s[0].t[k] - p[0].t[k]) - (u_1 * end_force[0].t[k] + end_force[0].v * (s[1].t[k] - p[1].t[k]));
+        const double t2 = Qt_0 * end_force[0].t[k] + end_force[0].v * (g->t[0][i] * Q[0].t[k] + g->t[1][i] * Q[1].t[k]);
+        const double t3 = Qt_1 * end_force[1].t[k] + end_force[1].v * (g->t[0][i] * Q[2].t[k] + g->t[1][i] * Q[3].t[k]);
+        moment[0].t[k] = t1;
+        redundant_forces[0].t[k] = t2 + t3;
+    }
+}
+
+/* `opening` with the derivatives of its outputs along directions of its inputs.  Thesis: 5.1, 5.3.  (91
+ * add, 108 multiply, 2 divide) */
+KRHPR_STATIC void krhpr_platform_planar_b_opening_tangent(
+    const krhpr_dual *slide, const krhpr_dual *redundant, const krhpr_dual *jaws, const krhpr_dual *start,
+    krhpr_dual *KRHPR_RESTRICT opening, krhpr_dual *KRHPR_RESTRICT centre, krhpr_dual *KRHPR_RESTRICT shares)
+{
+    const double delta_1 = redundant[0].v + start[0].v - jaws[0].v;
+    const double delta_2 = redundant[1].v + start[1].v - jaws[1].v;
+    const double delta_3 = redundant[2].v + start[2].v - jaws[2].v;
+    const double lambda_1 = slide[2].v * slide[5].v - slide[3].v * slide[4].v;
+    const double lambda_2 = slide[1].v * slide[4].v - slide[0].v * slide[5].v;
+    const double lambda_3 = slide[0].v * slide[3].v - slide[1].v * slide[2].v;
+    const double total = lambda_3 + (lambda_1 + lambda_2);
+    const double h1 = 1.0 / total;
+    const double share_1 = lambda_1 * h1;
+    const double share_2 = lambda_2 * h1;
+    const double share_3 = lambda_3 * h1;
+    const double r = delta_1 * share_1 + delta_2 * share_2 + delta_3 * share_3;
+    const double h2 = delta_2 - r;
+    const double h3 = delta_3 - r;
+    const double h4 = slide[5].v * h2 - slide[3].v * h3;
+    const double h5 = delta_1 - r;
+    const double h6 = slide[1].v * h3 - slide[5].v * h5;
+    const double h7 = slide[3].v * h5 - slide[1].v * h2;
+    const double h9 = lambda_1 * h4 + lambda_2 * h6 + lambda_3 * h7;
+    const double h8 = 1.0 / (lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3);
+    const double h10 = slide[2].v * h3 - slide[4].v * h2;
+    const double h11 = slide[4].v * h5 - slide[0].v * h3;
+    const double h12 = slide[0].v * h2 - slide[2].v * h5;
+    const double h13 = lambda_1 * h10 + lambda_2 * h11 + lambda_3 * h12;
+    opening[0].v = r * 2.0;
+    centre[0].v = h9 * h8;
+    centre[1].v = h8 * h13;
+    shares[0].v = share_1;
+    shares[1].v = share_2;
+    shares[2].v = share_3;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = redundant[0].t[k] + start[0].t[k] - jaws[0].t[k];
+        const double t2 = redundant[1].t[k] + start[1].t[k] - jaws[1].t[k];
+        const double t3 = redundant[2].t[k] + start[2].t[k] - jaws[2].t[k];
+        const double t4 = slide[5].v * slide[2].t[k] + slide[2].v * slide[5].t[k] - (slide[4].v * slide[3].t[k] + slide[3].v * slide[4].t[k]);
+        const double t5 = slide[4].v * slide[1].t[k] + slide[1].v * slide[4].t[k] - (slide[5].v * slide[0].t[k] + slide[0].v * slide[5].t[k]);
+        const double t6 = slide[3].v * slide[0].t[k] + slide[0].v * slide[3].t[k] - (slide[2].v * slide[1].t[k] + slide[1].v * slide[2].t[k]);
+        const double t7 = h1 * (h1 * (t6 + (t4 + t5)));
+        const double t8 = h1 * t4 - lambda_1 * t7;
+        const double t9 = h1 * t5 - lambda_2 * t7;
+        const double t10 = h1 * t6 - lambda_3 * t7;
+        const double t11 = share_1 * t1 + delta_1 * t8 + (share_2 * t2 + delta_2 * t9) + (share_3 * t3 + delta_3 * t10);
+        const double t12 = t2 - t11;
+        const double t13 = t3 - t11;
+        const double t14 = h2 * slide[5].t[k] + slide[5].v * t12 - (h3 * slide[3].t[k] + slide[3].v * t13);
+        const double t15 = t1 - t11;
+        const double t16 = h3 * slide[1].t[k] + slide[1].v * t13 - (h5 * slide[5].t[k] + slide[5].v * t15);
+        const double t17 = h5 * slide[3].t[k] + slide[3].v * t15 - (h2 * slide[1].t[k] + slide[1].v * t12);
+        const double t18 = h4 * t4 + lambda_1 * t14 + (h6 * t5 + lambda_2 * t16) + (h7 * t6 + lambda_3 * t17);
+        const double t19 = lambda_1 * t4;
+        const double t20 = lambda_2 * t5;
+        const double t21 = lambda_3 * t6;
+        const double t22 = h8 * (h8 * (t19 + t19 + (t20 + t20) + (t21 + t21)));
+        const double t23 = h3 * slide[2].t[k] + slide[2].v * t13 - (h2 * slide[4].t[k] + slide[4].v * t12);
+        const double t24 = h5 * slide[4].t[k] + slide[4].v * t15 - (h3 * slide[0].t[k] + slide[0].v * t13);
+        const double t25 = h2 * slide[0].t[k] + slide[0].v * t12 - (h5 * slide[2].t[k] + slide[2].v * t15);
+        const double t26 = h10 * t4 + lambda_1 * t23 + (h11 * t5 + lambda_2 * t24) + (h12 * t6 + lambda_3 * t25);
+        opening[0].t[k] = 2.0 * t11;
+        centre[0].t[k] = h8 * t18 - h9 * t22;
+        centre[1].t[k] = h8 * t26 - h13 * t22;
+        shares[0].t[k] = t8;
+        shares[1].t[k] = t9;
+        shares[2].t[k] = t10;
+    }
+}
+
+/* `redundant_of_opening` with the derivatives of its outputs along directions of its inputs.  Thesis: 5.1,
+ * 5.3.  (8 add, 6 multiply) */
+KRHPR_STATIC void krhpr_platform_planar_b_redundant_of_opening_tangent(
+    const krhpr_platform_planar_b_geometry *g, int i, const krhpr_dual *opening, const krhpr_dual *centre,
+    const krhpr_dual *jaws, krhpr_dual *KRHPR_RESTRICT redundant)
+{
+    const double t1 = jaws[0].v + opening[0].v * 0.5 + g->t[0][i] * centre[0].v + g->t[1][i] * centre[1].v;
+    redundant[0].v = t1 - g->k[0][i] - g->k[1][i];
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t2 = jaws[0].t[k] + 0.5 * opening[0].t[k] + g->t[0][i] * centre[0].t[k] + g->t[1][i] * centre[1].t[k];
+        redundant[0].t[k] = t2;
+    }
+}
+
 #endif

@@ -3369,4 +3369,288 @@ KRHPR_STATIC void krhpr_platform_spatial_a_encoder_pose_tangent(
     }
 }
 
+/* `redundant_line` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.53),
+ * (5.58).  (90 add, 108 multiply) */
+KRHPR_STATIC void krhpr_platform_spatial_a_redundant_line_tangent(
+    const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT along, krhpr_dual *KRHPR_RESTRICT redundant_line)
+{
+    const double Qb_0 = g->b[0][i] * Q[0].v + g->b[1][i] * Q[1].v;
+    const double Qb_1 = g->b[0][i] * Q[3].v + g->b[1][i] * Q[4].v;
+    const double Qb_2 = g->b[0][i] * Q[6].v + g->b[1][i] * Q[7].v;
+    const double a_0 = p[0].v + Qb_0 - s[0].v;
+    const double a_1 = p[1].v + Qb_1 - s[1].v;
+    const double a_2 = p[2].v + Qb_2 - s[2].v;
+    const double e_0 = Q[5].v * a_2 - Q[8].v * a_1;
+    const double e_1 = Q[8].v * a_0 - Q[2].v * a_2;
+    const double e_2 = Q[2].v * a_1 - Q[5].v * a_0;
+    const double c_0 = e_0 * g->k[4][i];
+    const double c_1 = e_1 * g->k[4][i];
+    const double c_2 = e_2 * g->k[4][i];
+    const double c_l_0 = Q[0].v * c_0 + Q[3].v * c_1 + Q[6].v * c_2;
+    const double c_l_1 = Q[1].v * c_0 + Q[4].v * c_1 + Q[7].v * c_2;
+    const double c_l_2 = Q[2].v * c_0 + Q[5].v * c_1 + Q[8].v * c_2;
+    const double h1 = s[0].v - p[0].v;
+    const double h2 = s[1].v - p[1].v;
+    const double h3 = s[2].v - p[2].v;
+    const double u_l_0 = Q[0].v * h1 + Q[3].v * h2 + Q[6].v * h3;
+    const double u_l_1 = Q[1].v * h1 + Q[4].v * h2 + Q[7].v * h3;
+    const double u_l_2 = Q[2].v * h1 + Q[5].v * h2 + Q[8].v * h3;
+    along[0].v = c_0;
+    along[1].v = c_1;
+    along[2].v = c_2;
+    redundant_line[0].v = c_l_0;
+    redundant_line[1].v = c_l_1;
+    redundant_line[2].v = c_l_2;
+    redundant_line[3].v = c_l_2 * u_l_1 - c_l_1 * u_l_2;
+    redundant_line[4].v = c_l_0 * u_l_2 - c_l_2 * u_l_0;
+    redundant_line[5].v = c_l_1 * u_l_0 - c_l_0 * u_l_1;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = p[0].t[k] + (g->b[0][i] * Q[0].t[k] + g->b[1][i] * Q[1].t[k]) - s[0].t[k];
+        const double t2 = p[1].t[k] + (g->b[0][i] * Q[3].t[k] + g->b[1][i] * Q[4].t[k]) - s[1].t[k];
+        const double t3 = p[2].t[k] + (g->b[0][i] * Q[6].t[k] + g->b[1][i] * Q[7].t[k]) - s[2].t[k];
+        const double t4 = g->k[4][i] * (a_2 * Q[5].t[k] + Q[5].v * t3 - (a_1 * Q[8].t[k] + Q[8].v * t2));
+        const double t5 = g->k[4][i] * (a_0 * Q[8].t[k] + Q[8].v * t1 - (a_2 * Q[2].t[k] + Q[2].v * t3));
+        const double t6 = g->k[4][i] * (a_1 * Q[2].t[k] + Q[2].v * t2 - (a_0 * Q[5].t[k] + Q[5].v * t1));
+        const double t7 = c_0 * Q[0].t[k] + Q[0].v * t4 + (c_1 * Q[3].t[k] + Q[3].v * t5) + (c_2 * Q[6].t[k] + Q[6].v * t6);
+        const double t8 = c_0 * Q[1].t[k] + Q[1].v * t4 + (c_1 * Q[4].t[k] + Q[4].v * t5) + (c_2 * Q[7].t[k] + Q[7].v * t6);
+        const double t9 = c_0 * Q[2].t[k] + Q[2].v * t4 + (c_1 * Q[5].t[k] + Q[5].v * t5) + (c_2 * Q[8].t[k] + Q[8].v * t6);
+        const double t10 = s[0].t[k] - p[0].t[k];
+        const double t11 = s[1].t[k] - p[1].t[k];
+        const double t12 = s[2].t[k] - p[2].t[k];
+        const double t13 = h1 * Q[0].t[k] + Q[0].v * t10 + (h2 * Q[3].t[k] + Q[3].v * t11) + (h3 * Q[6].t[k] + Q[6].v * t12);
+        const double t14 = h1 * Q[1].t[k] + Q[1].v * t10 + (h2 * Q[4].t[k] + Q[4].v * t11) + (h3 * Q[7].t[k] + Q[7].v * t12);
+        const double t15 = h1 * Q[2].t[k] + Q[2].v * t10 + (h2 * Q[5].t[k] + Q[5].v * t11) + (h3 * Q[8].t[k] + Q[8].v * t12);
+        along[0].t[k] = t4;
+        along[1].t[k] = t5;
+        along[2].t[k] = t6;
+        redundant_line[0].t[k] = t7;
+        redundant_line[1].t[k] = t8;
+        redundant_line[2].t[k] = t9;
+        redundant_line[3].t[k] = u_l_1 * t9 + c_l_2 * t14 - (u_l_2 * t8 + c_l_1 * t15);
+        redundant_line[4].t[k] = u_l_2 * t7 + c_l_0 * t15 - (u_l_0 * t9 + c_l_2 * t13);
+        redundant_line[5].t[k] = u_l_0 * t8 + c_l_1 * t13 - (u_l_1 * t7 + c_l_0 * t14);
+    }
+}
+
+/* `balance` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.12), (5.44).
+ * (284 add, 335 multiply, 6 divide) */
+KRHPR_STATIC void krhpr_platform_spatial_a_balance_tangent(
+    const krhpr_dual *Q, const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *redundant_line,
+    const krhpr_dual *redundant_forces, const krhpr_dual *wrench, krhpr_dual *KRHPR_RESTRICT line_forces,
+    krhpr_dual *KRHPR_RESTRICT regularity)
+{
+    const double t1 = Q[0].v * wrench[0].v + Q[3].v * wrench[1].v + Q[6].v * wrench[2].v - redundant_line[0].v * redundant_forces[0].v;
+    const double rest_0 = t1 - redundant_line[6].v * redundant_forces[1].v - redundant_line[12].v * redundant_forces[2].v;
+    const double t2 = Q[1].v * wrench[0].v + Q[4].v * wrench[1].v + Q[7].v * wrench[2].v - redundant_line[1].v * redundant_forces[0].v;
+    const double rest_1 = t2 - redundant_line[7].v * redundant_forces[1].v - redundant_line[13].v * redundant_forces[2].v;
+    const double t3 = Q[2].v * wrench[0].v + Q[5].v * wrench[1].v + Q[8].v * wrench[2].v - redundant_line[2].v * redundant_forces[0].v;
+    const double rest_2 = t3 - redundant_line[8].v * redundant_forces[1].v - redundant_line[14].v * redundant_forces[2].v;
+    const double t4 = Q[0].v * wrench[3].v + Q[3].v * wrench[4].v + Q[6].v * wrench[5].v - redundant_line[3].v * redundant_forces[0].v;
+    const double rest_3 = t4 - redundant_line[9].v * redundant_forces[1].v - redundant_line[15].v * redundant_forces[2].v;
+    const double t5 = Q[1].v * wrench[3].v + Q[4].v * wrench[4].v + Q[7].v * wrench[5].v - redundant_line[4].v * redundant_forces[0].v;
+    const double rest_4 = t5 - redundant_line[10].v * redundant_forces[1].v - redundant_line[16].v * redundant_forces[2].v;
+    const double t6 = Q[2].v * wrench[3].v + Q[5].v * wrench[4].v + Q[8].v * wrench[5].v - redundant_line[5].v * redundant_forces[0].v;
+    const double rest_5 = t6 - redundant_line[11].v * redundant_forces[1].v - redundant_line[17].v * redundant_forces[2].v;
+    const double h1 = line[7].v * line[17].v - line[11].v * line[13].v;
+    const double h2 = line[5].v * line[13].v - line[1].v * line[17].v;
+    const double h3 = line[1].v * line[11].v - line[5].v * line[7].v;
+    const double det_a = line[0].v * h1 + line[6].v * h2 + line[12].v * h3;
+    const double inv_a = 1.0 / det_a;
+    const double h4 = line[11].v * line[12].v - line[6].v * line[17].v;
+    const double h5 = line[6].v * line[13].v - line[7].v * line[12].v;
+    const double h6 = rest_0 * h1 + rest_1 * h4 + rest_5 * h5;
+    const double lambda_a_0 = inv_a * h6;
+    const double h7 = line[0].v * line[17].v - line[5].v * line[12].v;
+    const double h8 = line[1].v * line[12].v - line[0].v * line[13].v;
+    const double h9 = rest_0 * h2 + rest_1 * h7 + rest_5 * h8;
+    const double lambda_a_1 = inv_a * h9;
+    const double h10 = line[5].v * line[6].v - line[0].v * line[11].v;
+    const double h11 = line[0].v * line[7].v - line[1].v * line[6].v;
+    const double h12 = rest_0 * h3 + rest_1 * h10 + rest_5 * h11;
+    const double lambda_a_2 = inv_a * h12;
+    const double r_n_0 = rest_2 - line[2].v * lambda_a_0 - line[8].v * lambda_a_1 - line[14].v * lambda_a_2;
+    const double r_n_1 = rest_3 - line[3].v * lambda_a_0 - line[9].v * lambda_a_1 - line[15].v * lambda_a_2;
+    const double r_n_2 = rest_4 - line[4].v * lambda_a_0 - line[10].v * lambda_a_1 - line[16].v * lambda_a_2;
+    const double t7 = point[0].v * point[3].v;
+    const double t8 = point[1].v * point[4].v;
+    const double t9 = point[2].v * point[5].v;
+    const double t10 = point[0].v * point[5].v;
+    const double t11 = point[1].v * point[2].v;
+    const double t12 = point[3].v * point[4].v;
+    const double det_n = t7 + t8 + t9 - t10 - t11 - t12;
+    const double inv_n = 1.0 / det_n;
+    const double h13 = t9 - t12;
+    const double h14 = point[4].v - point[2].v;
+    const double h15 = point[5].v - point[3].v;
+    const double h16 = r_n_0 * h13 + r_n_1 * h14 + r_n_2 * h15;
+    const double lambda_n_0 = inv_n * h16;
+    const double h17 = t8 - t10;
+    const double h18 = point[0].v - point[4].v;
+    const double h19 = point[1].v - point[5].v;
+    const double h20 = r_n_0 * h17 + r_n_1 * h18 + r_n_2 * h19;
+    const double lambda_n_1 = inv_n * h20;
+    const double h21 = t7 - t11;
+    const double h22 = point[2].v - point[0].v;
+    const double h23 = point[3].v - point[1].v;
+    const double h24 = r_n_0 * h21 + r_n_1 * h22 + r_n_2 * h23;
+    const double lambda_n_2 = inv_n * h24;
+    const double d2_0 = line[0].v * line[0].v + line[1].v * line[1].v;
+    const double d2_1 = line[6].v * line[6].v + line[7].v * line[7].v;
+    const double d2_2 = line[12].v * line[12].v + line[13].v * line[13].v;
+    const double t13 = point[0].v * point[0].v + point[1].v * point[1].v + point[2].v * point[2].v + point[3].v * point[3].v;
+    const double size = t13 + point[4].v * point[4].v + point[5].v * point[5].v;
+    const double h25 = d2_0 * d2_1;
+    const double h26 = d2_2 * h25;
+    const double t14 = size * h26;
+    const double regularity_0 = det_a * det_a / t14;
+    const double t15 = size * size;
+    const double regularity_1 = det_n * det_n / t15;
+    const double h27 = 1.0 / t14;
+    const double h28 = 1.0 / t15;
+    line_forces[0].v = lambda_a_0;
+    line_forces[1].v = lambda_n_0;
+    line_forces[2].v = lambda_a_1;
+    line_forces[3].v = lambda_n_1;
+    line_forces[4].v = lambda_a_2;
+    line_forces[5].v = lambda_n_2;
+    regularity[0].v = regularity_0;
+    regularity[1].v = regularity_1;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t16 = wrench[0].v * Q[0].t[k] + Q[0].v * wrench[0].t[k] + (wrench[1].v * Q[3].t[k] + Q[3].v * wrench[1].t[k]);
+        const double t17 = redundant_forces[0].v * redundant_line[0].t[k] + redundant_line[0].v * redundant_forces[0].t[k];
+        const double t18 = redundant_forces[1].v * redundant_line[6].t[k] + redundant_line[6].v * redundant_forces[1].t[k];
+        const double t19 = redundant_forces[2].v * redundant_line[12].t[k] + redundant_line[12].v * redundant_forces[2].t[k];
+        const double t20 = t16 + (wrench[2].v * Q[6].t[k] + Q[6].v * wrench[2].t[k]) - t17 - t18 - t19;
+        const double t21 = wrench[0].v * Q[1].t[k] + Q[1].v * wrench[0].t[k] + (wrench[1].v * Q[4].t[k] + Q[4].v * wrench[1].t[k]);
+        const double t22 = redundant_forces[0].v * redundant_line[1].t[k] + redundant_line[1].v * redundant_forces[0].t[k];
+        const double t23 = redundant_forces[1].v * redundant_line[7].t[k] + redundant_line[7].v * redundant_forces[1].t[k];
+        const double t24 = redundant_forces[2].v * redundant_line[13].t[k] + redundant_line[13].v * redundant_forces[2].t[k];
+        const double t25 = t21 + (wrench[2].v * Q[7].t[k] + Q[7].v * wrench[2].t[k]) - t22 - t23 - t24;
+        const double t26 = wrench[0].v * Q[2].t[k] + Q[2].v * wrench[0].t[k] + (wrench[1].v * Q[5].t[k] + Q[5].v * wrench[1].t[k]);
+        const double t27 = redundant_forces[0].v * redundant_line[2].t[k] + redundant_line[2].v * redundant_forces[0].t[k];
+        const double t28 = redundant_forces[1].v * redundant_line[8].t[k] + redundant_line[8].v * redundant_forces[1].t[k];
+        const double t29 = redundant_forces[2].v * redundant_line[14].t[k] + redundant_line[14].v * redundant_forces[2].t[k];
+        const double t30 = wrench[3].v * Q[0].t[k] + Q[0].v * wrench[3].t[k] + (wrench[4].v * Q[3].t[k] + Q[3].v * wrench[4].t[k]);
+        const double t31 = redundant_forces[0].v * redundant_line[3].t[k] + redundant_line[3].v * redundant_forces[0].t[k];
+        const double t32 = redundant_forces[1].v * redundant_line[9].t[k] + redundant_line[9].v * redundant_forces[1].t[k];
+        const double t33 = redundant_forces[2].v * redundant_line[15].t[k] + redundant_line[15].v * redundant_forces[2].t[k];
+        const double t34 = wrench[3].v * Q[1].t[k] + Q[1].v * wrench[3].t[k] + (wrench[4].v * Q[4].t[k] + Q[4].v * wrench[4].t[k]);
+        const double t35 = redundant_forces[0].v * redundant_line[4].t[k] + redundant_line[4].v * redundant_forces[0].t[k];
+        const double t36 = redundant_forces[1].v * redundant_line[10].t[k] + redundant_line[10].v * redundant_forces[1].t[k];
+        const double t37 = redundant_forces[2].v * redundant_line[16].t[k] + redundant_line[16].v * redundant_forces[2].t[k];
+        const double t38 = wrench[3].v * Q[2].t[k] + Q[2].v * wrench[3].t[k] + (wrench[4].v * Q[5].t[k] + Q[5].v * wrench[4].t[k]);
+        const double t39 = redundant_forces[0].v * redundant_line[5].t[k] + redundant_line[5].v * redundant_forces[0].t[k];
+        const double t40 = redundant_forces[1].v * redundant_line[11].t[k] + redundant_line[11].v * redundant_forces[1].t[k];
+        const double t41 = redundant_forces[2].v * redundant_line[17].t[k] + redundant_line[17].v * redundant_forces[2].t[k];
+        const double t42 = t38 + (wrench[5].v * Q[8].t[k] + Q[8].v * wrench[5].t[k]) - t39 - t40 - t41;
+        const double t43 = line[17].v * line[7].t[k] + line[7].v * line[17].t[k] - (line[13].v * line[11].t[k] + line[11].v * line[13].t[k]);
+        const double t44 = line[13].v * line[5].t[k] + line[5].v * line[13].t[k] - (line[17].v * line[1].t[k] + line[1].v * line[17].t[k]);
+        const double t45 = line[11].v * line[1].t[k] + line[1].v * line[11].t[k] - (line[7].v * line[5].t[k] + line[5].v * line[7].t[k]);
+        const double t46 = h1 * line[0].t[k] + line[0].v * t43 + (h2 * line[6].t[k] + line[6].v * t44) + (h3 * line[12].t[k] + line[12].v * t45);
+        const double t47 = inv_a * (inv_a * t46);
+        const double t48 = line[12].v * line[11].t[k] + line[11].v * line[12].t[k] - (line[17].v * line[6].t[k] + line[6].v * line[17].t[k]);
+        const double t49 = line[13].v * line[6].t[k] + line[6].v * line[13].t[k] - (line[12].v * line[7].t[k] + line[7].v * line[12].t[k]);
+        const double t50 = h1 * t20 + rest_0 * t43 + (h4 * t25 + rest_1 * t48) + (h5 * t42 + rest_5 * t49);
+        const double t51 = inv_a * t50 - h6 * t47;
+        const double t52 = line[17].v * line[0].t[k] + line[0].v * line[17].t[k] - (line[12].v * line[5].t[k] + line[5].v * line[12].t[k]);
+        const double t53 = line[12].v * line[1].t[k] + line[1].v * line[12].t[k] - (line[13].v * line[0].t[k] + line[0].v * line[13].t[k]);
+        const double t54 = h2 * t20 + rest_0 * t44 + (h7 * t25 + rest_1 * t52) + (h8 * t42 + rest_5 * t53);
+        const double t55 = inv_a * t54 - h9 * t47;
+        const double t56 = line[6].v * line[5].t[k] + line[5].v * line[6].t[k] - (line[11].v * line[0].t[k] + line[0].v * line[11].t[k]);
+        const double t57 = line[7].v * line[0].t[k] + line[0].v * line[7].t[k] - (line[6].v * line[1].t[k] + line[1].v * line[6].t[k]);
+        const double t58 = h3 * t20 + rest_0 * t45 + (h10 * t25 + rest_1 * t56) + (h11 * t42 + rest_5 * t57);
+        const double t59 = inv_a * t58 - h12 * t47;
+        const double t60 = t26 + (wrench[2].v * Q[8].t[k] + Q[8].v * wrench[2].t[k]) - t27 - t28 - t29 - (lambda_a_0 * line[2].t[k] + line[2].v * t51);
+        const double t61 = t60 - (lambda_a_1 * line[8].t[k] + line[8].v * t55) - (lambda_a_2 * line[14].t[k] + line[14].v * t59);
+        const double t62 = t30 + (wrench[5].v * Q[6].t[k] + Q[6].v * wrench[5].t[k]) - t31 - t32 - t33 - (lambda_a_0 * line[3].t[k] + line[3].v * t51);
+        const double t63 = t62 - (lambda_a_1 * line[9].t[k] + line[9].v * t55) - (lambda_a_2 * line[15].t[k] + line[15].v * t59);
+        const double t64 = t34 + (wrench[5].v * Q[7].t[k] + Q[7].v * wrench[5].t[k]) - t35 - t36 - t37 - (lambda_a_0 * line[4].t[k] + line[4].v * t51);
+        const double t65 = t64 - (lambda_a_1 * line[10].t[k] + line[10].v * t55) - (lambda_a_2 * line[16].t[k] + line[16].v * t59);
+        const double t66 = point[3].v * point[0].t[k] + point[0].v * point[3].t[k];
+        const double t67 = point[4].v * point[1].t[k] + point[1].v * point[4].t[k];
+        const double t68 = point[5].v * point[2].t[k] + point[2].v * point[5].t[k];
+        const double t69 = point[5].v * point[0].t[k] + point[0].v * point[5].t[k];
+        const double t70 = point[2].v * point[1].t[k] + point[1].v * point[2].t[k];
+        const double t71 = point[4].v * point[3].t[k] + point[3].v * point[4].t[k];
+        const double t72 = t66 + t67 + t68 - t69 - t70 - t71;
+        const double t73 = inv_n * (inv_n * t72);
+        const double t74 = h13 * t61 + r_n_0 * (t68 - t71) + (h14 * t63 + r_n_1 * (point[4].t[k] - point[2].t[k]));
+        const double t75 = inv_n * (t74 + (h15 * t65 + r_n_2 * (point[5].t[k] - point[3].t[k]))) - h16 * t73;
+        const double t76 = h17 * t61 + r_n_0 * (t67 - t69) + (h18 * t63 + r_n_1 * (point[0].t[k] - point[4].t[k]));
+        const double t77 = inv_n * (t76 + (h19 * t65 + r_n_2 * (point[1].t[k] - point[5].t[k]))) - h20 * t73;
+        const double t78 = h21 * t61 + r_n_0 * (t66 - t70) + (h22 * t63 + r_n_1 * (point[2].t[k] - point[0].t[k]));
+        const double t79 = inv_n * (t78 + (h23 * t65 + r_n_2 * (point[3].t[k] - point[1].t[k]))) - h24 * t73;
+        const double t80 = line[0].v * line[0].t[k];
+        const double t81 = line[1].v * line[1].t[k];
+        const double t82 = line[6].v * line[6].t[k];
+        const double t83 = line[7].v * line[7].t[k];
+        const double t84 = line[12].v * line[12].t[k];
+        const double t85 = line[13].v * line[13].t[k];
+        const double t86 = point[0].v * point[0].t[k];
+        const double t87 = point[1].v * point[1].t[k];
+        const double t88 = point[2].v * point[2].t[k];
+        const double t89 = point[3].v * point[3].t[k];
+        const double t90 = point[4].v * point[4].t[k];
+        const double t91 = point[5].v * point[5].t[k];
+        const double t92 = t86 + t86 + (t87 + t87) + (t88 + t88) + (t89 + t89) + (t90 + t90) + (t91 + t91);
+        const double t93 = det_a * t46;
+        const double t94 = h25 * (t84 + t84 + (t85 + t85)) + d2_2 * (d2_1 * (t80 + t80 + (t81 + t81)) + d2_0 * (t82 + t82 + (t83 + t83)));
+        const double t95 = det_n * t72;
+        const double t96 = size * t92;
+        line_forces[0].t[k] = t51;
+        line_forces[1].t[k] = t75;
+        line_forces[2].t[k] = t55;
+        line_forces[3].t[k] = t77;
+        line_forces[4].t[k] = t59;
+        line_forces[5].t[k] = t79;
+        regularity[0].t[k] = h27 * (t93 + t93 - regularity_0 * (h26 * t92 + size * t94));
+        regularity[1].t[k] = h28 * (t95 + t95 - regularity_1 * (t96 + t96));
+    }
+}
+
+/* `reaction` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.36).  (55 add,
+ * 57 multiply) */
+KRHPR_STATIC void krhpr_platform_spatial_a_reaction_tangent(
+    const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
+    const krhpr_dual *s, const krhpr_dual *end_force, krhpr_dual *KRHPR_RESTRICT moment,
+    krhpr_dual *KRHPR_RESTRICT redundant_forces)
+{
+    const double u_0 = s[0].v - p[0].v;
+    const double u_1 = s[1].v - p[1].v;
+    const double u_2 = s[2].v - p[2].v;
+    const double Qb_0 = g->b[0][i] * Q[0].v + g->b[1][i] * Q[1].v;
+    const double Qb_1 = g->b[0][i] * Q[3].v + g->b[1][i] * Q[4].v;
+    const double Qb_2 = g->b[0][i] * Q[6].v + g->b[1][i] * Q[7].v;
+    const double a_0 = p[0].v + Qb_0 - s[0].v;
+    const double a_1 = p[1].v + Qb_1 - s[1].v;
+    const double a_2 = p[2].v + Qb_2 - s[2].v;
+    const double e_0 = Q[5].v * a_2 - Q[8].v * a_1;
+    const double e_1 = Q[8].v * a_0 - Q[2].v * a_2;
+    const double e_2 = Q[2].v * a_1 - Q[5].v * a_0;
+    moment[0].v = end_force[2].v * u_1 - end_force[1].v * u_2;
+    moment[1].v = end_force[0].v * u_2 - end_force[2].v * u_0;
+    moment[2].v = end_force[1].v * u_0 - end_force[0].v * u_1;
+    redundant_forces[0].v = end_force[0].v * e_0 + end_force[1].v * e_1 + end_force[2].v * e_2;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = s[0].t[k] - p[0].t[k];
+        const double t2 = s[1].t[k] - p[1].t[k];
+        const double t3 = s[2].t[k] - p[2].t[k];
+        const double t4 = u_1 * end_force[2].t[k] + end_force[2].v * t2 - (u_2 * end_force[1].t[k] + end_force[1].v * t3);
+        const double t5 = u_2 * end_force[0].t[k] + end_force[0].v * t3 - (u_0 * end_force[2].t[k] + end_force[2].v * t1);
+        const double t6 = u_0 * end_force[1].t[k] + end_force[1].v * t1 - (u_1 * end_force[0].t[k] + end_force[0].v * t2);
+        const double t7 = p[0].t[k] + (g->b[0][i] * Q[0].t[k] + g->b[1][i] * Q[1].t[k]) - s[0].t[k];
+        const double t8 = p[1].t[k] + (g->b[0][i] * Q[3].t[k] + g->b[1][i] * Q[4].t[k]) - s[1].t[k];
+        const double t9 = p[2].t[k] + (g->b[0][i] * Q[6].t[k] + g->b[1][i] * Q[7].t[k]) - s[2].t[k];
+        const double t10 = end_force[0].v * (a_2 * Q[5].t[k] + Q[5].v * t9 - (a_1 * Q[8].t[k] + Q[8].v * t8));
+        const double t11 = end_force[1].v * (a_0 * Q[8].t[k] + Q[8].v * t7 - (a_2 * Q[2].t[k] + Q[2].v * t9));
+        const double t12 = end_force[2].v * (a_1 * Q[2].t[k] + Q[2].v * t8 - (a_0 * Q[5].t[k] + Q[5].v * t7));
+        const double t13 = e_0 * end_force[0].t[k] + t10 + (e_1 * end_force[1].t[k] + t11) + (e_2 * end_force[2].t[k] + t12);
+        moment[0].t[k] = t4;
+        moment[1].t[k] = t5;
+        moment[2].t[k] = t6;
+        redundant_forces[0].t[k] = t13;
+    }
+}
+
 #endif

@@ -39,6 +39,10 @@
 #define krhpr_spatial_cpr3_c_joint_rates plain_joint_rates
 #define krhpr_spatial_cpr3_c_platform_acceleration plain_platform_acceleration
 #define krhpr_spatial_cpr3_c_joint_accelerations plain_joint_accelerations
+#define krhpr_spatial_cpr3_c_inverse_statics plain_inverse_statics
+#define krhpr_spatial_cpr3_c_forward_statics plain_forward_statics
+#define krhpr_spatial_cpr3_c_opening plain_opening
+#define krhpr_spatial_cpr3_c_redundant_of_opening plain_redundant_of_opening
 #define krhpr_spatial_cpr3_c_passive_joints plain_passive_joints
 #define krhpr_spatial_cpr3_c_link_points plain_link_points
 #define krhpr_spatial_cpr3_c_singularity plain_singularity
@@ -62,6 +66,10 @@
 #undef krhpr_spatial_cpr3_c_joint_rates
 #undef krhpr_spatial_cpr3_c_platform_acceleration
 #undef krhpr_spatial_cpr3_c_joint_accelerations
+#undef krhpr_spatial_cpr3_c_inverse_statics
+#undef krhpr_spatial_cpr3_c_forward_statics
+#undef krhpr_spatial_cpr3_c_opening
+#undef krhpr_spatial_cpr3_c_redundant_of_opening
 #undef krhpr_spatial_cpr3_c_passive_joints
 #undef krhpr_spatial_cpr3_c_link_points
 #undef krhpr_spatial_cpr3_c_singularity
@@ -137,14 +145,14 @@ static const casadi_int P12[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1
 static const casadi_int P13[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P14[3] = {2, 3, 1};
 static const casadi_int P15[6] = {2, 3, 0, 0, 0, 0};
-static const casadi_int P16[3] = {3, 6, 1};
-static const casadi_int P17[9] = {3, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P18[3] = {4, 3, 1};
-static const casadi_int P19[6] = {4, 3, 0, 0, 0, 0};
-static const casadi_int P20[3] = {3, 4, 1};
-static const casadi_int P21[7] = {3, 4, 0, 0, 0, 0, 0};
-static const casadi_int P22[3] = {2, 1, 1};
-static const casadi_int P23[4] = {2, 1, 0, 0};
+static const casadi_int P16[3] = {2, 1, 1};
+static const casadi_int P17[4] = {2, 1, 0, 0};
+static const casadi_int P18[3] = {3, 6, 1};
+static const casadi_int P19[9] = {3, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P20[3] = {4, 3, 1};
+static const casadi_int P21[6] = {4, 3, 0, 0, 0, 0};
+static const casadi_int P22[3] = {3, 4, 1};
+static const casadi_int P23[7] = {3, 4, 0, 0, 0, 0, 0};
 static const casadi_int P24[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
 static const casadi_int P25[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8};
@@ -210,42 +218,44 @@ static const casadi_int P62[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 
     4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
 static const casadi_int P63[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
 static const casadi_int P64[3] = {9, 6, 1};
-static const casadi_int P65[6] = {18, 3, 0, 0, 0, 0};
-static const casadi_int P66[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P67[66] = {18, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13,
+static const casadi_int P65[3] = {9, 9, 1};
+static const casadi_int P66[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
+static const casadi_int P67[3] = {3, 2, 1};
+static const casadi_int P68[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P69[6] = {18, 3, 0, 0, 0, 0};
+static const casadi_int P70[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P71[66] = {18, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13,
     16, 2, 5, 8, 11, 14, 17, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13, 16, 2, 5, 8, 11, 14, 17, 0, 3, 6, 9, 12, 15, 1, 4, 7,
     10, 13, 16, 2, 5, 8, 11, 14, 17};
-static const casadi_int P68[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P69[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P72[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P73[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P70[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P71[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P72[6] = {12, 3, 0, 0, 0, 0};
-static const casadi_int P73[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P74[42] = {12, 9, 0, 10, 10, 10, 20, 20, 20, 30, 30, 30, 0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 0,
+static const casadi_int P74[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P75[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P76[6] = {12, 3, 0, 0, 0, 0};
+static const casadi_int P77[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P78[42] = {12, 9, 0, 10, 10, 10, 20, 20, 20, 30, 30, 30, 0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 0,
     1, 2, 4, 5, 6, 7, 8, 9, 10, 0, 1, 2, 4, 5, 6, 8, 9, 10, 11};
-static const casadi_int P75[42] = {12, 9, 0, 0, 10, 10, 10, 20, 20, 20, 30, 30, 0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 0, 1,
+static const casadi_int P79[42] = {12, 9, 0, 0, 10, 10, 10, 20, 20, 20, 30, 30, 0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 0, 1,
     2, 4, 5, 6, 7, 8, 9, 10, 0, 1, 2, 4, 5, 6, 8, 9, 10, 11};
-static const casadi_int P76[42] = {12, 9, 0, 0, 0, 10, 10, 10, 20, 20, 20, 30, 0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 0, 1,
+static const casadi_int P80[42] = {12, 9, 0, 0, 0, 10, 10, 10, 20, 20, 20, 30, 0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 0, 1,
     2, 4, 5, 6, 7, 8, 9, 10, 0, 1, 2, 4, 5, 6, 8, 9, 10, 11};
-static const casadi_int P77[21] = {12, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 10, 11, 9, 10, 11, 9, 10, 11};
-static const casadi_int P78[21] = {12, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P79[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P80[3] = {2, 9, 1};
-static const casadi_int P81[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P82[3] = {9, 9, 1};
-static const casadi_int P83[3] = {9, 1, 1};
-static const casadi_int P84[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P85[3] = {3, 9, 1};
-static const casadi_int P86[3] = {3, 2, 1};
-static const casadi_int P87[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P88[4] = {9, 1, 0, 0};
-static const casadi_int P89[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P90[3] = {1, 2, 1};
-static const casadi_int P91[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P92[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P81[21] = {12, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 10, 11, 9, 10, 11, 9, 10, 11};
+static const casadi_int P82[21] = {12, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P83[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P84[3] = {2, 9, 1};
+static const casadi_int P85[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P86[3] = {9, 1, 1};
+static const casadi_int P87[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P88[3] = {3, 9, 1};
+static const casadi_int P89[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P90[4] = {9, 1, 0, 0};
+static const casadi_int P91[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P92[3] = {1, 2, 1};
+static const casadi_int P93[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P94[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P93[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P95[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -909,6 +919,209 @@ static const krhpr_casadi_function function_joint_accelerations = {
 KRHPR_CASADI_FUNCTION(NAME(joint_accelerations), function_joint_accelerations)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(joint_accelerations), function_joint_accelerations)
 
+/* -- inverse_statics -- */
+
+static int value_inverse_statics(const double *x, double *y)
+{
+    return plain_inverse_statics(&geometry, x, x + 3, x + 12, x + 21, x + 30, x + 36, y);
+}
+
+static void tangent_inverse_statics(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const Q = given + 3;
+    const krhpr_dual *const s = given + 12;
+    const krhpr_dual *const theta = given + 21;
+    const krhpr_dual *const wrench = given + 30;
+    const krhpr_dual *const redundant_forces = given + 36;
+    krhpr_dual *const actuator_forces = found;
+    krhpr_dual line[18];
+    krhpr_dual point[6];
+    krhpr_dual redundant_line[18];
+    krhpr_dual K_n[27];
+    krhpr_dual line_forces[6];
+    krhpr_dual det_regularity[2];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[6];
+        krhpr_dual scale[2];
+        krhpr_dual along[3];
+        krhpr_dual w[9];
+        krhpr_dual b[3];
+        krhpr_dual travel[3];
+        krhpr_platform_spatial_c_line_tangent(
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_platform_spatial_c_redundant_line_tangent(
+            &geometry.platform, i, p, Q, s + 3 * i, along, redundant_line + 6 * i);
+        krhpr_subleg_cpr3_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_transmission_tangent(&geometry.subleg, i, w, b, N, along, K_n + 9 * i);
+    }
+    krhpr_platform_spatial_c_balance_tangent(
+        Q, line, point, redundant_line, redundant_forces, wrench, line_forces, det_regularity);
+    krhpr_subleg_cpr3_torques_tangent(K_n, line_forces, redundant_forces, actuator_forces);
+}
+
+static const krhpr_casadi_slot in_inverse_statics[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+    {"out_wrench", 6, 1, 1, NULL, P8, P9},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_inverse_statics[] = {
+    {"out_actuator_forces", 3, 3, 1, NULL, P0, P1},
+};
+static const casadi_int *const structure_inverse_statics[] = {
+    P56, P65, P65, P63, P64, P56
+};
+static const char *const names_inverse_statics[] = {
+    "jac_actuator_forces_p", "jac_actuator_forces_Q", "jac_actuator_forces_s", "jac_actuator_forces_theta",
+    "jac_actuator_forces_wrench", "jac_actuator_forces_redundant_forces"
+};
+static const krhpr_casadi_function function_inverse_statics = {
+    6, in_inverse_statics, 1, out_inverse_statics, value_inverse_statics, tangent_inverse_statics, structure_inverse_statics, names_inverse_statics
+};
+KRHPR_CASADI_FUNCTION(NAME(inverse_statics), function_inverse_statics)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(inverse_statics), function_inverse_statics)
+
+/* -- forward_statics -- */
+
+static int value_forward_statics(const double *x, double *y)
+{
+    return plain_forward_statics(&geometry, x, x + 3, x + 12, x + 21, x + 30, y, y + 6);
+}
+
+static void tangent_forward_statics(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const Q = given + 3;
+    const krhpr_dual *const s = given + 12;
+    const krhpr_dual *const theta = given + 21;
+    const krhpr_dual *const actuator_forces = given + 30;
+    krhpr_dual *const wrench = found;
+    krhpr_dual *const redundant_forces = found + 6;
+    krhpr_dual end_force[9];
+    krhpr_dual moment[9];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual w[9];
+        krhpr_dual b[3];
+        krhpr_dual travel[3];
+        krhpr_subleg_cpr3_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_end_force_tangent(
+            &geometry.subleg, i, w, b, actuator_forces + 3 * i, end_force + 3 * i);
+        krhpr_platform_spatial_c_reaction_tangent(
+            &geometry.platform, i, p, Q, s + 3 * i, end_force + 3 * i, moment + 3 * i, redundant_forces + i);
+    }
+    krhpr_algebra_spatial_total_tangent(end_force, moment, wrench);
+}
+
+static const krhpr_casadi_slot in_forward_statics[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+    {"out_actuator_forces", 3, 3, 1, NULL, P0, P1},
+};
+static const krhpr_casadi_slot out_forward_statics[] = {
+    {"out_wrench", 6, 1, 1, NULL, P8, P9},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_forward_statics[] = {
+    P66, P13, P61, P61, P61, P1, P27, P28, P28, P28
+};
+static const char *const names_forward_statics[] = {
+    "jac_wrench_p", "jac_wrench_Q", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
+    "jac_redundant_forces_p", "jac_redundant_forces_Q", "jac_redundant_forces_s", "jac_redundant_forces_theta",
+    "jac_redundant_forces_actuator_forces"
+};
+static const krhpr_casadi_function function_forward_statics = {
+    5, in_forward_statics, 2, out_forward_statics, value_forward_statics, tangent_forward_statics, structure_forward_statics, names_forward_statics
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_statics), function_forward_statics)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_statics), function_forward_statics)
+
+/* -- opening -- */
+
+static int value_opening(const double *x, double *y)
+{
+    return plain_opening(&geometry, x, x + 3, y, y + 1, y + 3);
+}
+
+static void tangent_opening(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const redundant = given;
+    const krhpr_dual *const jaws = given + 3;
+    krhpr_dual *const opening = found;
+    krhpr_dual *const centre = found + 1;
+    krhpr_dual *const shares = found + 3;
+    krhpr_dual slide[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
+    }
+    krhpr_platform_spatial_c_opening_tangent(slide, redundant, jaws, opening, centre, shares);
+}
+
+static const krhpr_casadi_slot in_opening[] = {
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+    {"out_jaws", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_opening[] = {
+    {"out_opening", 1, 1, 1, NULL, P2, P3},
+    {"out_centre", 2, 1, 1, NULL, P16, P17},
+    {"out_shares", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_opening[] = {
+    P6, P6, P14, P14, P1, P1
+};
+static const char *const names_opening[] = {
+    "jac_opening_redundant", "jac_opening_jaws", "jac_centre_redundant", "jac_centre_jaws", "jac_shares_redundant",
+    "jac_shares_jaws"
+};
+static const krhpr_casadi_function function_opening = {
+    2, in_opening, 3, out_opening, value_opening, tangent_opening, structure_opening, names_opening
+};
+KRHPR_CASADI_FUNCTION(NAME(opening), function_opening)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(opening), function_opening)
+
+/* -- redundant_of_opening -- */
+
+static int value_redundant_of_opening(const double *x, double *y)
+{
+    return plain_redundant_of_opening(&geometry, x[0], x + 1, x + 3, y);
+}
+
+static void tangent_redundant_of_opening(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const opening = given;
+    const krhpr_dual *const centre = given + 1;
+    const krhpr_dual *const jaws = given + 3;
+    krhpr_dual *const redundant = found;
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_redundant_of_opening_tangent(
+            &geometry.platform, i, opening, centre, jaws + i, redundant + i);
+    }
+}
+
+static const krhpr_casadi_slot in_redundant_of_opening[] = {
+    {"out_opening", 1, 1, 1, NULL, P2, P3},
+    {"out_centre", 2, 1, 1, NULL, P16, P17},
+    {"out_jaws", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_redundant_of_opening[] = {
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_redundant_of_opening[] = {
+    P4, P67, P68
+};
+static const char *const names_redundant_of_opening[] = {
+    "jac_redundant_opening", "jac_redundant_centre", "jac_redundant_jaws"
+};
+static const krhpr_casadi_function function_redundant_of_opening = {
+    3, in_redundant_of_opening, 1, out_redundant_of_opening, value_redundant_of_opening, tangent_redundant_of_opening, structure_redundant_of_opening, names_redundant_of_opening
+};
+KRHPR_CASADI_FUNCTION(NAME(redundant_of_opening), function_redundant_of_opening)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(redundant_of_opening), function_redundant_of_opening)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -946,14 +1159,14 @@ static const krhpr_casadi_slot in_passive_joints[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_passive_joints[] = {
-    {"out_passive", 3, 6, 1, NULL, P16, P17},
+    {"out_passive", 3, 6, 1, NULL, P18, P19},
     {"out_spherical1", 3, 3, 1, NULL, P0, P1},
     {"out_spherical2", 3, 3, 1, NULL, P0, P1},
     {"out_spherical3", 3, 3, 1, NULL, P0, P1},
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P65, P66, P67, P66, P68, P69, P70, P70, P68, P69, P70, P70, P68, P69, P70, P70, P0, P27, P28, P71
+    P69, P70, P71, P70, P72, P73, P74, P74, P72, P73, P74, P74, P72, P73, P74, P74, P0, P27, P28, P75
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -997,13 +1210,13 @@ static const krhpr_casadi_slot in_link_points[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_link_points[] = {
-    {"out_points1", 4, 3, 1, NULL, P18, P19},
-    {"out_points2", 4, 3, 1, NULL, P18, P19},
-    {"out_points3", 4, 3, 1, NULL, P18, P19},
+    {"out_points1", 4, 3, 1, NULL, P20, P21},
+    {"out_points2", 4, 3, 1, NULL, P20, P21},
+    {"out_points3", 4, 3, 1, NULL, P20, P21},
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P72, P73, P74, P73, P72, P73, P75, P73, P72, P73, P76, P73, P68, P70, P63, P70
+    P76, P77, P78, P77, P76, P77, P79, P77, P76, P77, P80, P77, P72, P74, P63, P74
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1057,12 +1270,12 @@ static const krhpr_casadi_slot in_singularity[] = {
 };
 static const krhpr_casadi_slot out_singularity[] = {
     {"out_type_1", 3, 1, 1, NULL, P4, P5},
-    {"out_factors", 3, 4, 1, NULL, P20, P21},
-    {"out_type_2", 2, 1, 1, NULL, P22, P23},
-    {"out_margins", 2, 1, 1, NULL, P22, P23},
+    {"out_factors", 3, 4, 1, NULL, P22, P23},
+    {"out_type_2", 2, 1, 1, NULL, P16, P17},
+    {"out_margins", 2, 1, 1, NULL, P16, P17},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P71, P28, P28, P72, P73, P77, P78, P14, P79, P80, P81, P14, P79, P80, P81
+    P1, P75, P28, P28, P76, P77, P81, P82, P14, P83, P84, P85, P14, P83, P84, P85
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1101,8 +1314,8 @@ static const krhpr_casadi_slot in_type_2_of_redundant[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_type_2_of_redundant[] = {
-    {"out_type_2", 2, 1, 1, NULL, P22, P23},
-    {"out_margins", 2, 1, 1, NULL, P22, P23},
+    {"out_type_2", 2, 1, 1, NULL, P16, P17},
+    {"out_margins", 2, 1, 1, NULL, P16, P17},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
     P14, P14
@@ -1153,11 +1366,11 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_Q1", 3, 3, 1, NULL, P0, P1},
     {"out_Q2", 3, 3, 1, NULL, P0, P1},
     {"out_redundant", 2, 3, 1, NULL, P14, P15},
-    {"out_det_J", 2, 1, 1, NULL, P22, P23},
+    {"out_det_J", 2, 1, 1, NULL, P16, P17},
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P61, P8, P82, P83, P82, P83, P61, P8, P80, P22, P84, P3
+    P61, P8, P65, P86, P65, P86, P61, P8, P84, P16, P87, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1203,7 +1416,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
 
 static const krhpr_casadi_slot in_forward_encoders_2[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
-    {"out_measured", 2, 1, 1, NULL, P22, P23},
+    {"out_measured", 2, 1, 1, NULL, P16, P17},
     {"out_tolerance", 1, 1, 1, NULL, P2, P3},
 };
 static const krhpr_casadi_slot out_forward_encoders_2[] = {
@@ -1213,7 +1426,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P85, P86, P5, P82, P87, P88, P82, P87, P88, P89, P90, P3
+    P88, P67, P5, P65, P89, P90, P65, P89, P90, P91, P92, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1269,7 +1482,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P85, P0, P5, P82, P91, P88, P82, P91, P88, P92, P93, P5
+    P88, P0, P5, P65, P93, P90, P65, P93, P90, P94, P95, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

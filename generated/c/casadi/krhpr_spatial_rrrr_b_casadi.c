@@ -41,6 +41,10 @@
 #define krhpr_spatial_rrrr_b_joint_rates plain_joint_rates
 #define krhpr_spatial_rrrr_b_platform_acceleration plain_platform_acceleration
 #define krhpr_spatial_rrrr_b_joint_accelerations plain_joint_accelerations
+#define krhpr_spatial_rrrr_b_inverse_statics plain_inverse_statics
+#define krhpr_spatial_rrrr_b_forward_statics plain_forward_statics
+#define krhpr_spatial_rrrr_b_opening plain_opening
+#define krhpr_spatial_rrrr_b_redundant_of_opening plain_redundant_of_opening
 #define krhpr_spatial_rrrr_b_passive_joints plain_passive_joints
 #define krhpr_spatial_rrrr_b_link_points plain_link_points
 #define krhpr_spatial_rrrr_b_singularity plain_singularity
@@ -67,6 +71,10 @@
 #undef krhpr_spatial_rrrr_b_joint_rates
 #undef krhpr_spatial_rrrr_b_platform_acceleration
 #undef krhpr_spatial_rrrr_b_joint_accelerations
+#undef krhpr_spatial_rrrr_b_inverse_statics
+#undef krhpr_spatial_rrrr_b_forward_statics
+#undef krhpr_spatial_rrrr_b_opening
+#undef krhpr_spatial_rrrr_b_redundant_of_opening
 #undef krhpr_spatial_rrrr_b_passive_joints
 #undef krhpr_spatial_rrrr_b_link_points
 #undef krhpr_spatial_rrrr_b_singularity
@@ -135,10 +143,10 @@ static const casadi_int P16[3] = {2, 4, 1};
 static const casadi_int P17[7] = {2, 4, 0, 0, 0, 0, 0};
 static const casadi_int P18[3] = {3, 2, 1};
 static const casadi_int P19[5] = {3, 2, 0, 0, 0};
-static const casadi_int P20[3] = {4, 3, 1};
-static const casadi_int P21[6] = {4, 3, 0, 0, 0, 0};
-static const casadi_int P22[3] = {2, 1, 1};
-static const casadi_int P23[4] = {2, 1, 0, 0};
+static const casadi_int P20[3] = {2, 1, 1};
+static const casadi_int P21[4] = {2, 1, 0, 0};
+static const casadi_int P22[3] = {4, 3, 1};
+static const casadi_int P23[6] = {4, 3, 0, 0, 0, 0};
 static const casadi_int P24[3] = {2, 3, 1};
 static const casadi_int P25[6] = {2, 3, 0, 0, 0, 0};
 static const casadi_int P26[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
@@ -245,55 +253,64 @@ static const casadi_int P79[3] = {12, 6, 1};
 static const casadi_int P80[63] = {12, 12, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44, 48, 0, 3, 6, 9, 1, 4, 7, 10,
     2, 5, 8, 11, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11, 0, 3, 6, 9, 1, 4, 7, 10, 2,
     5, 8, 11};
-static const casadi_int P81[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P82[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P81[3] = {12, 9, 1};
+static const casadi_int P82[36] = {12, 12, 0, 4, 8, 12, 14, 16, 18, 19, 20, 21, 21, 21, 21, 0, 3, 6, 9, 1, 4, 7, 10,
+    2, 5, 8, 11, 6, 9, 7, 10, 8, 11, 9, 10, 11};
+static const casadi_int P83[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
+static const casadi_int P84[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P85[24] = {3, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P86[27] = {3, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1,
+    2};
+static const casadi_int P87[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P88[3] = {1, 3, 1};
+static const casadi_int P89[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P90[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P91[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P83[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P92[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P84[39] = {9, 12, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
+static const casadi_int P93[39] = {9, 12, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
     0, 1, 2, 3, 4, 5, 6, 7, 8, 1, 2, 4, 5, 7, 8};
-static const casadi_int P85[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P94[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P86[39] = {9, 12, 0, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
+static const casadi_int P95[39] = {9, 12, 0, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
     0, 1, 2, 3, 4, 5, 6, 7, 8, 1, 2, 4, 5, 7, 8};
-static const casadi_int P87[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
+static const casadi_int P96[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
     3, 4, 6, 7};
-static const casadi_int P88[39] = {9, 12, 0, 0, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
+static const casadi_int P97[39] = {9, 12, 0, 0, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
     0, 1, 2, 3, 4, 5, 6, 7, 8, 1, 2, 4, 5, 7, 8};
-static const casadi_int P89[15] = {3, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P90[6] = {12, 3, 0, 0, 0, 0};
-static const casadi_int P91[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P92[24] = {12, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
-static const casadi_int P93[21] = {12, 12, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
-static const casadi_int P94[24] = {12, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
-static const casadi_int P95[21] = {12, 12, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
-static const casadi_int P96[24] = {12, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
-static const casadi_int P97[21] = {12, 12, 0, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
-static const casadi_int P98[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P99[15] = {9, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P100[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P101[24] = {3, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P102[36] = {12, 12, 0, 4, 8, 12, 14, 16, 18, 19, 20, 21, 21, 21, 21, 0, 3, 6, 9, 1, 4, 7,
+static const casadi_int P98[15] = {3, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P99[6] = {12, 3, 0, 0, 0, 0};
+static const casadi_int P100[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P101[24] = {12, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P102[21] = {12, 12, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P103[24] = {12, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P104[21] = {12, 12, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P105[24] = {12, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P106[21] = {12, 12, 0, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P107[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P108[15] = {9, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P109[36] = {12, 12, 0, 4, 8, 12, 14, 16, 18, 19, 20, 21, 21, 21, 21, 0, 3, 6, 9, 1, 4, 7,
     10, 2, 5, 8, 11, 0, 3, 1, 4, 2, 5, 3, 4, 5};
-static const casadi_int P103[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P104[3] = {2, 9, 1};
-static const casadi_int P105[15] = {2, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P106[3] = {9, 9, 1};
-static const casadi_int P107[3] = {9, 1, 1};
-static const casadi_int P108[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P109[3] = {3, 12, 1};
-static const casadi_int P110[3] = {9, 12, 1};
-static const casadi_int P111[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P112[15] = {1, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P113[3] = {3, 9, 1};
-static const casadi_int P114[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P115[4] = {9, 1, 0, 0};
-static const casadi_int P116[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P117[3] = {1, 2, 1};
-static const casadi_int P118[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P119[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P110[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P111[3] = {2, 9, 1};
+static const casadi_int P112[15] = {2, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P113[3] = {9, 9, 1};
+static const casadi_int P114[3] = {9, 1, 1};
+static const casadi_int P115[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P116[3] = {3, 12, 1};
+static const casadi_int P117[3] = {9, 12, 1};
+static const casadi_int P118[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P119[15] = {1, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P120[3] = {3, 9, 1};
+static const casadi_int P121[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P122[4] = {9, 1, 0, 0};
+static const casadi_int P123[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P124[3] = {1, 2, 1};
+static const casadi_int P125[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P126[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P120[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P127[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -1071,6 +1088,222 @@ static const krhpr_casadi_function function_joint_accelerations = {
 KRHPR_CASADI_FUNCTION(NAME(joint_accelerations), function_joint_accelerations)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(joint_accelerations), function_joint_accelerations)
 
+/* -- inverse_statics -- */
+
+static int value_inverse_statics(const double *x, double *y)
+{
+    return plain_inverse_statics(&geometry, x, x + 3, x + 12, x + 21, x + 33, x + 39, x + 42, y);
+}
+
+static void tangent_inverse_statics(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const Q = given + 3;
+    const krhpr_dual *const s = given + 12;
+    const krhpr_dual *const theta = given + 21;
+    const krhpr_dual *const wrench = given + 33;
+    const krhpr_dual *const redundant_forces = given + 39;
+    const krhpr_dual *const swivel_forces = given + 42;
+    krhpr_dual *const actuator_forces = found;
+    krhpr_dual line[18];
+    krhpr_dual point[6];
+    krhpr_dual redundant_line[18];
+    krhpr_dual K_n[48];
+    krhpr_dual line_forces[6];
+    krhpr_dual det_regularity[2];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[6];
+        krhpr_dual scale[2];
+        krhpr_dual along[3];
+        krhpr_dual x[3];
+        krhpr_dual e_2[3];
+        krhpr_dual d[3];
+        krhpr_dual v[3];
+        krhpr_dual e_4[3];
+        krhpr_platform_spatial_b_line_tangent(
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_platform_spatial_b_redundant_line_tangent(
+            &geometry.platform, i, p, Q, s + 3 * i, along, redundant_line + 6 * i);
+        krhpr_subleg_rrrr_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 4 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_transmission_tangent(
+            &geometry.subleg, i, x, e_2, d, v, e_4, N, along, K_n + 16 * i);
+    }
+    krhpr_platform_spatial_b_balance_tangent(
+        Q, line, point, redundant_line, redundant_forces, wrench, line_forces, det_regularity);
+    krhpr_subleg_rrrr_torques_tangent(K_n, line_forces, redundant_forces, swivel_forces, actuator_forces);
+}
+
+static const krhpr_casadi_slot in_inverse_statics[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 4, 1, NULL, P6, P7},
+    {"out_wrench", 6, 1, 1, NULL, P10, P11},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_swivel_forces", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_inverse_statics[] = {
+    {"out_actuator_forces", 3, 4, 1, NULL, P6, P7},
+};
+static const casadi_int *const structure_inverse_statics[] = {
+    P64, P81, P81, P82, P79, P64, P66
+};
+static const char *const names_inverse_statics[] = {
+    "jac_actuator_forces_p", "jac_actuator_forces_Q", "jac_actuator_forces_s", "jac_actuator_forces_theta",
+    "jac_actuator_forces_wrench", "jac_actuator_forces_redundant_forces", "jac_actuator_forces_swivel_forces"
+};
+static const krhpr_casadi_function function_inverse_statics = {
+    7, in_inverse_statics, 1, out_inverse_statics, value_inverse_statics, tangent_inverse_statics, structure_inverse_statics, names_inverse_statics
+};
+KRHPR_CASADI_FUNCTION(NAME(inverse_statics), function_inverse_statics)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(inverse_statics), function_inverse_statics)
+
+/* -- forward_statics -- */
+
+static int value_forward_statics(const double *x, double *y)
+{
+    return plain_forward_statics(&geometry, x, x + 3, x + 12, x + 21, x + 33, y, y + 6, y + 9);
+}
+
+static void tangent_forward_statics(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const Q = given + 3;
+    const krhpr_dual *const s = given + 12;
+    const krhpr_dual *const theta = given + 21;
+    const krhpr_dual *const actuator_forces = given + 33;
+    krhpr_dual *const wrench = found;
+    krhpr_dual *const redundant_forces = found + 6;
+    krhpr_dual *const swivel_forces = found + 9;
+    krhpr_dual end_force[9];
+    krhpr_dual moment[9];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual x[3];
+        krhpr_dual e_2[3];
+        krhpr_dual d[3];
+        krhpr_dual v[3];
+        krhpr_dual e_4[3];
+        krhpr_subleg_rrrr_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 4 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_end_force_tangent(
+            &geometry.subleg, i, x, e_2, d, v, e_4, actuator_forces + 4 * i, end_force + 3 * i,
+            swivel_forces + i);
+        krhpr_platform_spatial_b_reaction_tangent(
+            &geometry.platform, i, p, Q, s + 3 * i, end_force + 3 * i, moment + 3 * i, redundant_forces + i);
+    }
+    krhpr_algebra_spatial_total_tangent(end_force, moment, wrench);
+}
+
+static const krhpr_casadi_slot in_forward_statics[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 4, 1, NULL, P6, P7},
+    {"out_actuator_forces", 3, 4, 1, NULL, P6, P7},
+};
+static const krhpr_casadi_slot out_forward_statics[] = {
+    {"out_wrench", 6, 1, 1, NULL, P10, P11},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_swivel_forces", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_forward_statics[] = {
+    P83, P84, P74, P75, P76, P1, P29, P30, P85, P86, P1, P87, P30, P38, P85
+};
+static const char *const names_forward_statics[] = {
+    "jac_wrench_p", "jac_wrench_Q", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
+    "jac_redundant_forces_p", "jac_redundant_forces_Q", "jac_redundant_forces_s", "jac_redundant_forces_theta",
+    "jac_redundant_forces_actuator_forces", "jac_swivel_forces_p", "jac_swivel_forces_Q", "jac_swivel_forces_s",
+    "jac_swivel_forces_theta", "jac_swivel_forces_actuator_forces"
+};
+static const krhpr_casadi_function function_forward_statics = {
+    5, in_forward_statics, 3, out_forward_statics, value_forward_statics, tangent_forward_statics, structure_forward_statics, names_forward_statics
+};
+KRHPR_CASADI_FUNCTION(NAME(forward_statics), function_forward_statics)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_statics), function_forward_statics)
+
+/* -- opening -- */
+
+static int value_opening(const double *x, double *y)
+{
+    return plain_opening(&geometry, x, x + 3, y, y + 1, y + 3);
+}
+
+static void tangent_opening(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const redundant = given;
+    const krhpr_dual *const jaws = given + 3;
+    krhpr_dual *const opening = found;
+    krhpr_dual *const centre = found + 1;
+    krhpr_dual *const shares = found + 3;
+    krhpr_dual slide[6];
+    krhpr_dual start[3];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual distance[1];
+        krhpr_platform_spatial_b_tie_tangent(&geometry.platform, i, slide + 2 * i, distance, start + i);
+    }
+    krhpr_platform_spatial_b_opening_tangent(slide, redundant, jaws, start, opening, centre, shares);
+}
+
+static const krhpr_casadi_slot in_opening[] = {
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+    {"out_jaws", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_opening[] = {
+    {"out_opening", 1, 1, 1, NULL, P2, P3},
+    {"out_centre", 2, 1, 1, NULL, P20, P21},
+    {"out_shares", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_opening[] = {
+    P88, P88, P24, P24, P1, P1
+};
+static const char *const names_opening[] = {
+    "jac_opening_redundant", "jac_opening_jaws", "jac_centre_redundant", "jac_centre_jaws", "jac_shares_redundant",
+    "jac_shares_jaws"
+};
+static const krhpr_casadi_function function_opening = {
+    2, in_opening, 3, out_opening, value_opening, tangent_opening, structure_opening, names_opening
+};
+KRHPR_CASADI_FUNCTION(NAME(opening), function_opening)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(opening), function_opening)
+
+/* -- redundant_of_opening -- */
+
+static int value_redundant_of_opening(const double *x, double *y)
+{
+    return plain_redundant_of_opening(&geometry, x[0], x + 1, x + 3, y);
+}
+
+static void tangent_redundant_of_opening(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const opening = given;
+    const krhpr_dual *const centre = given + 1;
+    const krhpr_dual *const jaws = given + 3;
+    krhpr_dual *const redundant = found;
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_b_redundant_of_opening_tangent(
+            &geometry.platform, i, opening, centre, jaws + i, redundant + i);
+    }
+}
+
+static const krhpr_casadi_slot in_redundant_of_opening[] = {
+    {"out_opening", 1, 1, 1, NULL, P2, P3},
+    {"out_centre", 2, 1, 1, NULL, P20, P21},
+    {"out_jaws", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_slot out_redundant_of_opening[] = {
+    {"out_redundant", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_redundant_of_opening[] = {
+    P4, P18, P89
+};
+static const char *const names_redundant_of_opening[] = {
+    "jac_redundant_opening", "jac_redundant_centre", "jac_redundant_jaws"
+};
+static const krhpr_casadi_function function_redundant_of_opening = {
+    3, in_redundant_of_opening, 1, out_redundant_of_opening, value_redundant_of_opening, tangent_redundant_of_opening, structure_redundant_of_opening, names_redundant_of_opening
+};
+KRHPR_CASADI_FUNCTION(NAME(redundant_of_opening), function_redundant_of_opening)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(redundant_of_opening), function_redundant_of_opening)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -1115,7 +1348,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P81, P82, P83, P84, P81, P82, P85, P86, P81, P82, P87, P88, P0, P29, P30, P89
+    P90, P91, P92, P93, P90, P91, P94, P95, P90, P91, P96, P97, P0, P29, P30, P98
 };
 static const char *const names_passive_joints[] = {
     "jac_spherical1_p", "jac_spherical1_Q", "jac_spherical1_s", "jac_spherical1_theta", "jac_spherical2_p",
@@ -1162,13 +1395,13 @@ static const krhpr_casadi_slot in_link_points[] = {
     {"out_theta", 3, 4, 1, NULL, P6, P7},
 };
 static const krhpr_casadi_slot out_link_points[] = {
-    {"out_points1", 4, 3, 1, NULL, P20, P21},
-    {"out_points2", 4, 3, 1, NULL, P20, P21},
-    {"out_points3", 4, 3, 1, NULL, P20, P21},
+    {"out_points1", 4, 3, 1, NULL, P22, P23},
+    {"out_points2", 4, 3, 1, NULL, P22, P23},
+    {"out_points3", 4, 3, 1, NULL, P22, P23},
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P90, P91, P92, P93, P90, P91, P94, P95, P90, P91, P96, P97, P81, P27, P98, P99
+    P99, P100, P101, P102, P99, P100, P103, P104, P99, P100, P105, P106, P90, P27, P107, P108
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1225,11 +1458,11 @@ static const krhpr_casadi_slot in_singularity[] = {
 static const krhpr_casadi_slot out_singularity[] = {
     {"out_type_1", 3, 1, 1, NULL, P4, P5},
     {"out_factors", 3, 4, 1, NULL, P6, P7},
-    {"out_type_2", 2, 1, 1, NULL, P22, P23},
-    {"out_margins", 2, 1, 1, NULL, P22, P23},
+    {"out_type_2", 2, 1, 1, NULL, P20, P21},
+    {"out_margins", 2, 1, 1, NULL, P20, P21},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P100, P30, P101, P90, P91, P77, P102, P24, P103, P104, P105, P24, P103, P104, P105
+    P1, P87, P30, P85, P99, P100, P77, P109, P24, P110, P111, P112, P24, P110, P111, P112
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1268,8 +1501,8 @@ static const krhpr_casadi_slot in_type_2_of_redundant[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_type_2_of_redundant[] = {
-    {"out_type_2", 2, 1, 1, NULL, P22, P23},
-    {"out_margins", 2, 1, 1, NULL, P22, P23},
+    {"out_type_2", 2, 1, 1, NULL, P20, P21},
+    {"out_margins", 2, 1, 1, NULL, P20, P21},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
     P24, P24
@@ -1322,11 +1555,11 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_Q1", 3, 3, 1, NULL, P0, P1},
     {"out_Q2", 3, 3, 1, NULL, P0, P1},
     {"out_redundant", 2, 3, 1, NULL, P24, P25},
-    {"out_det_J", 2, 1, 1, NULL, P22, P23},
+    {"out_det_J", 2, 1, 1, NULL, P20, P21},
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P74, P10, P106, P107, P106, P107, P74, P10, P104, P22, P108, P3
+    P74, P10, P113, P114, P113, P114, P74, P10, P111, P20, P115, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1383,7 +1616,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P109, P4, P110, P111, P109, P4, P112, P3, P112, P3
+    P116, P4, P117, P118, P116, P4, P119, P3, P119, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_side", "jac_Q_theta", "jac_Q_side", "jac_redundant_theta", "jac_redundant_side",
@@ -1432,7 +1665,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
 
 static const krhpr_casadi_slot in_forward_encoders_2[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
-    {"out_measured", 2, 1, 1, NULL, P22, P23},
+    {"out_measured", 2, 1, 1, NULL, P20, P21},
     {"out_tolerance", 1, 1, 1, NULL, P2, P3},
 };
 static const krhpr_casadi_slot out_forward_encoders_2[] = {
@@ -1442,7 +1675,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P113, P18, P5, P106, P114, P115, P106, P114, P115, P116, P117, P3
+    P120, P18, P5, P113, P121, P122, P113, P121, P122, P123, P124, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1501,7 +1734,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P113, P0, P5, P106, P118, P115, P106, P118, P115, P119, P120, P5
+    P120, P0, P5, P113, P125, P122, P113, P125, P122, P126, P127, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

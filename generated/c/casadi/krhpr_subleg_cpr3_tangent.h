@@ -1544,4 +1544,192 @@ KRHPR_STATIC void krhpr_subleg_cpr3_points_tangent(
     }
 }
 
+/* `transmission` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.57),
+ * (5.59).  (124 add, 200 multiply, 1 divide) */
+KRHPR_STATIC void krhpr_subleg_cpr3_transmission_tangent(
+    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
+    const krhpr_dual *N, const krhpr_dual *along, krhpr_dual *KRHPR_RESTRICT K_n)
+{
+    (void)(g);
+    (void)(i);
+    const double h1 = w[4].v * w[8].v - w[5].v * w[7].v;
+    const double h2 = w[5].v * w[6].v - w[3].v * w[8].v;
+    const double h3 = w[3].v * w[7].v - w[4].v * w[6].v;
+    const double volume = w[0].v * h1 + w[1].v * h2 + w[2].v * h3;
+    const double h5 = b[0].v * h1;
+    const double h4 = 1.0 / volume;
+    const double m_00 = h5 * h4;
+    const double h6 = w[2].v * w[7].v - w[1].v * w[8].v;
+    const double h7 = b[1].v * h6;
+    const double m_01 = h4 * h7;
+    const double h8 = w[1].v * w[5].v - w[2].v * w[4].v;
+    const double h9 = b[2].v * h8;
+    const double m_02 = h4 * h9;
+    const double h10 = b[0].v * h2;
+    const double m_10 = h4 * h10;
+    const double h11 = w[0].v * w[8].v - w[2].v * w[6].v;
+    const double h12 = b[1].v * h11;
+    const double m_11 = h4 * h12;
+    const double h13 = w[2].v * w[3].v - w[0].v * w[5].v;
+    const double h14 = b[2].v * h13;
+    const double m_12 = h4 * h14;
+    const double h15 = b[0].v * h3;
+    const double m_20 = h4 * h15;
+    const double h16 = w[1].v * w[6].v - w[0].v * w[7].v;
+    const double h17 = b[1].v * h16;
+    const double m_21 = h4 * h17;
+    const double h18 = w[0].v * w[4].v - w[1].v * w[3].v;
+    const double h19 = b[2].v * h18;
+    const double m_22 = h4 * h19;
+    K_n[0].v = N[0].v * m_00 + N[1].v * m_10 + N[2].v * m_20;
+    K_n[1].v = N[0].v * m_01 + N[1].v * m_11 + N[2].v * m_21;
+    K_n[2].v = N[0].v * m_02 + N[1].v * m_12 + N[2].v * m_22;
+    K_n[3].v = N[3].v * m_00 + N[4].v * m_10 + N[5].v * m_20;
+    K_n[4].v = N[3].v * m_01 + N[4].v * m_11 + N[5].v * m_21;
+    K_n[5].v = N[3].v * m_02 + N[4].v * m_12 + N[5].v * m_22;
+    K_n[6].v = along[0].v * m_00 + along[1].v * m_10 + along[2].v * m_20;
+    K_n[7].v = along[0].v * m_01 + along[1].v * m_11 + along[2].v * m_21;
+    K_n[8].v = along[0].v * m_02 + along[1].v * m_12 + along[2].v * m_22;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = w[8].v * w[4].t[k] + w[4].v * w[8].t[k] - (w[7].v * w[5].t[k] + w[5].v * w[7].t[k]);
+        const double t2 = w[6].v * w[5].t[k] + w[5].v * w[6].t[k] - (w[8].v * w[3].t[k] + w[3].v * w[8].t[k]);
+        const double t3 = w[7].v * w[3].t[k] + w[3].v * w[7].t[k] - (w[6].v * w[4].t[k] + w[4].v * w[6].t[k]);
+        const double t4 = h1 * w[0].t[k] + w[0].v * t1 + (h2 * w[1].t[k] + w[1].v * t2) + (h3 * w[2].t[k] + w[2].v * t3);
+        const double t5 = h4 * (h4 * t4);
+        const double t6 = h4 * (h1 * b[0].t[k] + b[0].v * t1) - h5 * t5;
+        const double t7 = w[7].v * w[2].t[k] + w[2].v * w[7].t[k] - (w[8].v * w[1].t[k] + w[1].v * w[8].t[k]);
+        const double t8 = h4 * (h6 * b[1].t[k] + b[1].v * t7) - h7 * t5;
+        const double t9 = w[5].v * w[1].t[k] + w[1].v * w[5].t[k] - (w[4].v * w[2].t[k] + w[2].v * w[4].t[k]);
+        const double t10 = h4 * (h8 * b[2].t[k] + b[2].v * t9) - h9 * t5;
+        const double t11 = h4 * (h2 * b[0].t[k] + b[0].v * t2) - h10 * t5;
+        const double t12 = w[8].v * w[0].t[k] + w[0].v * w[8].t[k] - (w[6].v * w[2].t[k] + w[2].v * w[6].t[k]);
+        const double t13 = h4 * (h11 * b[1].t[k] + b[1].v * t12) - h12 * t5;
+        const double t14 = w[3].v * w[2].t[k] + w[2].v * w[3].t[k] - (w[5].v * w[0].t[k] + w[0].v * w[5].t[k]);
+        const double t15 = h4 * (h13 * b[2].t[k] + b[2].v * t14) - h14 * t5;
+        const double t16 = h4 * (h3 * b[0].t[k] + b[0].v * t3) - h15 * t5;
+        const double t17 = w[6].v * w[1].t[k] + w[1].v * w[6].t[k] - (w[7].v * w[0].t[k] + w[0].v * w[7].t[k]);
+        const double t18 = h4 * (h16 * b[1].t[k] + b[1].v * t17) - h17 * t5;
+        const double t19 = w[4].v * w[0].t[k] + w[0].v * w[4].t[k] - (w[3].v * w[1].t[k] + w[1].v * w[3].t[k]);
+        const double t20 = h4 * (h18 * b[2].t[k] + b[2].v * t19) - h19 * t5;
+        const double t21 = m_00 * N[0].t[k] + N[0].v * t6 + (m_10 * N[1].t[k] + N[1].v * t11) + (m_20 * N[2].t[k] + N[2].v * t16);
+        const double t22 = m_01 * N[0].t[k] + N[0].v * t8 + (m_11 * N[1].t[k] + N[1].v * t13) + (m_21 * N[2].t[k] + N[2].v * t18);
+        const double t23 = m_02 * N[0].t[k] + N[0].v * t10 + (m_12 * N[1].t[k] + N[1].v * t15) + (m_22 * N[2].t[k] + N[2].v * t20);
+        const double t24 = m_00 * N[3].t[k] + N[3].v * t6 + (m_10 * N[4].t[k] + N[4].v * t11) + (m_20 * N[5].t[k] + N[5].v * t16);
+        const double t25 = m_01 * N[3].t[k] + N[3].v * t8 + (m_11 * N[4].t[k] + N[4].v * t13) + (m_21 * N[5].t[k] + N[5].v * t18);
+        const double t26 = m_02 * N[3].t[k] + N[3].v * t10 + (m_12 * N[4].t[k] + N[4].v * t15) + (m_22 * N[5].t[k] + N[5].v * t20);
+        const double t27 = m_00 * along[0].t[k] + along[0].v * t6 + (m_10 * along[1].t[k] + along[1].v * t11);
+        const double t28 = m_01 * along[0].t[k] + along[0].v * t8 + (m_11 * along[1].t[k] + along[1].v * t13);
+        const double t29 = m_02 * along[0].t[k] + along[0].v * t10 + (m_12 * along[1].t[k] + along[1].v * t15);
+        K_n[0].t[k] = t21;
+        K_n[1].t[k] = t22;
+        K_n[2].t[k] = t23;
+        K_n[3].t[k] = t24;
+        K_n[4].t[k] = t25;
+        K_n[5].t[k] = t26;
+        K_n[6].t[k] = t27 + (m_20 * along[2].t[k] + along[2].v * t16);
+        K_n[7].t[k] = t28 + (m_21 * along[2].t[k] + along[2].v * t18);
+        K_n[8].t[k] = t29 + (m_22 * along[2].t[k] + along[2].v * t20);
+    }
+}
+
+/* `torques` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.12), (5.44).
+ * (63 add, 81 multiply) */
+KRHPR_STATIC void krhpr_subleg_cpr3_torques_tangent(
+    const krhpr_dual *K_n, const krhpr_dual *line_forces, const krhpr_dual *redundant_forces,
+    krhpr_dual *KRHPR_RESTRICT actuator_forces)
+{
+    const double actuator_forces_00 = K_n[0].v * line_forces[0].v + K_n[3].v * line_forces[1].v + K_n[6].v * redundant_forces[0].v;
+    const double actuator_forces_01 = K_n[1].v * line_forces[0].v + K_n[4].v * line_forces[1].v + K_n[7].v * redundant_forces[0].v;
+    const double actuator_forces_02 = K_n[2].v * line_forces[0].v + K_n[5].v * line_forces[1].v + K_n[8].v * redundant_forces[0].v;
+    const double actuator_forces_10 = K_n[9].v * line_forces[2].v + K_n[12].v * line_forces[3].v + K_n[15].v * redundant_forces[1].v;
+    const double actuator_forces_11 = K_n[10].v * line_forces[2].v + K_n[13].v * line_forces[3].v + K_n[16].v * redundant_forces[1].v;
+    const double actuator_forces_12 = K_n[11].v * line_forces[2].v + K_n[14].v * line_forces[3].v + K_n[17].v * redundant_forces[1].v;
+    const double actuator_forces_20 = K_n[18].v * line_forces[4].v + K_n[21].v * line_forces[5].v + K_n[24].v * redundant_forces[2].v;
+    const double actuator_forces_21 = K_n[19].v * line_forces[4].v + K_n[22].v * line_forces[5].v + K_n[25].v * redundant_forces[2].v;
+    const double actuator_forces_22 = K_n[20].v * line_forces[4].v + K_n[23].v * line_forces[5].v + K_n[26].v * redundant_forces[2].v;
+    actuator_forces[0].v = actuator_forces_00;
+    actuator_forces[1].v = actuator_forces_01;
+    actuator_forces[2].v = actuator_forces_02;
+    actuator_forces[3].v = actuator_forces_10;
+    actuator_forces[4].v = actuator_forces_11;
+    actuator_forces[5].v = actuator_forces_12;
+    actuator_forces[6].v = actuator_forces_20;
+    actuator_forces[7].v = actuator_forces_21;
+    actuator_forces[8].v = actuator_forces_22;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = line_forces[0].v * K_n[0].t[k] + K_n[0].v * line_forces[0].t[k] + (line_forces[1].v * K_n[3].t[k] + K_n[3].v * line_forces[1].t[k]);
+        const double t2 = t1 + (redundant_forces[0].v * K_n[6].t[k] + K_n[6].v * redundant_forces[0].t[k]);
+        const double t3 = line_forces[0].v * K_n[1].t[k] + K_n[1].v * line_forces[0].t[k] + (line_forces[1].v * K_n[4].t[k] + K_n[4].v * line_forces[1].t[k]);
+        const double t4 = t3 + (redundant_forces[0].v * K_n[7].t[k] + K_n[7].v * redundant_forces[0].t[k]);
+        const double t5 = line_forces[0].v * K_n[2].t[k] + K_n[2].v * line_forces[0].t[k] + (line_forces[1].v * K_n[5].t[k] + K_n[5].v * line_forces[1].t[k]);
+        const double t6 = t5 + (redundant_forces[0].v * K_n[8].t[k] + K_n[8].v * redundant_forces[0].t[k]);
+        const double t7 = line_forces[2].v * K_n[9].t[k] + K_n[9].v * line_forces[2].t[k] + (line_forces[3].v * K_n[12].t[k] + K_n[12].v * line_forces[3].t[k]);
+        const double t8 = t7 + (redundant_forces[1].v * K_n[15].t[k] + K_n[15].v * redundant_forces[1].t[k]);
+        const double t9 = line_forces[2].v * K_n[10].t[k] + K_n[10].v * line_forces[2].t[k] + (line_forces[3].v * K_n[13].t[k] + K_n[13].v * line_forces[3].t[k]);
+        const double t10 = t9 + (redundant_forces[1].v * K_n[16].t[k] + K_n[16].v * redundant_forces[1].t[k]);
+        const double t11 = line_forces[2].v * K_n[11].t[k] + K_n[11].v * line_forces[2].t[k] + (line_forces[3].v * K_n[14].t[k] + K_n[14].v * line_forces[3].t[k]);
+        const double t12 = t11 + (redundant_forces[1].v * K_n[17].t[k] + K_n[17].v * redundant_forces[1].t[k]);
+        const double t13 = line_forces[4].v * K_n[18].t[k] + K_n[18].v * line_forces[4].t[k] + (line_forces[5].v * K_n[21].t[k] + K_n[21].v * line_forces[5].t[k]);
+        const double t14 = t13 + (redundant_forces[2].v * K_n[24].t[k] + K_n[24].v * redundant_forces[2].t[k]);
+        const double t15 = line_forces[4].v * K_n[19].t[k] + K_n[19].v * line_forces[4].t[k] + (line_forces[5].v * K_n[22].t[k] + K_n[22].v * line_forces[5].t[k]);
+        const double t16 = t15 + (redundant_forces[2].v * K_n[25].t[k] + K_n[25].v * redundant_forces[2].t[k]);
+        const double t17 = line_forces[4].v * K_n[20].t[k] + K_n[20].v * line_forces[4].t[k] + (line_forces[5].v * K_n[23].t[k] + K_n[23].v * line_forces[5].t[k]);
+        const double t18 = t17 + (redundant_forces[2].v * K_n[26].t[k] + K_n[26].v * redundant_forces[2].t[k]);
+        actuator_forces[0].t[k] = t2;
+        actuator_forces[1].t[k] = t4;
+        actuator_forces[2].t[k] = t6;
+        actuator_forces[3].t[k] = t8;
+        actuator_forces[4].t[k] = t10;
+        actuator_forces[5].t[k] = t12;
+        actuator_forces[6].t[k] = t14;
+        actuator_forces[7].t[k] = t16;
+        actuator_forces[8].t[k] = t18;
+    }
+}
+
+/* `end_force` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.36).  (30
+ * add, 60 multiply, 3 divide) */
+KRHPR_STATIC void krhpr_subleg_cpr3_end_force_tangent(
+    const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
+    const krhpr_dual *actuator_forces, krhpr_dual *KRHPR_RESTRICT end_force)
+{
+    (void)(g);
+    (void)(i);
+    const double h2 = w[0].v * actuator_forces[0].v;
+    const double h1 = 1.0 / b[0].v;
+    const double h4 = w[3].v * actuator_forces[1].v;
+    const double h3 = 1.0 / b[1].v;
+    const double h6 = w[6].v * actuator_forces[2].v;
+    const double h5 = 1.0 / b[2].v;
+    const double g_l_0 = h2 * h1 + h4 * h3 + h6 * h5;
+    const double h7 = w[1].v * actuator_forces[0].v;
+    const double h8 = w[4].v * actuator_forces[1].v;
+    const double h9 = w[7].v * actuator_forces[2].v;
+    const double g_l_1 = h1 * h7 + h3 * h8 + h5 * h9;
+    const double h10 = w[2].v * actuator_forces[0].v;
+    const double h11 = w[5].v * actuator_forces[1].v;
+    const double h12 = w[8].v * actuator_forces[2].v;
+    const double g_l_2 = h1 * h10 + h3 * h11 + h5 * h12;
+    end_force[0].v = g_l_0;
+    end_force[1].v = g_l_1;
+    end_force[2].v = g_l_2;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = h1 * (h1 * b[0].t[k]);
+        const double t2 = h1 * (actuator_forces[0].v * w[0].t[k] + w[0].v * actuator_forces[0].t[k]) - h2 * t1;
+        const double t3 = h3 * (h3 * b[1].t[k]);
+        const double t4 = h3 * (actuator_forces[1].v * w[3].t[k] + w[3].v * actuator_forces[1].t[k]) - h4 * t3;
+        const double t5 = h5 * (h5 * b[2].t[k]);
+        const double t6 = h5 * (actuator_forces[2].v * w[6].t[k] + w[6].v * actuator_forces[2].t[k]) - h6 * t5;
+        const double t7 = h1 * (actuator_forces[0].v * w[1].t[k] + w[1].v * actuator_forces[0].t[k]) - h7 * t1;
+        const double t8 = h3 * (actuator_forces[1].v * w[4].t[k] + w[4].v * actuator_forces[1].t[k]) - h8 * t3;
+        const double t9 = h5 * (actuator_forces[2].v * w[7].t[k] + w[7].v * actuator_forces[2].t[k]) - h9 * t5;
+        const double t10 = h1 * (actuator_forces[0].v * w[2].t[k] + w[2].v * actuator_forces[0].t[k]) - h10 * t1;
+        const double t11 = h3 * (actuator_forces[1].v * w[5].t[k] + w[5].v * actuator_forces[1].t[k]) - h11 * t3;
+        const double t12 = h5 * (actuator_forces[2].v * w[8].t[k] + w[8].v * actuator_forces[2].t[k]) - h12 * t5;
+        end_force[0].t[k] = t2 + t4 + t6;
+        end_force[1].t[k] = t7 + t8 + t9;
+        end_force[2].t[k] = t10 + t11 + t12;
+    }
+}
+
 #endif

@@ -812,4 +812,137 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_points_tangent(
     }
 }
 
+/* `transmission` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.57),
+ * (5.59).  (62 add, 88 multiply, 1 divide) */
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_transmission_tangent(
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
+    const krhpr_dual *u_2, const krhpr_dual *N, const krhpr_dual *along, krhpr_dual *KRHPR_RESTRICT K_n)
+{
+    const double v_1_0 = d[0].v - u_1[0].v;
+    const double v_1_1 = d[1].v - u_1[1].v;
+    const double h2 = v_1_0 * g->k[7][i];
+    const double v_2_0 = u_1[0].v + h2 - g->o_12[0][i] - u_2[0].v;
+    const double h3 = v_1_1 * g->k[7][i];
+    const double v_2_1 = u_1[1].v + h3 - g->o_12[1][i] - u_2[1].v;
+    const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
+    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double t1 = u_2[0].v * v_2_1;
+    const double t2 = u_2[1].v * v_2_0;
+    const double b_33 = t1 - t2;
+    const double h1 = g->k[7][i] * b_22;
+    const double h5 = v_2_1 * h1 - v_1_1 * b_32;
+    const double h4 = 1.0 / (h2 * v_2_1 - v_2_0 * h3);
+    const double m_00 = h5 * h4;
+    const double h6 = t2 - t1;
+    const double h7 = v_1_1 * h6;
+    const double m_01 = h4 * h7;
+    const double h8 = v_1_0 * b_32 - v_2_0 * h1;
+    const double m_10 = h4 * h8;
+    const double h9 = v_1_0 * b_33;
+    const double m_11 = h4 * h9;
+    K_n[0].v = N[0].v * m_00 + N[1].v * m_10;
+    K_n[1].v = N[0].v * m_01 + N[1].v * m_11;
+    K_n[2].v = along[0].v * m_00 + along[1].v * m_10;
+    K_n[3].v = along[0].v * m_01 + along[1].v * m_11;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t3 = d[0].t[k] - u_1[0].t[k];
+        const double t4 = d[1].t[k] - u_1[1].t[k];
+        const double t5 = g->k[7][i] * t3;
+        const double t6 = u_1[0].t[k] + t5 - u_2[0].t[k];
+        const double t7 = g->k[7][i] * t4;
+        const double t8 = u_1[1].t[k] + t7 - u_2[1].t[k];
+        const double t9 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
+        const double t10 = v_2_1 * u_2[0].t[k] + u_2[0].v * t8;
+        const double t11 = v_2_0 * u_2[1].t[k] + u_2[1].v * t6;
+        const double t12 = g->k[7][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
+        const double t13 = h4 * (h4 * (v_2_1 * t5 + h2 * t8 - (h3 * t6 + v_2_0 * t7)));
+        const double t14 = h4 * (h1 * t8 + v_2_1 * t12 - (b_32 * t4 + v_1_1 * t9)) - h5 * t13;
+        const double t15 = h4 * (h6 * t4 + v_1_1 * (t11 - t10)) - h7 * t13;
+        const double t16 = h4 * (b_32 * t3 + v_1_0 * t9 - (h1 * t6 + v_2_0 * t12)) - h8 * t13;
+        const double t17 = h4 * (b_33 * t3 + v_1_0 * (t10 - t11)) - h9 * t13;
+        const double t18 = m_00 * along[0].t[k] + along[0].v * t14 + (m_10 * along[1].t[k] + along[1].v * t16);
+        const double t19 = m_01 * along[0].t[k] + along[0].v * t15 + (m_11 * along[1].t[k] + along[1].v * t17);
+        K_n[0].t[k] = m_00 * N[0].t[k] + N[0].v * t14 + (m_10 * N[1].t[k] + N[1].v * t16);
+        K_n[1].t[k] = m_01 * N[0].t[k] + N[0].v * t15 + (m_11 * N[1].t[k] + N[1].v * t17);
+        K_n[2].t[k] = t18;
+        K_n[3].t[k] = t19;
+    }
+}
+
+/* `torques` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.12), (5.44).
+ * (24 add, 36 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_torques_tangent(
+    const krhpr_dual *K_n, const krhpr_dual *line_forces, const krhpr_dual *redundant_forces,
+    krhpr_dual *KRHPR_RESTRICT actuator_forces)
+{
+    actuator_forces[0].v = K_n[0].v * line_forces[0].v + K_n[2].v * redundant_forces[0].v;
+    actuator_forces[1].v = K_n[1].v * line_forces[0].v + K_n[3].v * redundant_forces[0].v;
+    actuator_forces[2].v = K_n[4].v * line_forces[1].v + K_n[6].v * redundant_forces[1].v;
+    actuator_forces[3].v = K_n[5].v * line_forces[1].v + K_n[7].v * redundant_forces[1].v;
+    actuator_forces[4].v = K_n[8].v * line_forces[2].v + K_n[10].v * redundant_forces[2].v;
+    actuator_forces[5].v = K_n[9].v * line_forces[2].v + K_n[11].v * redundant_forces[2].v;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = line_forces[0].v * K_n[0].t[k] + K_n[0].v * line_forces[0].t[k] + (redundant_forces[0].v * K_n[2].t[k] + K_n[2].v * redundant_forces[0].t[k]);
+        const double t2 = line_forces[0].v * K_n[1].t[k] + K_n[1].v * line_forces[0].t[k] + (redundant_forces[0].v * K_n[3].t[k] + K_n[3].v * redundant_forces[0].t[k]);
+        const double t3 = line_forces[1].v * K_n[4].t[k] + K_n[4].v * line_forces[1].t[k] + (redundant_forces[1].v * K_n[6].t[k] + K_n[6].v * redundant_forces[1].t[k]);
+        const double t4 = line_forces[1].v * K_n[5].t[k] + K_n[5].v * line_forces[1].t[k] + (redundant_forces[1].v * K_n[7].t[k] + K_n[7].v * redundant_forces[1].t[k]);
+        const double t5 = line_forces[2].v * K_n[8].t[k] + K_n[8].v * line_forces[2].t[k] + (redundant_forces[2].v * K_n[10].t[k] + K_n[10].v * redundant_forces[2].t[k]);
+        const double t6 = line_forces[2].v * K_n[9].t[k] + K_n[9].v * line_forces[2].t[k] + (redundant_forces[2].v * K_n[11].t[k] + K_n[11].v * redundant_forces[2].t[k]);
+        actuator_forces[0].t[k] = t1;
+        actuator_forces[1].t[k] = t2;
+        actuator_forces[2].t[k] = t3;
+        actuator_forces[3].t[k] = t4;
+        actuator_forces[4].t[k] = t5;
+        actuator_forces[5].t[k] = t6;
+    }
+}
+
+/* `end_force` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.36).  (46
+ * add, 68 multiply, 2 divide) */
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_end_force_tangent(
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
+    const krhpr_dual *u_2, const krhpr_dual *actuator_forces, krhpr_dual *KRHPR_RESTRICT end_force)
+{
+    const double v_1_0 = d[0].v - u_1[0].v;
+    const double v_1_1 = d[1].v - u_1[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 * g->k[7][i] - g->o_12[0][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 * g->k[7][i] - g->o_12[1][i] - u_2[1].v;
+    const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
+    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
+    const double w_1 = g->k[7][i] * v_2_0;
+    const double w_1_a = g->k[7][i] * v_2_1;
+    const double h2 = v_1_0 * actuator_forces[0].v;
+    const double h1 = 1.0 / b_22;
+    const double h3 = v_1_0 * b_32;
+    const double h4 = w_1 - h1 * h3;
+    const double h6 = actuator_forces[1].v * h4;
+    const double h5 = 1.0 / b_33;
+    const double g_l_0 = h2 * h1 + h6 * h5;
+    const double h7 = v_1_1 * actuator_forces[0].v;
+    const double h8 = v_1_1 * b_32;
+    const double h9 = w_1_a - h1 * h8;
+    const double h10 = actuator_forces[1].v * h9;
+    const double g_l_1 = h1 * h7 + h5 * h10;
+    end_force[0].v = g_l_0;
+    end_force[1].v = g_l_1;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = d[0].t[k] - u_1[0].t[k];
+        const double t2 = d[1].t[k] - u_1[1].t[k];
+        const double t3 = u_1[0].t[k] + g->k[7][i] * t1 - u_2[0].t[k];
+        const double t4 = u_1[1].t[k] + g->k[7][i] * t2 - u_2[1].t[k];
+        const double t5 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t3 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t4));
+        const double t6 = h1 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
+        const double t7 = h1 * t6;
+        const double t8 = actuator_forces[1].v * (g->k[7][i] * t3 - (h1 * (b_32 * t1 + v_1_0 * t5) - h3 * t7));
+        const double t9 = h5 * (v_2_1 * u_2[0].t[k] + u_2[0].v * t4 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t3));
+        const double t10 = h5 * t9;
+        const double t11 = h1 * (actuator_forces[0].v * t1 + v_1_0 * actuator_forces[0].t[k]) - h2 * t7 + (h5 * (h4 * actuator_forces[1].t[k] + t8) - h6 * t10);
+        const double t12 = actuator_forces[1].v * (g->k[7][i] * t4 - (h1 * (b_32 * t2 + v_1_1 * t5) - h8 * t7));
+        const double t13 = h1 * (actuator_forces[0].v * t2 + v_1_1 * actuator_forces[0].t[k]) - h7 * t7 + (h5 * (h9 * actuator_forces[1].t[k] + t12) - h10 * t10);
+        end_force[0].t[k] = t11;
+        end_force[1].t[k] = t13;
+    }
+}
+
 #endif

@@ -716,4 +716,125 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_points_tangent(
     }
 }
 
+/* `transmission` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.57),
+ * (5.59).  (54 add, 68 multiply, 1 divide) */
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_transmission_tangent(
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
+    const krhpr_dual *u_2, const krhpr_dual *N, const krhpr_dual *along, krhpr_dual *KRHPR_RESTRICT K_n)
+{
+    const double v_1_0 = d[0].v - u_1[0].v;
+    const double v_1_1 = d[1].v - u_1[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 - g->o_12[0][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 - g->o_12[1][i] - u_2[1].v;
+    const double t1 = u_1[0].v * v_1_1;
+    const double t2 = u_1[1].v * v_1_0;
+    const double b_22 = t1 - t2;
+    const double t3 = u_2[0].v * v_2_1;
+    const double t4 = u_2[1].v * v_2_0;
+    const double b_33 = t3 - t4;
+    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0;
+    const double h2 = v_2_1 * b_22;
+    const double h1 = 1.0 / delta;
+    const double m_00 = h2 * h1;
+    const double h3 = t4 - t3;
+    const double h4 = v_1_1 * h3;
+    const double m_01 = h1 * h4;
+    const double h5 = t2 - t1;
+    const double h6 = v_2_0 * h5;
+    const double m_10 = h1 * h6;
+    const double h7 = v_1_0 * b_33;
+    const double m_11 = h1 * h7;
+    K_n[0].v = N[0].v * m_00 + N[1].v * m_10;
+    K_n[1].v = N[0].v * m_01 + N[1].v * m_11;
+    K_n[2].v = along[0].v * m_00 + along[1].v * m_10;
+    K_n[3].v = along[0].v * m_01 + along[1].v * m_11;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t5 = d[0].t[k] - u_1[0].t[k];
+        const double t6 = d[1].t[k] - u_1[1].t[k];
+        const double t7 = u_1[0].t[k] + t5 - u_2[0].t[k];
+        const double t8 = u_1[1].t[k] + t6 - u_2[1].t[k];
+        const double t9 = v_1_1 * u_1[0].t[k] + u_1[0].v * t6;
+        const double t10 = v_1_0 * u_1[1].t[k] + u_1[1].v * t5;
+        const double t11 = v_2_1 * u_2[0].t[k] + u_2[0].v * t8;
+        const double t12 = v_2_0 * u_2[1].t[k] + u_2[1].v * t7;
+        const double t13 = h1 * (h1 * (v_2_1 * t5 + v_1_0 * t8 - (v_2_0 * t6 + v_1_1 * t7)));
+        const double t14 = h1 * (b_22 * t8 + v_2_1 * (t9 - t10)) - h2 * t13;
+        const double t15 = h1 * (h3 * t6 + v_1_1 * (t12 - t11)) - h4 * t13;
+        const double t16 = h1 * (h5 * t7 + v_2_0 * (t10 - t9)) - h6 * t13;
+        const double t17 = h1 * (b_33 * t5 + v_1_0 * (t11 - t12)) - h7 * t13;
+        const double t18 = m_00 * along[0].t[k] + along[0].v * t14 + (m_10 * along[1].t[k] + along[1].v * t16);
+        const double t19 = m_01 * along[0].t[k] + along[0].v * t15 + (m_11 * along[1].t[k] + along[1].v * t17);
+        K_n[0].t[k] = m_00 * N[0].t[k] + N[0].v * t14 + (m_10 * N[1].t[k] + N[1].v * t16);
+        K_n[1].t[k] = m_01 * N[0].t[k] + N[0].v * t15 + (m_11 * N[1].t[k] + N[1].v * t17);
+        K_n[2].t[k] = t18;
+        K_n[3].t[k] = t19;
+    }
+}
+
+/* `torques` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.12), (5.44).
+ * (24 add, 36 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_torques_tangent(
+    const krhpr_dual *K_n, const krhpr_dual *line_forces, const krhpr_dual *redundant_forces,
+    krhpr_dual *KRHPR_RESTRICT actuator_forces)
+{
+    actuator_forces[0].v = K_n[0].v * line_forces[0].v + K_n[2].v * redundant_forces[0].v;
+    actuator_forces[1].v = K_n[1].v * line_forces[0].v + K_n[3].v * redundant_forces[0].v;
+    actuator_forces[2].v = K_n[4].v * line_forces[1].v + K_n[6].v * redundant_forces[1].v;
+    actuator_forces[3].v = K_n[5].v * line_forces[1].v + K_n[7].v * redundant_forces[1].v;
+    actuator_forces[4].v = K_n[8].v * line_forces[2].v + K_n[10].v * redundant_forces[2].v;
+    actuator_forces[5].v = K_n[9].v * line_forces[2].v + K_n[11].v * redundant_forces[2].v;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = line_forces[0].v * K_n[0].t[k] + K_n[0].v * line_forces[0].t[k] + (redundant_forces[0].v * K_n[2].t[k] + K_n[2].v * redundant_forces[0].t[k]);
+        const double t2 = line_forces[0].v * K_n[1].t[k] + K_n[1].v * line_forces[0].t[k] + (redundant_forces[0].v * K_n[3].t[k] + K_n[3].v * redundant_forces[0].t[k]);
+        const double t3 = line_forces[1].v * K_n[4].t[k] + K_n[4].v * line_forces[1].t[k] + (redundant_forces[1].v * K_n[6].t[k] + K_n[6].v * redundant_forces[1].t[k]);
+        const double t4 = line_forces[1].v * K_n[5].t[k] + K_n[5].v * line_forces[1].t[k] + (redundant_forces[1].v * K_n[7].t[k] + K_n[7].v * redundant_forces[1].t[k]);
+        const double t5 = line_forces[2].v * K_n[8].t[k] + K_n[8].v * line_forces[2].t[k] + (redundant_forces[2].v * K_n[10].t[k] + K_n[10].v * redundant_forces[2].t[k]);
+        const double t6 = line_forces[2].v * K_n[9].t[k] + K_n[9].v * line_forces[2].t[k] + (redundant_forces[2].v * K_n[11].t[k] + K_n[11].v * redundant_forces[2].t[k]);
+        actuator_forces[0].t[k] = t1;
+        actuator_forces[1].t[k] = t2;
+        actuator_forces[2].t[k] = t3;
+        actuator_forces[3].t[k] = t4;
+        actuator_forces[4].t[k] = t5;
+        actuator_forces[5].t[k] = t6;
+    }
+}
+
+/* `end_force` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.36).  (34
+ * add, 40 multiply, 2 divide) */
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_end_force_tangent(
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
+    const krhpr_dual *u_2, const krhpr_dual *actuator_forces, krhpr_dual *KRHPR_RESTRICT end_force)
+{
+    const double v_1_0 = d[0].v - u_1[0].v;
+    const double v_1_1 = d[1].v - u_1[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 - g->o_12[0][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 - g->o_12[1][i] - u_2[1].v;
+    const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
+    const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
+    const double h2 = v_1_0 * actuator_forces[0].v;
+    const double h1 = 1.0 / b_22;
+    const double h4 = v_2_0 * actuator_forces[1].v;
+    const double h3 = 1.0 / b_33;
+    const double g_l_0 = h2 * h1 + h4 * h3;
+    const double h5 = v_1_1 * actuator_forces[0].v;
+    const double h6 = v_2_1 * actuator_forces[1].v;
+    const double g_l_1 = h1 * h5 + h3 * h6;
+    end_force[0].v = g_l_0;
+    end_force[1].v = g_l_1;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = d[0].t[k] - u_1[0].t[k];
+        const double t2 = d[1].t[k] - u_1[1].t[k];
+        const double t3 = u_1[0].t[k] + t1 - u_2[0].t[k];
+        const double t4 = u_1[1].t[k] + t2 - u_2[1].t[k];
+        const double t5 = h1 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
+        const double t6 = h1 * t5;
+        const double t7 = h3 * (v_2_1 * u_2[0].t[k] + u_2[0].v * t4 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t3));
+        const double t8 = h3 * t7;
+        const double t9 = h1 * (actuator_forces[0].v * t1 + v_1_0 * actuator_forces[0].t[k]) - h2 * t6 + (h3 * (actuator_forces[1].v * t3 + v_2_0 * actuator_forces[1].t[k]) - h4 * t8);
+        const double t10 = h1 * (actuator_forces[0].v * t2 + v_1_1 * actuator_forces[0].t[k]) - h5 * t6 + (h3 * (actuator_forces[1].v * t4 + v_2_1 * actuator_forces[1].t[k]) - h6 * t8);
+        end_force[0].t[k] = t9;
+        end_force[1].t[k] = t10;
+    }
+}
+
 #endif

@@ -238,4 +238,70 @@ KRHPR_STATIC void krhpr_subleg_planar_pp_points_tangent(
     }
 }
 
+/* `transmission` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.57),
+ * (5.59).  (8 add, 16 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_pp_transmission_tangent(
+    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_dual *N, const krhpr_dual *along,
+    krhpr_dual *KRHPR_RESTRICT K_n)
+{
+    K_n[0].v = g->e_1[0][i] * N[0].v + g->e_1[1][i] * N[1].v;
+    K_n[1].v = g->e_2[0][i] * N[0].v + g->e_2[1][i] * N[1].v;
+    K_n[2].v = g->e_1[0][i] * along[0].v + g->e_1[1][i] * along[1].v;
+    K_n[3].v = g->e_2[0][i] * along[0].v + g->e_2[1][i] * along[1].v;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        K_n[0].t[k] = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k];
+        K_n[1].t[k] = g->e_2[0][i] * N[0].t[k] + g->e_2[1][i] * N[1].t[k];
+        K_n[2].t[k] = g->e_1[0][i] * along[0].t[k] + g->e_1[1][i] * along[1].t[k];
+        K_n[3].t[k] = g->e_2[0][i] * along[0].t[k] + g->e_2[1][i] * along[1].t[k];
+    }
+}
+
+/* `torques` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.12), (5.44).
+ * (24 add, 36 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_pp_torques_tangent(
+    const krhpr_dual *K_n, const krhpr_dual *line_forces, const krhpr_dual *redundant_forces,
+    krhpr_dual *KRHPR_RESTRICT actuator_forces)
+{
+    actuator_forces[0].v = K_n[0].v * line_forces[0].v + K_n[2].v * redundant_forces[0].v;
+    actuator_forces[1].v = K_n[1].v * line_forces[0].v + K_n[3].v * redundant_forces[0].v;
+    actuator_forces[2].v = K_n[4].v * line_forces[1].v + K_n[6].v * redundant_forces[1].v;
+    actuator_forces[3].v = K_n[5].v * line_forces[1].v + K_n[7].v * redundant_forces[1].v;
+    actuator_forces[4].v = K_n[8].v * line_forces[2].v + K_n[10].v * redundant_forces[2].v;
+    actuator_forces[5].v = K_n[9].v * line_forces[2].v + K_n[11].v * redundant_forces[2].v;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = line_forces[0].v * K_n[0].t[k] + K_n[0].v * line_forces[0].t[k] + (redundant_forces[0].v * K_n[2].t[k] + K_n[2].v * redundant_forces[0].t[k]);
+        const double t2 = line_forces[0].v * K_n[1].t[k] + K_n[1].v * line_forces[0].t[k] + (redundant_forces[0].v * K_n[3].t[k] + K_n[3].v * redundant_forces[0].t[k]);
+        const double t3 = line_forces[1].v * K_n[4].t[k] + K_n[4].v * line_forces[1].t[k] + (redundant_forces[1].v * K_n[6].t[k] + K_n[6].v * redundant_forces[1].t[k]);
+        const double t4 = line_forces[1].v * K_n[5].t[k] + K_n[5].v * line_forces[1].t[k] + (redundant_forces[1].v * K_n[7].t[k] + K_n[7].v * redundant_forces[1].t[k]);
+        const double t5 = line_forces[2].v * K_n[8].t[k] + K_n[8].v * line_forces[2].t[k] + (redundant_forces[2].v * K_n[10].t[k] + K_n[10].v * redundant_forces[2].t[k]);
+        const double t6 = line_forces[2].v * K_n[9].t[k] + K_n[9].v * line_forces[2].t[k] + (redundant_forces[2].v * K_n[11].t[k] + K_n[11].v * redundant_forces[2].t[k]);
+        actuator_forces[0].t[k] = t1;
+        actuator_forces[1].t[k] = t2;
+        actuator_forces[2].t[k] = t3;
+        actuator_forces[3].t[k] = t4;
+        actuator_forces[4].t[k] = t5;
+        actuator_forces[5].t[k] = t6;
+    }
+}
+
+/* `end_force` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.36).  (4 add,
+ * 16 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_pp_end_force_tangent(
+    const krhpr_subleg_planar_pp_geometry *g, int i, const krhpr_dual *actuator_forces,
+    krhpr_dual *KRHPR_RESTRICT end_force, krhpr_dual *KRHPR_RESTRICT regularity)
+{
+    const double g_l_0 = g->e_2[1][i] * actuator_forces[0].v * g->k[0][i] - g->k[0][i] * (g->e_1[1][i] * actuator_forces[1].v);
+    const double g_l_1 = g->k[0][i] * (g->e_1[0][i] * actuator_forces[1].v) - g->k[0][i] * (g->e_2[0][i] * actuator_forces[0].v);
+    end_force[0].v = g_l_0;
+    end_force[1].v = g_l_1;
+    regularity[0].v = g->k[1][i];
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = g->k[0][i] * (g->e_2[1][i] * actuator_forces[0].t[k]) - g->k[0][i] * (g->e_1[1][i] * actuator_forces[1].t[k]);
+        const double t2 = g->k[0][i] * (g->e_1[0][i] * actuator_forces[1].t[k]) - g->k[0][i] * (g->e_2[0][i] * actuator_forces[0].t[k]);
+        end_force[0].t[k] = t1;
+        end_force[1].t[k] = t2;
+        regularity[0].t[k] = 0.0;
+    }
+}
+
 #endif

@@ -292,4 +292,77 @@ KRHPR_STATIC void krhpr_subleg_planar_pr_points_tangent(
     }
 }
 
+/* `transmission` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.57),
+ * (5.59).  (12 add, 20 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_pr_transmission_tangent(
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *u, const krhpr_dual *N,
+    const krhpr_dual *along, krhpr_dual *KRHPR_RESTRICT K_n)
+{
+    K_n[0].v = g->e_1[0][i] * N[0].v + g->e_1[1][i] * N[1].v;
+    K_n[1].v = u[0].v * N[1].v - u[1].v * N[0].v;
+    K_n[2].v = g->e_1[0][i] * along[0].v + g->e_1[1][i] * along[1].v;
+    K_n[3].v = u[0].v * along[1].v - u[1].v * along[0].v;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = N[1].v * u[0].t[k] + u[0].v * N[1].t[k] - (N[0].v * u[1].t[k] + u[1].v * N[0].t[k]);
+        const double t2 = along[1].v * u[0].t[k] + u[0].v * along[1].t[k] - (along[0].v * u[1].t[k] + u[1].v * along[0].t[k]);
+        K_n[0].t[k] = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k];
+        K_n[1].t[k] = t1;
+        K_n[2].t[k] = g->e_1[0][i] * along[0].t[k] + g->e_1[1][i] * along[1].t[k];
+        K_n[3].t[k] = t2;
+    }
+}
+
+/* `torques` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.12), (5.44).
+ * (24 add, 36 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_pr_torques_tangent(
+    const krhpr_dual *K_n, const krhpr_dual *line_forces, const krhpr_dual *redundant_forces,
+    krhpr_dual *KRHPR_RESTRICT actuator_forces)
+{
+    actuator_forces[0].v = K_n[0].v * line_forces[0].v + K_n[2].v * redundant_forces[0].v;
+    actuator_forces[1].v = K_n[1].v * line_forces[0].v + K_n[3].v * redundant_forces[0].v;
+    actuator_forces[2].v = K_n[4].v * line_forces[1].v + K_n[6].v * redundant_forces[1].v;
+    actuator_forces[3].v = K_n[5].v * line_forces[1].v + K_n[7].v * redundant_forces[1].v;
+    actuator_forces[4].v = K_n[8].v * line_forces[2].v + K_n[10].v * redundant_forces[2].v;
+    actuator_forces[5].v = K_n[9].v * line_forces[2].v + K_n[11].v * redundant_forces[2].v;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = line_forces[0].v * K_n[0].t[k] + K_n[0].v * line_forces[0].t[k] + (redundant_forces[0].v * K_n[2].t[k] + K_n[2].v * redundant_forces[0].t[k]);
+        const double t2 = line_forces[0].v * K_n[1].t[k] + K_n[1].v * line_forces[0].t[k] + (redundant_forces[0].v * K_n[3].t[k] + K_n[3].v * redundant_forces[0].t[k]);
+        const double t3 = line_forces[1].v * K_n[4].t[k] + K_n[4].v * line_forces[1].t[k] + (redundant_forces[1].v * K_n[6].t[k] + K_n[6].v * redundant_forces[1].t[k]);
+        const double t4 = line_forces[1].v * K_n[5].t[k] + K_n[5].v * line_forces[1].t[k] + (redundant_forces[1].v * K_n[7].t[k] + K_n[7].v * redundant_forces[1].t[k]);
+        const double t5 = line_forces[2].v * K_n[8].t[k] + K_n[8].v * line_forces[2].t[k] + (redundant_forces[2].v * K_n[10].t[k] + K_n[10].v * redundant_forces[2].t[k]);
+        const double t6 = line_forces[2].v * K_n[9].t[k] + K_n[9].v * line_forces[2].t[k] + (redundant_forces[2].v * K_n[11].t[k] + K_n[11].v * redundant_forces[2].t[k]);
+        actuator_forces[0].t[k] = t1;
+        actuator_forces[1].t[k] = t2;
+        actuator_forces[2].t[k] = t3;
+        actuator_forces[3].t[k] = t4;
+        actuator_forces[4].t[k] = t5;
+        actuator_forces[5].t[k] = t6;
+    }
+}
+
+/* `end_force` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.36).  (12
+ * add, 28 multiply, 1 divide) */
+KRHPR_STATIC void krhpr_subleg_planar_pr_end_force_tangent(
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *u, const krhpr_dual *actuator_forces,
+    krhpr_dual *KRHPR_RESTRICT end_force)
+{
+    const double along = g->e_1[0][i] * u[0].v + g->e_1[1][i] * u[1].v;
+    const double h2 = u[0].v * actuator_forces[0].v;
+    const double h1 = 1.0 / along;
+    const double h3 = g->e_1[1][i] * actuator_forces[1].v;
+    const double g_l_0 = h2 * h1 - h1 * h3;
+    const double h4 = u[1].v * actuator_forces[0].v;
+    const double h5 = g->e_1[0][i] * actuator_forces[1].v;
+    const double g_l_1 = h1 * h4 + h1 * h5;
+    end_force[0].v = g_l_0;
+    end_force[1].v = g_l_1;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = h1 * (h1 * (g->e_1[0][i] * u[0].t[k] + g->e_1[1][i] * u[1].t[k]));
+        const double t2 = h1 * (actuator_forces[0].v * u[0].t[k] + u[0].v * actuator_forces[0].t[k]) - h2 * t1;
+        const double t3 = h1 * (actuator_forces[0].v * u[1].t[k] + u[1].v * actuator_forces[0].t[k]) - h4 * t1;
+        end_force[0].t[k] = t2 - (h1 * (g->e_1[1][i] * actuator_forces[1].t[k]) - h3 * t1);
+        end_force[1].t[k] = t3 + (h1 * (g->e_1[0][i] * actuator_forces[1].t[k]) - h5 * t1);
+    }
+}
+
 #endif

@@ -343,4 +343,86 @@ KRHPR_STATIC void krhpr_subleg_planar_rr_points_tangent(
     }
 }
 
+/* `transmission` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.57),
+ * (5.59).  (16 add, 24 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_rr_transmission_tangent(
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
+    const krhpr_dual *N, const krhpr_dual *along, krhpr_dual *KRHPR_RESTRICT K_n)
+{
+    (void)(g);
+    (void)(i);
+    K_n[0].v = d[0].v * N[1].v - d[1].v * N[0].v;
+    K_n[1].v = v_1[0].v * N[1].v - v_1[1].v * N[0].v;
+    K_n[2].v = d[0].v * along[1].v - d[1].v * along[0].v;
+    K_n[3].v = v_1[0].v * along[1].v - v_1[1].v * along[0].v;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = N[1].v * d[0].t[k] + d[0].v * N[1].t[k] - (N[0].v * d[1].t[k] + d[1].v * N[0].t[k]);
+        const double t2 = N[1].v * v_1[0].t[k] + v_1[0].v * N[1].t[k] - (N[0].v * v_1[1].t[k] + v_1[1].v * N[0].t[k]);
+        const double t3 = along[1].v * d[0].t[k] + d[0].v * along[1].t[k] - (along[0].v * d[1].t[k] + d[1].v * along[0].t[k]);
+        const double t4 = along[1].v * v_1[0].t[k] + v_1[0].v * along[1].t[k] - (along[0].v * v_1[1].t[k] + v_1[1].v * along[0].t[k]);
+        K_n[0].t[k] = t1;
+        K_n[1].t[k] = t2;
+        K_n[2].t[k] = t3;
+        K_n[3].t[k] = t4;
+    }
+}
+
+/* `torques` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.12), (5.44).
+ * (24 add, 36 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_rr_torques_tangent(
+    const krhpr_dual *K_n, const krhpr_dual *line_forces, const krhpr_dual *redundant_forces,
+    krhpr_dual *KRHPR_RESTRICT actuator_forces)
+{
+    actuator_forces[0].v = K_n[0].v * line_forces[0].v + K_n[2].v * redundant_forces[0].v;
+    actuator_forces[1].v = K_n[1].v * line_forces[0].v + K_n[3].v * redundant_forces[0].v;
+    actuator_forces[2].v = K_n[4].v * line_forces[1].v + K_n[6].v * redundant_forces[1].v;
+    actuator_forces[3].v = K_n[5].v * line_forces[1].v + K_n[7].v * redundant_forces[1].v;
+    actuator_forces[4].v = K_n[8].v * line_forces[2].v + K_n[10].v * redundant_forces[2].v;
+    actuator_forces[5].v = K_n[9].v * line_forces[2].v + K_n[11].v * redundant_forces[2].v;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = line_forces[0].v * K_n[0].t[k] + K_n[0].v * line_forces[0].t[k] + (redundant_forces[0].v * K_n[2].t[k] + K_n[2].v * redundant_forces[0].t[k]);
+        const double t2 = line_forces[0].v * K_n[1].t[k] + K_n[1].v * line_forces[0].t[k] + (redundant_forces[0].v * K_n[3].t[k] + K_n[3].v * redundant_forces[0].t[k]);
+        const double t3 = line_forces[1].v * K_n[4].t[k] + K_n[4].v * line_forces[1].t[k] + (redundant_forces[1].v * K_n[6].t[k] + K_n[6].v * redundant_forces[1].t[k]);
+        const double t4 = line_forces[1].v * K_n[5].t[k] + K_n[5].v * line_forces[1].t[k] + (redundant_forces[1].v * K_n[7].t[k] + K_n[7].v * redundant_forces[1].t[k]);
+        const double t5 = line_forces[2].v * K_n[8].t[k] + K_n[8].v * line_forces[2].t[k] + (redundant_forces[2].v * K_n[10].t[k] + K_n[10].v * redundant_forces[2].t[k]);
+        const double t6 = line_forces[2].v * K_n[9].t[k] + K_n[9].v * line_forces[2].t[k] + (redundant_forces[2].v * K_n[11].t[k] + K_n[11].v * redundant_forces[2].t[k]);
+        actuator_forces[0].t[k] = t1;
+        actuator_forces[1].t[k] = t2;
+        actuator_forces[2].t[k] = t3;
+        actuator_forces[3].t[k] = t4;
+        actuator_forces[4].t[k] = t5;
+        actuator_forces[5].t[k] = t6;
+    }
+}
+
+/* `end_force` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.36).  (16
+ * add, 32 multiply, 1 divide) */
+KRHPR_STATIC void krhpr_subleg_planar_rr_end_force_tangent(
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
+    const krhpr_dual *actuator_forces, krhpr_dual *KRHPR_RESTRICT end_force)
+{
+    (void)(g);
+    (void)(i);
+    const double elbow = d[0].v * v_1[1].v - d[1].v * v_1[0].v;
+    const double h2 = v_1[0].v * actuator_forces[0].v;
+    const double h1 = 1.0 / elbow;
+    const double h3 = d[0].v * actuator_forces[1].v;
+    const double g_l_0 = h2 * h1 - h1 * h3;
+    const double h4 = v_1[1].v * actuator_forces[0].v;
+    const double h5 = d[1].v * actuator_forces[1].v;
+    const double g_l_1 = h1 * h4 - h1 * h5;
+    end_force[0].v = g_l_0;
+    end_force[1].v = g_l_1;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = v_1[1].v * d[0].t[k] + d[0].v * v_1[1].t[k] - (v_1[0].v * d[1].t[k] + d[1].v * v_1[0].t[k]);
+        const double t2 = h1 * (h1 * t1);
+        const double t3 = h1 * (actuator_forces[0].v * v_1[0].t[k] + v_1[0].v * actuator_forces[0].t[k]) - h2 * t2;
+        const double t4 = h1 * (actuator_forces[1].v * d[0].t[k] + d[0].v * actuator_forces[1].t[k]) - h3 * t2;
+        const double t5 = h1 * (actuator_forces[0].v * v_1[1].t[k] + v_1[1].v * actuator_forces[0].t[k]) - h4 * t2;
+        const double t6 = h1 * (actuator_forces[1].v * d[1].t[k] + d[1].v * actuator_forces[1].t[k]) - h5 * t2;
+        end_force[0].t[k] = t3 - t4;
+        end_force[1].t[k] = t5 - t6;
+    }
+}
+
 #endif

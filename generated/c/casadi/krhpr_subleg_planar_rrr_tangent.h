@@ -529,4 +529,147 @@ KRHPR_STATIC void krhpr_subleg_planar_rrr_swivel_difference_tangent(
     }
 }
 
+/* `transmission` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.57),
+ * (5.59).  (28 add, 36 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_rrr_transmission_tangent(
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_2,
+    const krhpr_dual *u_3, const krhpr_dual *N, const krhpr_dual *along, krhpr_dual *KRHPR_RESTRICT K_n)
+{
+    (void)(g);
+    (void)(i);
+    const double h1 = u_2[1].v + u_3[1].v;
+    const double m_11 = u_2[0].v + u_3[0].v;
+    K_n[0].v = d[0].v * N[1].v - d[1].v * N[0].v;
+    K_n[1].v = N[1].v * m_11 - N[0].v * h1;
+    K_n[2].v = u_3[0].v * N[1].v - u_3[1].v * N[0].v;
+    K_n[3].v = d[0].v * along[1].v - d[1].v * along[0].v;
+    K_n[4].v = along[1].v * m_11 - along[0].v * h1;
+    K_n[5].v = u_3[0].v * along[1].v - u_3[1].v * along[0].v;
+    K_n[6].v = 1.0;
+    K_n[7].v = 1.0;
+    K_n[8].v = 1.0;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = u_2[1].t[k] + u_3[1].t[k];
+        const double t2 = u_2[0].t[k] + u_3[0].t[k];
+        const double t3 = N[1].v * d[0].t[k] + d[0].v * N[1].t[k] - (N[0].v * d[1].t[k] + d[1].v * N[0].t[k]);
+        const double t4 = N[1].v * u_3[0].t[k] + u_3[0].v * N[1].t[k] - (N[0].v * u_3[1].t[k] + u_3[1].v * N[0].t[k]);
+        const double t5 = along[1].v * d[0].t[k] + d[0].v * along[1].t[k] - (along[0].v * d[1].t[k] + d[1].v * along[0].t[k]);
+        const double t6 = m_11 * along[1].t[k] + along[1].v * t2 - (h1 * along[0].t[k] + along[0].v * t1);
+        const double t7 = along[1].v * u_3[0].t[k] + u_3[0].v * along[1].t[k] - (along[0].v * u_3[1].t[k] + u_3[1].v * along[0].t[k]);
+        K_n[0].t[k] = t3;
+        K_n[1].t[k] = m_11 * N[1].t[k] + N[1].v * t2 - (h1 * N[0].t[k] + N[0].v * t1);
+        K_n[2].t[k] = t4;
+        K_n[3].t[k] = t5;
+        K_n[4].t[k] = t6;
+        K_n[5].t[k] = t7;
+        K_n[6].t[k] = 0.0;
+        K_n[7].t[k] = 0.0;
+        K_n[8].t[k] = 0.0;
+    }
+}
+
+/* `torques` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.12), (5.44).
+ * (63 add, 81 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_rrr_torques_tangent(
+    const krhpr_dual *K_n, const krhpr_dual *line_forces, const krhpr_dual *redundant_forces,
+    const krhpr_dual *swivel_forces, krhpr_dual *KRHPR_RESTRICT actuator_forces)
+{
+    const double actuator_forces_00 = K_n[0].v * line_forces[0].v + K_n[3].v * redundant_forces[0].v + K_n[6].v * swivel_forces[0].v;
+    const double actuator_forces_01 = K_n[1].v * line_forces[0].v + K_n[4].v * redundant_forces[0].v + K_n[7].v * swivel_forces[0].v;
+    const double actuator_forces_02 = K_n[2].v * line_forces[0].v + K_n[5].v * redundant_forces[0].v + K_n[8].v * swivel_forces[0].v;
+    const double actuator_forces_10 = K_n[9].v * line_forces[1].v + K_n[12].v * redundant_forces[1].v + K_n[15].v * swivel_forces[1].v;
+    const double actuator_forces_11 = K_n[10].v * line_forces[1].v + K_n[13].v * redundant_forces[1].v + K_n[16].v * swivel_forces[1].v;
+    const double actuator_forces_12 = K_n[11].v * line_forces[1].v + K_n[14].v * redundant_forces[1].v + K_n[17].v * swivel_forces[1].v;
+    const double actuator_forces_20 = K_n[18].v * line_forces[2].v + K_n[21].v * redundant_forces[2].v + K_n[24].v * swivel_forces[2].v;
+    const double actuator_forces_21 = K_n[19].v * line_forces[2].v + K_n[22].v * redundant_forces[2].v + K_n[25].v * swivel_forces[2].v;
+    const double actuator_forces_22 = K_n[20].v * line_forces[2].v + K_n[23].v * redundant_forces[2].v + K_n[26].v * swivel_forces[2].v;
+    actuator_forces[0].v = actuator_forces_00;
+    actuator_forces[1].v = actuator_forces_01;
+    actuator_forces[2].v = actuator_forces_02;
+    actuator_forces[3].v = actuator_forces_10;
+    actuator_forces[4].v = actuator_forces_11;
+    actuator_forces[5].v = actuator_forces_12;
+    actuator_forces[6].v = actuator_forces_20;
+    actuator_forces[7].v = actuator_forces_21;
+    actuator_forces[8].v = actuator_forces_22;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = line_forces[0].v * K_n[0].t[k] + K_n[0].v * line_forces[0].t[k] + (redundant_forces[0].v * K_n[3].t[k] + K_n[3].v * redundant_forces[0].t[k]);
+        const double t2 = line_forces[0].v * K_n[1].t[k] + K_n[1].v * line_forces[0].t[k] + (redundant_forces[0].v * K_n[4].t[k] + K_n[4].v * redundant_forces[0].t[k]);
+        const double t3 = line_forces[0].v * K_n[2].t[k] + K_n[2].v * line_forces[0].t[k] + (redundant_forces[0].v * K_n[5].t[k] + K_n[5].v * redundant_forces[0].t[k]);
+        const double t4 = line_forces[1].v * K_n[9].t[k] + K_n[9].v * line_forces[1].t[k] + (redundant_forces[1].v * K_n[12].t[k] + K_n[12].v * redundant_forces[1].t[k]);
+        const double t5 = line_forces[1].v * K_n[10].t[k] + K_n[10].v * line_forces[1].t[k] + (redundant_forces[1].v * K_n[13].t[k] + K_n[13].v * redundant_forces[1].t[k]);
+        const double t6 = line_forces[1].v * K_n[11].t[k] + K_n[11].v * line_forces[1].t[k] + (redundant_forces[1].v * K_n[14].t[k] + K_n[14].v * redundant_forces[1].t[k]);
+        const double t7 = line_forces[2].v * K_n[18].t[k] + K_n[18].v * line_forces[2].t[k] + (redundant_forces[2].v * K_n[21].t[k] + K_n[21].v * redundant_forces[2].t[k]);
+        const double t8 = line_forces[2].v * K_n[19].t[k] + K_n[19].v * line_forces[2].t[k] + (redundant_forces[2].v * K_n[22].t[k] + K_n[22].v * redundant_forces[2].t[k]);
+        const double t9 = line_forces[2].v * K_n[20].t[k] + K_n[20].v * line_forces[2].t[k] + (redundant_forces[2].v * K_n[23].t[k] + K_n[23].v * redundant_forces[2].t[k]);
+        actuator_forces[0].t[k] = t1 + (swivel_forces[0].v * K_n[6].t[k] + K_n[6].v * swivel_forces[0].t[k]);
+        actuator_forces[1].t[k] = t2 + (swivel_forces[0].v * K_n[7].t[k] + K_n[7].v * swivel_forces[0].t[k]);
+        actuator_forces[2].t[k] = t3 + (swivel_forces[0].v * K_n[8].t[k] + K_n[8].v * swivel_forces[0].t[k]);
+        actuator_forces[3].t[k] = t4 + (swivel_forces[1].v * K_n[15].t[k] + K_n[15].v * swivel_forces[1].t[k]);
+        actuator_forces[4].t[k] = t5 + (swivel_forces[1].v * K_n[16].t[k] + K_n[16].v * swivel_forces[1].t[k]);
+        actuator_forces[5].t[k] = t6 + (swivel_forces[1].v * K_n[17].t[k] + K_n[17].v * swivel_forces[1].t[k]);
+        actuator_forces[6].t[k] = t7 + (swivel_forces[2].v * K_n[24].t[k] + K_n[24].v * swivel_forces[2].t[k]);
+        actuator_forces[7].t[k] = t8 + (swivel_forces[2].v * K_n[25].t[k] + K_n[25].v * swivel_forces[2].t[k]);
+        actuator_forces[8].t[k] = t9 + (swivel_forces[2].v * K_n[26].t[k] + K_n[26].v * swivel_forces[2].t[k]);
+    }
+}
+
+/* `end_force` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.36).  (59
+ * add, 71 multiply, 1 divide) */
+KRHPR_STATIC void krhpr_subleg_planar_rrr_end_force_tangent(
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_2,
+    const krhpr_dual *u_3, const krhpr_dual *actuator_forces, krhpr_dual *KRHPR_RESTRICT end_force,
+    krhpr_dual *KRHPR_RESTRICT swivel_forces)
+{
+    const double t1 = d[0].v - u_2[0].v;
+    const double u_1_0 = t1 - u_3[0].v;
+    const double t2 = d[1].v - u_2[1].v;
+    const double u_1_1 = t2 - u_3[1].v;
+    const double elbow = (u_2[1].v * u_1_0 - u_2[0].v * u_1_1) * g->k[5][i];
+    const double l12_sin_2 = g->l_2[i] * (g->l_1[i] * elbow);
+    const double h1 = 1.0 / l12_sin_2;
+    const double t_1 = u_2[0].v * h1;
+    const double h2 = u_3[0].v - t1;
+    const double t_2 = h1 * h2;
+    const double t_1_a = u_2[1].v * h1;
+    const double h3 = u_3[1].v - t2;
+    const double t_2_a = h1 * h3;
+    const double h4 = u_2[0].v * u_3[1].v - u_2[1].v * u_3[0].v;
+    const double t_1_b = h1 * h4;
+    const double h5 = u_3[0].v * u_1_1 - u_3[1].v * u_1_0;
+    const double t_2_b = h1 * h5;
+    const double h6 = t_2 - t_1;
+    const double g_l_0 = actuator_forces[0].v * t_1 + actuator_forces[1].v * h6 - actuator_forces[2].v * t_2;
+    const double h7 = t_2_a - t_1_a;
+    const double g_l_1 = actuator_forces[0].v * t_1_a + actuator_forces[1].v * h7 - actuator_forces[2].v * t_2_a;
+    const double h8 = t_2_b - t_1_b;
+    const double h9 = 1.0 - t_2_b;
+    const double swivel_forces_a = actuator_forces[0].v * t_1_b + actuator_forces[1].v * h8 + actuator_forces[2].v * h9;
+    end_force[0].v = g_l_0;
+    end_force[1].v = g_l_1;
+    swivel_forces[0].v = swivel_forces_a;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t3 = d[0].t[k] - u_2[0].t[k];
+        const double t4 = t3 - u_3[0].t[k];
+        const double t5 = d[1].t[k] - u_2[1].t[k];
+        const double t6 = t5 - u_3[1].t[k];
+        const double t7 = g->k[5][i] * (u_1_0 * u_2[1].t[k] + u_2[1].v * t4 - (u_1_1 * u_2[0].t[k] + u_2[0].v * t6));
+        const double t8 = h1 * (h1 * (g->l_2[i] * (g->l_1[i] * t7)));
+        const double t9 = h1 * u_2[0].t[k] - u_2[0].v * t8;
+        const double t10 = h1 * (u_3[0].t[k] - t3) - h2 * t8;
+        const double t11 = h1 * u_2[1].t[k] - u_2[1].v * t8;
+        const double t12 = h1 * (u_3[1].t[k] - t5) - h3 * t8;
+        const double t13 = u_3[1].v * u_2[0].t[k] + u_2[0].v * u_3[1].t[k] - (u_3[0].v * u_2[1].t[k] + u_2[1].v * u_3[0].t[k]);
+        const double t14 = h1 * t13 - h4 * t8;
+        const double t15 = h5 * t8;
+        const double t16 = h1 * (u_1_1 * u_3[0].t[k] + u_3[0].v * t6 - (u_1_0 * u_3[1].t[k] + u_3[1].v * t4));
+        const double t17 = t_1 * actuator_forces[0].t[k] + actuator_forces[0].v * t9 + (h6 * actuator_forces[1].t[k] + actuator_forces[1].v * (t10 - t9));
+        const double t18 = t_1_a * actuator_forces[0].t[k] + actuator_forces[0].v * t11 + (h7 * actuator_forces[1].t[k] + actuator_forces[1].v * (t12 - t11));
+        const double t19 = t_1_b * actuator_forces[0].t[k] + actuator_forces[0].v * t14 + (h8 * actuator_forces[1].t[k] + actuator_forces[1].v * (t16 - t15 - t14));
+        end_force[0].t[k] = t17 - (t_2 * actuator_forces[2].t[k] + actuator_forces[2].v * t10);
+        end_force[1].t[k] = t18 - (t_2_a * actuator_forces[2].t[k] + actuator_forces[2].v * t12);
+        swivel_forces[0].t[k] = t19 + (h9 * actuator_forces[2].t[k] + actuator_forces[2].v * (t15 - t16));
+    }
+}
+
 #endif

@@ -476,4 +476,136 @@ KRHPR_STATIC void krhpr_subleg_prr_parallel_points_tangent(
     }
 }
 
+/* `transmission` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.57),
+ * (5.59).  (54 add, 84 multiply) */
+KRHPR_STATIC void krhpr_subleg_prr_parallel_transmission_tangent(
+    const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
+    const krhpr_dual *N, const krhpr_dual *along, krhpr_dual *KRHPR_RESTRICT K_n)
+{
+    const double n_00 = g->e_x[0][i] * N[0].v + g->e_x[1][i] * N[1].v + g->e_x[2][i] * N[2].v;
+    const double n_01 = g->e_1[0][i] * N[0].v + g->e_1[1][i] * N[1].v + g->e_1[2][i] * N[2].v;
+    const double n_02 = g->e_t[0][i] * N[0].v + g->e_t[1][i] * N[1].v;
+    const double n_10 = g->e_x[0][i] * N[3].v + g->e_x[1][i] * N[4].v + g->e_x[2][i] * N[5].v;
+    const double n_11 = g->e_1[0][i] * N[3].v + g->e_1[1][i] * N[4].v + g->e_1[2][i] * N[5].v;
+    const double n_12 = g->e_t[0][i] * N[3].v + g->e_t[1][i] * N[4].v;
+    const double n_20 = g->e_x[0][i] * along[0].v + g->e_x[1][i] * along[1].v + g->e_x[2][i] * along[2].v;
+    const double n_21 = g->e_1[0][i] * along[0].v + g->e_1[1][i] * along[1].v + g->e_1[2][i] * along[2].v;
+    const double n_22 = g->e_t[0][i] * along[0].v + g->e_t[1][i] * along[1].v;
+    K_n[0].v = n_02;
+    K_n[1].v = d[0].v * n_01 - d[1].v * n_00;
+    K_n[2].v = v_1[0].v * n_01 - v_1[1].v * n_00;
+    K_n[3].v = n_12;
+    K_n[4].v = d[0].v * n_11 - d[1].v * n_10;
+    K_n[5].v = v_1[0].v * n_11 - v_1[1].v * n_10;
+    K_n[6].v = n_22;
+    K_n[7].v = d[0].v * n_21 - d[1].v * n_20;
+    K_n[8].v = v_1[0].v * n_21 - v_1[1].v * n_20;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = g->e_x[0][i] * N[0].t[k] + g->e_x[1][i] * N[1].t[k] + g->e_x[2][i] * N[2].t[k];
+        const double t2 = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k] + g->e_1[2][i] * N[2].t[k];
+        const double t3 = g->e_x[0][i] * N[3].t[k] + g->e_x[1][i] * N[4].t[k] + g->e_x[2][i] * N[5].t[k];
+        const double t4 = g->e_1[0][i] * N[3].t[k] + g->e_1[1][i] * N[4].t[k] + g->e_1[2][i] * N[5].t[k];
+        const double t5 = g->e_x[0][i] * along[0].t[k] + g->e_x[1][i] * along[1].t[k] + g->e_x[2][i] * along[2].t[k];
+        const double t6 = g->e_1[0][i] * along[0].t[k] + g->e_1[1][i] * along[1].t[k] + g->e_1[2][i] * along[2].t[k];
+        K_n[0].t[k] = g->e_t[0][i] * N[0].t[k] + g->e_t[1][i] * N[1].t[k];
+        K_n[1].t[k] = n_01 * d[0].t[k] + d[0].v * t2 - (n_00 * d[1].t[k] + d[1].v * t1);
+        K_n[2].t[k] = n_01 * v_1[0].t[k] + v_1[0].v * t2 - (n_00 * v_1[1].t[k] + v_1[1].v * t1);
+        K_n[3].t[k] = g->e_t[0][i] * N[3].t[k] + g->e_t[1][i] * N[4].t[k];
+        K_n[4].t[k] = n_11 * d[0].t[k] + d[0].v * t4 - (n_10 * d[1].t[k] + d[1].v * t3);
+        K_n[5].t[k] = n_11 * v_1[0].t[k] + v_1[0].v * t4 - (n_10 * v_1[1].t[k] + v_1[1].v * t3);
+        K_n[6].t[k] = g->e_t[0][i] * along[0].t[k] + g->e_t[1][i] * along[1].t[k];
+        K_n[7].t[k] = n_21 * d[0].t[k] + d[0].v * t6 - (n_20 * d[1].t[k] + d[1].v * t5);
+        K_n[8].t[k] = n_21 * v_1[0].t[k] + v_1[0].v * t6 - (n_20 * v_1[1].t[k] + v_1[1].v * t5);
+    }
+}
+
+/* `torques` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.12), (5.44).
+ * (63 add, 81 multiply) */
+KRHPR_STATIC void krhpr_subleg_prr_parallel_torques_tangent(
+    const krhpr_dual *K_n, const krhpr_dual *line_forces, const krhpr_dual *redundant_forces,
+    krhpr_dual *KRHPR_RESTRICT actuator_forces)
+{
+    const double actuator_forces_00 = K_n[0].v * line_forces[0].v + K_n[3].v * line_forces[1].v + K_n[6].v * redundant_forces[0].v;
+    const double actuator_forces_01 = K_n[1].v * line_forces[0].v + K_n[4].v * line_forces[1].v + K_n[7].v * redundant_forces[0].v;
+    const double actuator_forces_02 = K_n[2].v * line_forces[0].v + K_n[5].v * line_forces[1].v + K_n[8].v * redundant_forces[0].v;
+    const double actuator_forces_10 = K_n[9].v * line_forces[2].v + K_n[12].v * line_forces[3].v + K_n[15].v * redundant_forces[1].v;
+    const double actuator_forces_11 = K_n[10].v * line_forces[2].v + K_n[13].v * line_forces[3].v + K_n[16].v * redundant_forces[1].v;
+    const double actuator_forces_12 = K_n[11].v * line_forces[2].v + K_n[14].v * line_forces[3].v + K_n[17].v * redundant_forces[1].v;
+    const double actuator_forces_20 = K_n[18].v * line_forces[4].v + K_n[21].v * line_forces[5].v + K_n[24].v * redundant_forces[2].v;
+    const double actuator_forces_21 = K_n[19].v * line_forces[4].v + K_n[22].v * line_forces[5].v + K_n[25].v * redundant_forces[2].v;
+    const double actuator_forces_22 = K_n[20].v * line_forces[4].v + K_n[23].v * line_forces[5].v + K_n[26].v * redundant_forces[2].v;
+    actuator_forces[0].v = actuator_forces_00;
+    actuator_forces[1].v = actuator_forces_01;
+    actuator_forces[2].v = actuator_forces_02;
+    actuator_forces[3].v = actuator_forces_10;
+    actuator_forces[4].v = actuator_forces_11;
+    actuator_forces[5].v = actuator_forces_12;
+    actuator_forces[6].v = actuator_forces_20;
+    actuator_forces[7].v = actuator_forces_21;
+    actuator_forces[8].v = actuator_forces_22;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = line_forces[0].v * K_n[0].t[k] + K_n[0].v * line_forces[0].t[k] + (line_forces[1].v * K_n[3].t[k] + K_n[3].v * line_forces[1].t[k]);
+        const double t2 = t1 + (redundant_forces[0].v * K_n[6].t[k] + K_n[6].v * redundant_forces[0].t[k]);
+        const double t3 = line_forces[0].v * K_n[1].t[k] + K_n[1].v * line_forces[0].t[k] + (line_forces[1].v * K_n[4].t[k] + K_n[4].v * line_forces[1].t[k]);
+        const double t4 = t3 + (redundant_forces[0].v * K_n[7].t[k] + K_n[7].v * redundant_forces[0].t[k]);
+        const double t5 = line_forces[0].v * K_n[2].t[k] + K_n[2].v * line_forces[0].t[k] + (line_forces[1].v * K_n[5].t[k] + K_n[5].v * line_forces[1].t[k]);
+        const double t6 = t5 + (redundant_forces[0].v * K_n[8].t[k] + K_n[8].v * redundant_forces[0].t[k]);
+        const double t7 = line_forces[2].v * K_n[9].t[k] + K_n[9].v * line_forces[2].t[k] + (line_forces[3].v * K_n[12].t[k] + K_n[12].v * line_forces[3].t[k]);
+        const double t8 = t7 + (redundant_forces[1].v * K_n[15].t[k] + K_n[15].v * redundant_forces[1].t[k]);
+        const double t9 = line_forces[2].v * K_n[10].t[k] + K_n[10].v * line_forces[2].t[k] + (line_forces[3].v * K_n[13].t[k] + K_n[13].v * line_forces[3].t[k]);
+        const double t10 = t9 + (redundant_forces[1].v * K_n[16].t[k] + K_n[16].v * redundant_forces[1].t[k]);
+        const double t11 = line_forces[2].v * K_n[11].t[k] + K_n[11].v * line_forces[2].t[k] + (line_forces[3].v * K_n[14].t[k] + K_n[14].v * line_forces[3].t[k]);
+        const double t12 = t11 + (redundant_forces[1].v * K_n[17].t[k] + K_n[17].v * redundant_forces[1].t[k]);
+        const double t13 = line_forces[4].v * K_n[18].t[k] + K_n[18].v * line_forces[4].t[k] + (line_forces[5].v * K_n[21].t[k] + K_n[21].v * line_forces[5].t[k]);
+        const double t14 = t13 + (redundant_forces[2].v * K_n[24].t[k] + K_n[24].v * redundant_forces[2].t[k]);
+        const double t15 = line_forces[4].v * K_n[19].t[k] + K_n[19].v * line_forces[4].t[k] + (line_forces[5].v * K_n[22].t[k] + K_n[22].v * line_forces[5].t[k]);
+        const double t16 = t15 + (redundant_forces[2].v * K_n[25].t[k] + K_n[25].v * redundant_forces[2].t[k]);
+        const double t17 = line_forces[4].v * K_n[20].t[k] + K_n[20].v * line_forces[4].t[k] + (line_forces[5].v * K_n[23].t[k] + K_n[23].v * line_forces[5].t[k]);
+        const double t18 = t17 + (redundant_forces[2].v * K_n[26].t[k] + K_n[26].v * redundant_forces[2].t[k]);
+        actuator_forces[0].t[k] = t2;
+        actuator_forces[1].t[k] = t4;
+        actuator_forces[2].t[k] = t6;
+        actuator_forces[3].t[k] = t8;
+        actuator_forces[4].t[k] = t10;
+        actuator_forces[5].t[k] = t12;
+        actuator_forces[6].t[k] = t14;
+        actuator_forces[7].t[k] = t16;
+        actuator_forces[8].t[k] = t18;
+    }
+}
+
+/* `end_force` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.36).  (26
+ * add, 48 multiply, 1 divide) */
+KRHPR_STATIC void krhpr_subleg_prr_parallel_end_force_tangent(
+    const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
+    const krhpr_dual *actuator_forces, krhpr_dual *KRHPR_RESTRICT end_force)
+{
+    const double elbow = d[0].v * v_1[1].v - d[1].v * v_1[0].v;
+    const double h2 = v_1[0].v * actuator_forces[1].v;
+    const double h1 = 1.0 / elbow;
+    const double h3 = d[0].v * actuator_forces[2].v;
+    const double g_l_0 = h2 * h1 - h1 * h3;
+    const double h4 = v_1[1].v * actuator_forces[1].v;
+    const double h5 = d[1].v * actuator_forces[2].v;
+    const double g_l_1 = h1 * h4 - h1 * h5;
+    const double end_force_0 = g->e_t[0][i] * actuator_forces[0].v + g->e_1[0][i] * g_l_1 + g->e_x[0][i] * g_l_0;
+    const double end_force_1 = g->e_t[1][i] * actuator_forces[0].v + g->e_1[1][i] * g_l_1 + g->e_x[1][i] * g_l_0;
+    end_force[0].v = end_force_0;
+    end_force[1].v = end_force_1;
+    end_force[2].v = g->e_1[2][i] * g_l_1 + g->e_x[2][i] * g_l_0;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = v_1[1].v * d[0].t[k] + d[0].v * v_1[1].t[k] - (v_1[0].v * d[1].t[k] + d[1].v * v_1[0].t[k]);
+        const double t2 = h1 * (h1 * t1);
+        const double t3 = h1 * (actuator_forces[1].v * v_1[0].t[k] + v_1[0].v * actuator_forces[1].t[k]) - h2 * t2;
+        const double t4 = h1 * (actuator_forces[2].v * d[0].t[k] + d[0].v * actuator_forces[2].t[k]) - h3 * t2;
+        const double t5 = t3 - t4;
+        const double t6 = h1 * (actuator_forces[1].v * v_1[1].t[k] + v_1[1].v * actuator_forces[1].t[k]) - h4 * t2;
+        const double t7 = h1 * (actuator_forces[2].v * d[1].t[k] + d[1].v * actuator_forces[2].t[k]) - h5 * t2;
+        const double t8 = t6 - t7;
+        end_force[0].t[k] = g->e_t[0][i] * actuator_forces[0].t[k] + g->e_1[0][i] * t8 + g->e_x[0][i] * t5;
+        end_force[1].t[k] = g->e_t[1][i] * actuator_forces[0].t[k] + g->e_1[1][i] * t8 + g->e_x[1][i] * t5;
+        end_force[2].t[k] = g->e_1[2][i] * t8 + g->e_x[2][i] * t5;
+    }
+}
+
 #endif

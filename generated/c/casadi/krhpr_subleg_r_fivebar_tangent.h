@@ -1216,4 +1216,206 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_points_tangent(
     }
 }
 
+/* `transmission` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.57),
+ * (5.59).  (125 add, 181 multiply, 1 divide) */
+KRHPR_STATIC void krhpr_subleg_r_fivebar_transmission_tangent(
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
+    const krhpr_dual *d, const krhpr_dual *u_1, const krhpr_dual *u_2, const krhpr_dual *N,
+    const krhpr_dual *along, krhpr_dual *KRHPR_RESTRICT K_n)
+{
+    const double v_1_0 = d[0].v - u_1[0].v;
+    const double v_1_1 = d[1].v - u_1[1].v;
+    const double h2 = v_1_0 * g->k[7][i];
+    const double v_2_0 = u_1[0].v + h2 - u_2[0].v;
+    const double h3 = v_1_1 * g->k[7][i];
+    const double v_2_1 = u_1[1].v + h3 - u_2[1].v;
+    const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
+    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double t1 = u_2[0].v * v_2_1;
+    const double t2 = u_2[1].v * v_2_0;
+    const double b_33 = t1 - t2;
+    const double h1 = g->k[7][i] * b_22;
+    const double h5 = v_2_1 * h1 - v_1_1 * b_32;
+    const double h4 = 1.0 / (h2 * v_2_1 - v_2_0 * h3);
+    const double m_01 = h5 * h4;
+    const double h6 = t2 - t1;
+    const double h7 = v_1_1 * h6;
+    const double m_02 = h4 * h7;
+    const double h8 = v_1_0 * b_32 - v_2_0 * h1;
+    const double m_11 = h4 * h8;
+    const double h9 = v_1_0 * b_33;
+    const double m_12 = h4 * h9;
+    const double n_00 = x[0].v * N[0].v + x[1].v * N[1].v + x[2].v * N[2].v;
+    const double n_01 = g->e_1[0][i] * N[0].v + g->e_1[1][i] * N[1].v + g->e_1[2][i] * N[2].v;
+    const double n_02 = e_2[0].v * N[0].v + e_2[1].v * N[1].v + e_2[2].v * N[2].v;
+    const double n_10 = x[0].v * N[3].v + x[1].v * N[4].v + x[2].v * N[5].v;
+    const double n_11 = g->e_1[0][i] * N[3].v + g->e_1[1][i] * N[4].v + g->e_1[2][i] * N[5].v;
+    const double n_12 = e_2[0].v * N[3].v + e_2[1].v * N[4].v + e_2[2].v * N[5].v;
+    const double n_20 = x[0].v * along[0].v + x[1].v * along[1].v + x[2].v * along[2].v;
+    const double n_21 = g->e_1[0][i] * along[0].v + g->e_1[1][i] * along[1].v + g->e_1[2][i] * along[2].v;
+    const double n_22 = e_2[0].v * along[0].v + e_2[1].v * along[1].v + e_2[2].v * along[2].v;
+    K_n[0].v = -d[0].v * n_02;
+    K_n[1].v = m_01 * n_00 + m_11 * n_01;
+    K_n[2].v = m_02 * n_00 + m_12 * n_01;
+    K_n[3].v = -d[0].v * n_12;
+    K_n[4].v = m_01 * n_10 + m_11 * n_11;
+    K_n[5].v = m_02 * n_10 + m_12 * n_11;
+    K_n[6].v = -d[0].v * n_22;
+    K_n[7].v = m_01 * n_20 + m_11 * n_21;
+    K_n[8].v = m_02 * n_20 + m_12 * n_21;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t3 = d[0].t[k] - u_1[0].t[k];
+        const double t4 = d[1].t[k] - u_1[1].t[k];
+        const double t5 = g->k[7][i] * t3;
+        const double t6 = u_1[0].t[k] + t5 - u_2[0].t[k];
+        const double t7 = g->k[7][i] * t4;
+        const double t8 = u_1[1].t[k] + t7 - u_2[1].t[k];
+        const double t9 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
+        const double t10 = v_2_1 * u_2[0].t[k] + u_2[0].v * t8;
+        const double t11 = v_2_0 * u_2[1].t[k] + u_2[1].v * t6;
+        const double t12 = g->k[7][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
+        const double t13 = h4 * (h4 * (v_2_1 * t5 + h2 * t8 - (h3 * t6 + v_2_0 * t7)));
+        const double t14 = h4 * (h1 * t8 + v_2_1 * t12 - (b_32 * t4 + v_1_1 * t9)) - h5 * t13;
+        const double t15 = h4 * (h6 * t4 + v_1_1 * (t11 - t10)) - h7 * t13;
+        const double t16 = h4 * (b_32 * t3 + v_1_0 * t9 - (h1 * t6 + v_2_0 * t12)) - h8 * t13;
+        const double t17 = h4 * (b_33 * t3 + v_1_0 * (t10 - t11)) - h9 * t13;
+        const double t18 = N[0].v * x[0].t[k] + x[0].v * N[0].t[k] + (N[1].v * x[1].t[k] + x[1].v * N[1].t[k]);
+        const double t19 = t18 + (N[2].v * x[2].t[k] + x[2].v * N[2].t[k]);
+        const double t20 = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k] + g->e_1[2][i] * N[2].t[k];
+        const double t21 = N[0].v * e_2[0].t[k] + e_2[0].v * N[0].t[k] + (N[1].v * e_2[1].t[k] + e_2[1].v * N[1].t[k]);
+        const double t22 = N[3].v * x[0].t[k] + x[0].v * N[3].t[k] + (N[4].v * x[1].t[k] + x[1].v * N[4].t[k]);
+        const double t23 = t22 + (N[5].v * x[2].t[k] + x[2].v * N[5].t[k]);
+        const double t24 = g->e_1[0][i] * N[3].t[k] + g->e_1[1][i] * N[4].t[k] + g->e_1[2][i] * N[5].t[k];
+        const double t25 = N[3].v * e_2[0].t[k] + e_2[0].v * N[3].t[k] + (N[4].v * e_2[1].t[k] + e_2[1].v * N[4].t[k]);
+        const double t26 = along[0].v * x[0].t[k] + x[0].v * along[0].t[k] + (along[1].v * x[1].t[k] + x[1].v * along[1].t[k]);
+        const double t27 = t26 + (along[2].v * x[2].t[k] + x[2].v * along[2].t[k]);
+        const double t28 = g->e_1[0][i] * along[0].t[k] + g->e_1[1][i] * along[1].t[k] + g->e_1[2][i] * along[2].t[k];
+        const double t29 = along[0].v * e_2[0].t[k] + e_2[0].v * along[0].t[k] + (along[1].v * e_2[1].t[k] + e_2[1].v * along[1].t[k]);
+        const double t30 = n_02 * d[0].t[k] + d[0].v * (t21 + (N[2].v * e_2[2].t[k] + e_2[2].v * N[2].t[k]));
+        const double t31 = n_12 * d[0].t[k] + d[0].v * (t25 + (N[5].v * e_2[2].t[k] + e_2[2].v * N[5].t[k]));
+        const double t32 = n_22 * d[0].t[k] + d[0].v * (t29 + (along[2].v * e_2[2].t[k] + e_2[2].v * along[2].t[k]));
+        K_n[0].t[k] = -t30;
+        K_n[1].t[k] = n_00 * t14 + m_01 * t19 + (n_01 * t16 + m_11 * t20);
+        K_n[2].t[k] = n_00 * t15 + m_02 * t19 + (n_01 * t17 + m_12 * t20);
+        K_n[3].t[k] = -t31;
+        K_n[4].t[k] = n_10 * t14 + m_01 * t23 + (n_11 * t16 + m_11 * t24);
+        K_n[5].t[k] = n_10 * t15 + m_02 * t23 + (n_11 * t17 + m_12 * t24);
+        K_n[6].t[k] = -t32;
+        K_n[7].t[k] = n_20 * t14 + m_01 * t27 + (n_21 * t16 + m_11 * t28);
+        K_n[8].t[k] = n_20 * t15 + m_02 * t27 + (n_21 * t17 + m_12 * t28);
+    }
+}
+
+/* `torques` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.12), (5.44).
+ * (63 add, 81 multiply) */
+KRHPR_STATIC void krhpr_subleg_r_fivebar_torques_tangent(
+    const krhpr_dual *K_n, const krhpr_dual *line_forces, const krhpr_dual *redundant_forces,
+    krhpr_dual *KRHPR_RESTRICT actuator_forces)
+{
+    const double actuator_forces_00 = K_n[0].v * line_forces[0].v + K_n[3].v * line_forces[1].v + K_n[6].v * redundant_forces[0].v;
+    const double actuator_forces_01 = K_n[1].v * line_forces[0].v + K_n[4].v * line_forces[1].v + K_n[7].v * redundant_forces[0].v;
+    const double actuator_forces_02 = K_n[2].v * line_forces[0].v + K_n[5].v * line_forces[1].v + K_n[8].v * redundant_forces[0].v;
+    const double actuator_forces_10 = K_n[9].v * line_forces[2].v + K_n[12].v * line_forces[3].v + K_n[15].v * redundant_forces[1].v;
+    const double actuator_forces_11 = K_n[10].v * line_forces[2].v + K_n[13].v * line_forces[3].v + K_n[16].v * redundant_forces[1].v;
+    const double actuator_forces_12 = K_n[11].v * line_forces[2].v + K_n[14].v * line_forces[3].v + K_n[17].v * redundant_forces[1].v;
+    const double actuator_forces_20 = K_n[18].v * line_forces[4].v + K_n[21].v * line_forces[5].v + K_n[24].v * redundant_forces[2].v;
+    const double actuator_forces_21 = K_n[19].v * line_forces[4].v + K_n[22].v * line_forces[5].v + K_n[25].v * redundant_forces[2].v;
+    const double actuator_forces_22 = K_n[20].v * line_forces[4].v + K_n[23].v * line_forces[5].v + K_n[26].v * redundant_forces[2].v;
+    actuator_forces[0].v = actuator_forces_00;
+    actuator_forces[1].v = actuator_forces_01;
+    actuator_forces[2].v = actuator_forces_02;
+    actuator_forces[3].v = actuator_forces_10;
+    actuator_forces[4].v = actuator_forces_11;
+    actuator_forces[5].v = actuator_forces_12;
+    actuator_forces[6].v = actuator_forces_20;
+    actuator_forces[7].v = actuator_forces_21;
+    actuator_forces[8].v = actuator_forces_22;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = line_forces[0].v * K_n[0].t[k] + K_n[0].v * line_forces[0].t[k] + (line_forces[1].v * K_n[3].t[k] + K_n[3].v * line_forces[1].t[k]);
+        const double t2 = t1 + (redundant_forces[0].v * K_n[6].t[k] + K_n[6].v * redundant_forces[0].t[k]);
+        const double t3 = line_forces[0].v * K_n[1].t[k] + K_n[1].v * line_forces[0].t[k] + (line_forces[1].v * K_n[4].t[k] + K_n[4].v * line_forces[1].t[k]);
+        const double t4 = t3 + (redundant_forces[0].v * K_n[7].t[k] + K_n[7].v * redundant_forces[0].t[k]);
+        const double t5 = line_forces[0].v * K_n[2].t[k] + K_n[2].v * line_forces[0].t[k] + (line_forces[1].v * K_n[5].t[k] + K_n[5].v * line_forces[1].t[k]);
+        const double t6 = t5 + (redundant_forces[0].v * K_n[8].t[k] + K_n[8].v * redundant_forces[0].t[k]);
+        const double t7 = line_forces[2].v * K_n[9].t[k] + K_n[9].v * line_forces[2].t[k] + (line_forces[3].v * K_n[12].t[k] + K_n[12].v * line_forces[3].t[k]);
+        const double t8 = t7 + (redundant_forces[1].v * K_n[15].t[k] + K_n[15].v * redundant_forces[1].t[k]);
+        const double t9 = line_forces[2].v * K_n[10].t[k] + K_n[10].v * line_forces[2].t[k] + (line_forces[3].v * K_n[13].t[k] + K_n[13].v * line_forces[3].t[k]);
+        const double t10 = t9 + (redundant_forces[1].v * K_n[16].t[k] + K_n[16].v * redundant_forces[1].t[k]);
+        const double t11 = line_forces[2].v * K_n[11].t[k] + K_n[11].v * line_forces[2].t[k] + (line_forces[3].v * K_n[14].t[k] + K_n[14].v * line_forces[3].t[k]);
+        const double t12 = t11 + (redundant_forces[1].v * K_n[17].t[k] + K_n[17].v * redundant_forces[1].t[k]);
+        const double t13 = line_forces[4].v * K_n[18].t[k] + K_n[18].v * line_forces[4].t[k] + (line_forces[5].v * K_n[21].t[k] + K_n[21].v * line_forces[5].t[k]);
+        const double t14 = t13 + (redundant_forces[2].v * K_n[24].t[k] + K_n[24].v * redundant_forces[2].t[k]);
+        const double t15 = line_forces[4].v * K_n[19].t[k] + K_n[19].v * line_forces[4].t[k] + (line_forces[5].v * K_n[22].t[k] + K_n[22].v * line_forces[5].t[k]);
+        const double t16 = t15 + (redundant_forces[2].v * K_n[25].t[k] + K_n[25].v * redundant_forces[2].t[k]);
+        const double t17 = line_forces[4].v * K_n[20].t[k] + K_n[20].v * line_forces[4].t[k] + (line_forces[5].v * K_n[23].t[k] + K_n[23].v * line_forces[5].t[k]);
+        const double t18 = t17 + (redundant_forces[2].v * K_n[26].t[k] + K_n[26].v * redundant_forces[2].t[k]);
+        actuator_forces[0].t[k] = t2;
+        actuator_forces[1].t[k] = t4;
+        actuator_forces[2].t[k] = t6;
+        actuator_forces[3].t[k] = t8;
+        actuator_forces[4].t[k] = t10;
+        actuator_forces[5].t[k] = t12;
+        actuator_forces[6].t[k] = t14;
+        actuator_forces[7].t[k] = t16;
+        actuator_forces[8].t[k] = t18;
+    }
+}
+
+/* `end_force` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.36).  (63
+ * add, 94 multiply, 4 divide) */
+KRHPR_STATIC void krhpr_subleg_r_fivebar_end_force_tangent(
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
+    const krhpr_dual *d, const krhpr_dual *u_1, const krhpr_dual *u_2, const krhpr_dual *actuator_forces,
+    krhpr_dual *KRHPR_RESTRICT end_force)
+{
+    const double v_1_0 = d[0].v - u_1[0].v;
+    const double v_1_1 = d[1].v - u_1[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 * g->k[7][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 * g->k[7][i] - u_2[1].v;
+    const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
+    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
+    const double w_2 = g->k[7][i] * v_2_0;
+    const double w_2_a = g->k[7][i] * v_2_1;
+    const double h2 = v_1_0 * actuator_forces[1].v;
+    const double h1 = 1.0 / b_22;
+    const double h3 = v_1_0 * b_32;
+    const double h4 = w_2 - h1 * h3;
+    const double h6 = actuator_forces[2].v * h4;
+    const double h5 = 1.0 / b_33;
+    const double g_l_0 = h2 * h1 + h6 * h5;
+    const double h7 = v_1_1 * actuator_forces[1].v;
+    const double h8 = v_1_1 * b_32;
+    const double h9 = w_2_a - h1 * h8;
+    const double h10 = actuator_forces[2].v * h9;
+    const double g_l_1 = h1 * h7 + h5 * h10;
+    const double h11 = actuator_forces[0].v / d[0].v;
+    const double h12 = 1.0 / d[0].v;
+    end_force[0].v = g->e_1[0][i] * g_l_1 - e_2[0].v * h11 + x[0].v * g_l_0;
+    end_force[1].v = g->e_1[1][i] * g_l_1 - e_2[1].v * h11 + x[1].v * g_l_0;
+    end_force[2].v = g->e_1[2][i] * g_l_1 - e_2[2].v * h11 + x[2].v * g_l_0;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = d[0].t[k] - u_1[0].t[k];
+        const double t2 = d[1].t[k] - u_1[1].t[k];
+        const double t3 = u_1[0].t[k] + g->k[7][i] * t1 - u_2[0].t[k];
+        const double t4 = u_1[1].t[k] + g->k[7][i] * t2 - u_2[1].t[k];
+        const double t5 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t3 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t4));
+        const double t6 = h1 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
+        const double t7 = h1 * t6;
+        const double t8 = actuator_forces[2].v * (g->k[7][i] * t3 - (h1 * (b_32 * t1 + v_1_0 * t5) - h3 * t7));
+        const double t9 = h5 * (v_2_1 * u_2[0].t[k] + u_2[0].v * t4 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t3));
+        const double t10 = h5 * t9;
+        const double t11 = h1 * (actuator_forces[1].v * t1 + v_1_0 * actuator_forces[1].t[k]) - h2 * t7 + (h5 * (h4 * actuator_forces[2].t[k] + t8) - h6 * t10);
+        const double t12 = actuator_forces[2].v * (g->k[7][i] * t4 - (h1 * (b_32 * t2 + v_1_1 * t5) - h8 * t7));
+        const double t13 = h1 * (actuator_forces[1].v * t2 + v_1_1 * actuator_forces[1].t[k]) - h7 * t7 + (h5 * (h9 * actuator_forces[2].t[k] + t12) - h10 * t10);
+        const double t14 = h12 * (actuator_forces[0].t[k] - h11 * d[0].t[k]);
+        const double t15 = g->e_1[0][i] * t13 - (h11 * e_2[0].t[k] + e_2[0].v * t14) + (g_l_0 * x[0].t[k] + x[0].v * t11);
+        const double t16 = g->e_1[1][i] * t13 - (h11 * e_2[1].t[k] + e_2[1].v * t14) + (g_l_0 * x[1].t[k] + x[1].v * t11);
+        const double t17 = g->e_1[2][i] * t13 - (h11 * e_2[2].t[k] + e_2[2].v * t14) + (g_l_0 * x[2].t[k] + x[2].v * t11);
+        end_force[0].t[k] = t15;
+        end_force[1].t[k] = t16;
+        end_force[2].t[k] = t17;
+    }
+}
+
 #endif

@@ -44,6 +44,8 @@ class FunctionView:
     optional: tuple[tuple[str, str], ...]
     finite: tuple[tuple[str, int], ...]
     fills: tuple[tuple[str, int], ...]
+    whole_fills: tuple[tuple[str, int], ...]
+    """Outputs that are NaN as a whole where a guard fails."""
     empties: tuple[str, ...]
     zeros: tuple[tuple[str, int], ...]
     shared_locals: tuple[str, ...]
@@ -150,6 +152,12 @@ def function_view(robot: RobotCode, function: RobotFunction, writing: Writing = 
         optional=tuple((port.name, default(port)) for port in function.inputs if default(port)),
         finite=tuple((_address(port, writing), port.full_size) for port in function.inputs),
         fills=tuple((port.name, port.full_size) for port in function.outputs),
+        whole_fills=tuple(
+            (port.name, port.full_size)
+            for port in function.outputs
+            # a leg's guard has seen to the legs' parts
+            if not port.per_leg or len(leg_guards) < len(function.guards)
+        ),
         empties=tuple(dict.fromkeys(name for guard in function.guards for name in guard.empties)),
         zeros=tuple((port.name, port.full_size) for port in diagonal),
         shared_locals=tuple(
@@ -423,7 +431,7 @@ class _Plan:
             return f"{name} + {size} * i" if size > 1 else f"{name} + i"
         if scalar and output and variable.kind == "local":
             return f"&{name}"
-        if scalar and variable.kind == "input" and self.writing is LANES:
+        if scalar and not variable.per_leg and variable.kind == "input" and self.writing is LANES:
             return f"{name}[0]"
         return name
 
@@ -448,17 +456,16 @@ def _leg_guard(guard: Guard, function: RobotFunction, writing: Writing) -> Guard
     """A leg's guard: where it fails, that leg's part of every leg-wise output is NaN."""
     leg_named = guard.status in LEG_STATUSES
     fills: list[tuple[str, int]] = []
-    if not function.stage(Stage.PLATFORM):
-        for port in guard.spoilt(port for port in function.outputs if port.per_leg):
-            if port.layout is Layout.DIAGONAL:
-                rows, columns = port.shape
-                width = port.full_shape[1]
-                fills += [
-                    (f"{port.name} + {rows * width + columns} * i + {row * width}", columns)
-                    for row in range(rows)
-                ]
-            else:
-                fills.append((f"{port.name} + {port.size} * i", port.size))
+    for port in guard.spoilt(port for port in function.outputs if port.per_leg):
+        if port.layout is Layout.DIAGONAL:
+            rows, columns = port.shape
+            width = port.full_shape[1]
+            fills += [
+                (f"{port.name} + {rows * width + columns} * i + {row * width}", columns)
+                for row in range(rows)
+            ]
+        else:
+            fills.append((f"{port.name} + {port.size} * i", port.size))
     return GuardView(
         _holds(guard, f"{guard.variable}[i]", writing),
         f"KRHPR_{guard.status.name}" + (" + i" if leg_named else ""),

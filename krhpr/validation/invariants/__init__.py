@@ -4,13 +4,22 @@ Closed loops, there-and-back, virtual work, and the symmetries of the problem.  
 functions of one target, at random configurations of a random geometry.
 """
 
-from krhpr.validation.invariants import forward, passive, position, singularities, symmetries, velocity
+from krhpr.validation.invariants import (
+    forward,
+    passive,
+    position,
+    singularities,
+    statics,
+    symmetries,
+    velocity,
+)
 from krhpr.validation.outcome import Runner
 from krhpr.validation.paths import nearest_modes
 
 RUNNERS: dict[str, Runner] = {
     **position.RUNNERS,
     **velocity.RUNNERS,
+    **statics.RUNNERS,
     **singularities.RUNNERS,
     **passive.RUNNERS,
     **forward.RUNNERS,

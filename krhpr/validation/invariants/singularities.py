@@ -73,7 +73,7 @@ def singular_configurations(one: Numeric, batch: Batch, found: Measured) -> None
             found.worse(
                 (wrong | missing.any(axis=-1)).astype(float), f"{name} where leg {leg + 1} is straight"
             )
-    for status, redundant in _singular_platforms(one.subject, batch):
+    for status, redundant in singular_platforms(one.subject, batch):
         values = {"redundant": np.broadcast_to(redundant, (len(batch), LEGS))}
         values["s"] = call(one, batch, "end_points", **values)["s"]
         for name in ("twist", "platform_acceleration"):
@@ -83,7 +83,7 @@ def singular_configurations(one: Numeric, batch: Batch, found: Measured) -> None
             found.worse(wrong.astype(float), f"{name} where {status.name}")
 
 
-def _singular_platforms(subject: Subject, batch: Batch) -> list[tuple[Status, Floats]]:
+def singular_platforms(subject: Subject, batch: Batch) -> list[tuple[Status, Floats]]:
     """Redundant coordinates of type II singularities: links through O'; slides of which the third makes a
     factor of det J vanish.
     """

@@ -114,7 +114,7 @@ class _Turn:
             return value @ R.T
         if port.name in ("Q", "Q_near", "raw", "M"):
             return np.asarray(R @ value)
-        if port.name in ("twist", "twist_rate", "J"):
+        if port.name in ("twist", "twist_rate", "wrench", "J"):
             parts = [value[..., :d] @ R.T, value[..., d:] if d == 2 else value[..., d:] @ R.T]
             return np.concatenate(parts, axis=-1)
         return value
@@ -170,8 +170,10 @@ def _exchanged(port: Port, value: Floats, order: tuple[int, ...], parity: float)
     """
     if port.name in ("type_2", "margins", "side"):
         return value * parity
-    if port.name in ("redundant", "measured") and port.layout is Layout.SHARED:
+    if port.name in ("redundant", "measured", "shares") and port.layout is Layout.SHARED:
         return value[..., list(order)]
+    if port.name == "actuator_forces" and port.layout is Layout.SHARED:
+        return value[..., list(order), :]
     if port.name == "mismatch":
         pairs = list(combinations(range(LEGS), 2))
         return value[..., [pairs.index((min(order[i], order[j]), max(order[i], order[j]))) for i, j in pairs]]
@@ -195,7 +197,10 @@ _POWERS = {
     Unit.CUBIC_METRE: 3,
     Unit.METRE_PER_SECOND: 1,
     Unit.METRE_PER_SECOND_SQUARED: 1,
+    Unit.NEWTON: 0,
+    Unit.NEWTON_METRE: 1,
 }
+"""Forces stay, and moments have the power of an arm."""
 _TWISTS = (Unit.TWIST, Unit.TWIST_RATE)
 _JOINTS = (Unit.ACTUATOR, Unit.ACTUATOR_RATE, Unit.ACTUATOR_ACCELERATION)
 
@@ -213,6 +218,15 @@ def power_of_length(subject: Subject, port: Port) -> Any:
     if port.unit in _TWISTS:
         d = subject.platform.space.dimension
         return np.array([1] * d + [0] * (port.size - d))
+    if port.unit is Unit.WRENCH:
+        d = subject.platform.space.dimension
+        return np.array([0] * d + [1] * (port.size - d))
+    if port.unit is Unit.ACTUATOR_FORCE:
+        if port.name == "redundant_forces":
+            return int(subject.platform.redundant_joint.kind == "revolute")
+        if port.name == "swivel_forces":
+            return int(subject.subleg.swivel is not None and subject.subleg.swivel.kind == "revolute")
+        return np.array([int(angular) for angular in subject.code.angular])
     if port.unit in _JOINTS:
         if port.name.startswith("redundant"):
             return int(subject.platform.redundant_joint.kind != "revolute")

@@ -6,13 +6,14 @@ one random rational point holds everywhere, but for a chance that the next point
 """
 
 from krhpr.validation.outcome import Runner
-from krhpr.validation.proofs import approaches, assemblies, forward, platforms, robots, sublegs
+from krhpr.validation.proofs import approaches, assemblies, forward, platforms, robots, statics, sublegs
 
 RUNNERS: dict[str, Runner] = {
     **sublegs.RUNNERS,
     **assemblies.RUNNERS,
     **platforms.RUNNERS,
     **robots.RUNNERS,
+    **statics.RUNNERS,
     **forward.RUNNERS,
     **approaches.RUNNERS,
 }

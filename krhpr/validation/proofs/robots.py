@@ -66,7 +66,8 @@ def inverse_maps(subject: Subject, here: Configuration, found: Measured) -> None
     found.equal(result["twist_rate"], here.values["twist_rate"], "twist_rate")
 
 
-def _jacobians(here: Configuration) -> tuple[Matrix, Matrix]:
+def jacobians(here: Configuration) -> tuple[Matrix, Matrix]:
+    """J and K of the robot."""
     result = here.call("jacobians")
     freedom, n = here.subject.platform.space.degrees_of_freedom, here.subject.subleg.n
     return matrix(result["J"], freedom), matrix(result["K"], LEGS * n)
@@ -80,7 +81,7 @@ def _sublegs(here: Configuration) -> list[Matrix]:
 
 def velocity_equation(subject: Subject, here: Configuration, found: Measured) -> None:
     """J t = K theta_dot; K is made of its blocks, and they are N M."""
-    J, K = _jacobians(here)
+    J, K = jacobians(here)
     theta_dot = here.values["theta_dot"]
     found.equal(apply(J, here.call("twist")["twist"]), apply(K, theta_dot), "J t")
     n, per_leg = subject.subleg.n, subject.platform.space.rows_per_leg
@@ -102,7 +103,7 @@ def determinants(subject: Subject, here: Configuration, found: Measured) -> None
     product: Any = Exact(1)
     for factor in result["type_2"]:
         product = product * factor
-    found.equal([determinant(_jacobians(here)[0])], [product], "det J")
+    found.equal([determinant(jacobians(here)[0])], [product], "det J")
     if subject.subleg.redundant:
         squares = [determinant(times(M, transpose(M))) for M in _sublegs(here)]
         found.equal([value * value for value in result["type_1"]], squares, "det(M M^T)")

@@ -98,6 +98,41 @@ INVARIANTS = (
         ("platform_acceleration",),
     ),
     Rule(
+        "virtual work of actuators",
+        "inverse_statics",
+        ROUND_TRIP,
+        BATCH,
+        "The power of the actuators is that of the forces that the robot applies; f = (J^-1 K)^T F where the "
+        "wrench alone acts.",
+        ("joint_rates", "jacobians"),
+    ),
+    Rule(
+        "statics there and back",
+        "forward_statics",
+        ROUND_TRIP,
+        BATCH,
+        "forward_statics undoes inverse_statics.",
+        ("inverse_statics",),
+    ),
+    Rule(
+        "opening",
+        "opening",
+        ROUND_TRIP,
+        BATCH,
+        "The slides at which the jaws touch an object have its diameter and centre as their opening; the "
+        "jaws surround it.",
+        ("redundant_of_opening",),
+    ),
+    Rule(
+        "singular statics",
+        "inverse_statics",
+        EXACT,
+        Samples(10, 300),
+        "Where a leg is straight its force is unknown, where the platform is singular it bears no wrench, "
+        "and the status says so.",
+        ("forward_statics",),
+    ),
+    Rule(
         "determinants",
         "singularity",
         ROUND_TRIP,

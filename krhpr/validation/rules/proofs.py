@@ -394,6 +394,46 @@ ROBOT_PROOFS = (
         ("jacobian_blocks", "subleg_jacobian", "twist"),
     ),
     Proof(
+        "virtual work",
+        "inverse_statics",
+        EXACT,
+        FEW,
+        "One velocity after the other, of the platform, of the redundant coordinates and of swivels: the "
+        "actuators' power is that of the force that does work on it.",
+        (
+            "joint_rates",
+            "platform.redundant_line",
+            "platform.balance",
+            "subleg.transmission",
+            "subleg.torques",
+        ),
+    ),
+    Proof(
+        "(J^-1 K)^T",
+        "inverse_statics",
+        EXACT,
+        FEW,
+        "Where the wrench alone acts: f = K^T J^-T F, (5.12), J inverted by elimination.",
+        ("jacobians",),
+    ),
+    Proof(
+        "statics there and back",
+        "forward_statics",
+        EXACT,
+        FEW,
+        "forward_statics undoes inverse_statics, and the other way round.",
+        ("inverse_statics", "platform.reaction", "subleg.end_force"),
+    ),
+    Proof(
+        "opening",
+        "opening",
+        EXACT,
+        FEW,
+        "The circle touches the faces of the jaws, which are where S_i and the slide's direction say; the "
+        "shares add up to one and balance; the redundant coordinates come back.",
+        ("redundant_of_opening", "platform.opening", "platform.redundant_of_opening"),
+    ),
+    Proof(
         "det J",
         "singularity",
         EXACT,

@@ -1,0 +1,91 @@
+"""Statics of generated functions: virtual work, the transposed Jacobian, there and back."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from krhpr.codegen.composition import Status
+from krhpr.codegen.kernel import LEGS
+from krhpr.validation.differences import call
+from krhpr.validation.invariants.batch import close, runner
+from krhpr.validation.invariants.singularities import STRAIGHT, singular_platforms
+from krhpr.validation.numeric import Floats, Numeric
+from krhpr.validation.outcome import Measured, Runner
+from krhpr.validation.sampling import Batch
+
+WORKS_ON = {"wrench": "twist", "redundant_forces": "redundant_rates", "swivel_forces": "swivel_rates"}
+"""Forces, and the velocities on which they do work."""
+
+
+def _power(force: Floats, rate: Floats) -> Floats:
+    count = len(force)
+    return np.asarray((force.reshape(count, -1) * rate.reshape(count, -1)).sum(axis=-1))
+
+
+def virtual_work(one: Numeric, batch: Batch, found: Measured) -> None:
+    """F^T t + phi^T rates = f^T theta_dot, and f = K^T J^-T F where the wrench alone acts."""
+    forces = call(one, batch, "inverse_statics")["actuator_forces"]
+    rates = call(one, batch, "joint_rates")["theta_dot"]
+    acting = [
+        port.name for port in one.subject.code.function("inverse_statics").inputs if port.name in WORKS_ON
+    ]
+    power = sum(_power(batch.values[name], batch.values[WORKS_ON[name]]) for name in acting)
+    size = np.linalg.norm(forces, axis=(1, 2)) * np.linalg.norm(rates, axis=(1, 2))
+    found.worse(np.abs(_power(forces, rates) - power) / size, "power")
+    nothing = {name: np.zeros_like(batch.values[name]) for name in acting if name != "wrench"}
+    alone = call(one, batch, "inverse_statics", **nothing)["actuator_forces"]
+    result = call(one, batch, "jacobians")
+    along = np.linalg.solve(result["J"].swapaxes(-1, -2), batch.values["wrench"][..., None])
+    wanted = (result["K"].swapaxes(-1, -2) @ along).reshape(alone.shape)
+    close(found, alone, wanted, "f = (J^-1 K)^T F", 2)
+
+
+def there_and_back(one: Numeric, batch: Batch, found: Measured) -> None:
+    """forward_statics after inverse_statics, relative to the largest of all forces."""
+    forces = call(one, batch, "inverse_statics")["actuator_forces"]
+    result = call(one, batch, "forward_statics", actuator_forces=forces)
+    scale = np.abs(forces).max(axis=(1, 2))[:, None]
+    for port in one.subject.code.function("forward_statics").outputs:
+        gap = np.abs(result[port.name] - batch.values[port.name])
+        found.worse(gap / np.maximum(scale, 1.0), port.name)
+
+
+def singular_configurations(one: Numeric, batch: Batch, found: Measured) -> None:
+    """A straight leg gives no force at its end point but moves the others' not; a platform that is singular
+    bears no wrench.
+    """
+    joint = STRAIGHT.get(one.subject.code.subleg.name)
+    for leg in range(LEGS) if joint is not None else ():
+        theta = batch.values["theta"].copy()
+        theta[:, leg, joint] = 0.0
+        s = call(one, batch, "subleg_forward", theta=theta)["s"]
+        result = call(one, batch, "forward_statics", theta=theta, s=s)
+        wrong = result["status"] != int(Status.SINGULAR_LEG_1) + leg
+        missing = np.isnan(result["redundant_forces"]) != (np.arange(LEGS) == leg)
+        lost = np.isnan(result["wrench"]).all(axis=-1)
+        found.worse((wrong | missing.any(axis=-1) | ~lost).astype(float), f"where leg {leg + 1} is straight")
+    for status, redundant in singular_platforms(one.subject, batch):
+        values = {"redundant": np.broadcast_to(redundant, (len(batch), LEGS))}
+        values["s"] = call(one, batch, "end_points", **values)["s"]
+        result = call(one, batch, "inverse_statics", **values)
+        lost = np.isnan(result["actuator_forces"]).all(axis=(1, 2))
+        wrong = (result["status"] != int(status)) | ~lost
+        found.worse(wrong.astype(float), f"where {status.name}")
+
+
+def opening(one: Numeric, batch: Batch, found: Measured) -> None:
+    """opening after redundant_of_opening."""
+    slides = call(one, batch, "redundant_of_opening")["redundant"]
+    result = call(one, batch, "opening", redundant=slides)
+    for name in ("opening", "centre"):
+        gap = np.abs(result[name] - batch.values[name])
+        found.worse(gap.reshape(len(batch), -1) / np.abs(slides).max(axis=1)[:, None], name)
+    found.worse((result["shares"] <= 0).astype(float), "jaws on one side")
+
+
+RUNNERS: dict[str, Runner] = {
+    "virtual work of actuators": runner(virtual_work),
+    "statics there and back": runner(there_and_back),
+    "opening": runner(opening),
+    "singular statics": runner(singular_configurations),
+}
