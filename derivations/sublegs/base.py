@@ -39,7 +39,7 @@ from krhpr.derivations.requirements import Requirement
 from krhpr.derivations.sublegs.circles import Meeting
 from krhpr.derivations.sublegs.forward import ForwardRoots
 from krhpr.derivations.sublegs.kernels import SubLegKernels, SubLegPorts
-from krhpr.derivations.terms import ONLY, Factor, Joint, Link, Mode, Sign, Space, branches
+from krhpr.derivations.terms import ONLY, Factor, Joint, JointKind, Link, Mode, Sign, Space, branches
 from krhpr.derivations.vectors import solve_structured
 
 
@@ -208,6 +208,11 @@ class SubLeg(ABC):
         """Loop closure equations f(s, theta) = 0 that define the leg, from which `velocity` is proven."""
 
     # -- what follows ---------------------------------------------------------------------------------------
+
+    @property
+    def slides(self) -> bool:
+        """Whether some of its actuators are slides."""
+        return any(joint.kind is JointKind.PRISMATIC for joint in self.actuators)
 
     @property
     def n(self) -> int:

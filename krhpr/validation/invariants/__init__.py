@@ -4,7 +4,15 @@ Closed loops, there-and-back, virtual work, and the symmetries of the problem.  
 functions of one target, at random configurations of a random geometry.
 """
 
-from krhpr.validation.invariants import forward, passive, position, singularities, symmetries, velocity
+from krhpr.validation.invariants import (
+    forward,
+    indices,
+    passive,
+    position,
+    singularities,
+    symmetries,
+    velocity,
+)
 from krhpr.validation.outcome import Runner
 from krhpr.validation.paths import nearest_modes
 
@@ -12,6 +20,7 @@ RUNNERS: dict[str, Runner] = {
     **position.RUNNERS,
     **velocity.RUNNERS,
     **singularities.RUNNERS,
+    **indices.RUNNERS,
     **passive.RUNNERS,
     **forward.RUNNERS,
     **symmetries.RUNNERS,

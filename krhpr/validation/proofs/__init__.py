@@ -6,7 +6,7 @@ one random rational point holds everywhere, but for a chance that the next point
 """
 
 from krhpr.validation.outcome import Runner
-from krhpr.validation.proofs import approaches, assemblies, forward, platforms, robots, sublegs
+from krhpr.validation.proofs import approaches, assemblies, forward, indices, platforms, robots, sublegs
 
 RUNNERS: dict[str, Runner] = {
     **sublegs.RUNNERS,
@@ -15,5 +15,6 @@ RUNNERS: dict[str, Runner] = {
     **robots.RUNNERS,
     **forward.RUNNERS,
     **approaches.RUNNERS,
+    **indices.RUNNERS,
 }
 """The code of each proof by its name in the plan."""
