@@ -120,6 +120,7 @@ def _explain(error: Exception) -> tuple[str, Exit] | None:
 
 _EXTRAS = {
     "files": ("yaml",),
+    "trajectory": ("scipy",),
     "generate": ("sympy", "jinja2", "rich"),
     "validate": ("flint", "pycparser", "mpmath", "casadi"),
 }
