@@ -24,6 +24,7 @@ from krhpr.trajectory.paths import (
     way_points,
 )
 from krhpr.trajectory.point import NoClosedForm
+from krhpr.trajectory.results import Result, ResultError, load_result, save
 from krhpr.trajectory.terms import Bounds, ContradictoryLimits, Objective, UnknownObjective, chapter_4
 from krhpr.trajectory.transcription import Curve
 
@@ -42,13 +43,17 @@ __all__ = [
     "Objective",
     "Path",
     "PathError",
+    "Result",
+    "ResultError",
     "Trajectory",
     "UnknownObjective",
     "Violation",
     "chapter_4",
     "example",
     "function_of_time",
+    "load_result",
     "optimise",
+    "save",
     "tilt",
     "translation",
     "way_points",

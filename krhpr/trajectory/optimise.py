@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from krhpr.calls import Branch
-from krhpr.errors import KrhprError
+from krhpr.errors import TrajectoryError
 from krhpr.robot import Robot
 from krhpr.trajectory import baselines
 from krhpr.trajectory.clearance import Pair, pairs, separations
@@ -34,7 +34,7 @@ ROUNDS = 8
 """The most solutions: limits are tightened where they are exceeded between samples, links kept apart."""
 
 
-class LeavesWorkspace(KrhprError, ValueError):
+class LeavesWorkspace(TrajectoryError):
     """A path that a leg cannot follow: `leg` (1 to 3), `time` (s), `distance` (m) by which it is out of
     reach."""
 

@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from krhpr.errors import KrhprError
+from krhpr.errors import TrajectoryError
 from krhpr.study import trajectory as thesis
 
 Floats = NDArray[np.float64]
 
 
-class PathError(KrhprError, ValueError):
+class PathError(TrajectoryError):
     """A path that cannot be followed: too few way-points, times that do not increase, or what is no pose."""
 
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from krhpr.errors import KrhprError
+from krhpr.errors import TrajectoryError
 from krhpr.robot import Robot
 from krhpr.trajectory.clearance import Pair
 from krhpr.trajectory.paths import Motion
@@ -25,7 +25,7 @@ from krhpr.trajectory.terms import Bounds, Objective
 Floats = NDArray[np.float64]
 
 
-class NoClosedForm(KrhprError, ValueError):
+class NoClosedForm(TrajectoryError):
     """A robot whose inverse kinematics has no closed form, and thus no CasADi function."""
 
 

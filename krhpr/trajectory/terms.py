@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from krhpr.errors import KrhprError, nearest
+from krhpr.errors import TrajectoryError, nearest
 from krhpr.robot import Robot
 
 Floats = NDArray[np.float64]
@@ -18,11 +18,11 @@ Floats = NDArray[np.float64]
 TERMS = ("eta_1", "eta_2", "eta_3", "rates")
 
 
-class UnknownObjective(KrhprError, ValueError):
+class UnknownObjective(TrajectoryError):
     """No objective has this name."""
 
 
-class ContradictoryLimits(KrhprError, ValueError):
+class ContradictoryLimits(TrajectoryError):
     """Limits that nothing can meet."""
 
 
