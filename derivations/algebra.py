@@ -7,6 +7,7 @@ import sympy as sp
 from krhpr.codegen.kernel import Frame, Kernel, Port, Unit
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.platforms.statics import whole_wrench
+from krhpr.derivations.spectra import bound_of_bounds, eigenvalue_bound, largest_eigenvalue
 from krhpr.derivations.terms import Space
 from krhpr.derivations.vectors import cross2, determinant3, dot
 
@@ -15,7 +16,16 @@ def kernels(space: Space) -> tuple[Kernel, ...]:
     """The kernels of one space."""
     common = (_rate(space), _rate_with_bias(space), _sum(space), _difference(space))
     own = _rotation() if space is Space.PLANAR else _rotation_error()
-    return (*common, _wrist(space), own, whole_wrench(space))
+    return (
+        *common,
+        _wrist(space),
+        own,
+        _spread(space),
+        _spread_bound(space),
+        _norms(space),
+        _norm_bounds(space),
+        whole_wrench(space),
+    )
 
 
 def _rate(space: Space) -> Kernel:
@@ -80,3 +90,71 @@ def _rotation() -> Kernel:
     phi = k.add_input(Port("phi", (), Unit.RADIAN, Frame.BASE, "orientation of the platform"))
     k.output("Q", sp.Matrix([[sp.cos(phi), -sp.sin(phi)], [sp.sin(phi), sp.cos(phi)]]), Unit.NONE, Frame.BASE)
     return k.kernel()
+
+
+# -- the indices of Sections 1.8 and 4.2.2 -------------------------------------------------------------------
+
+
+def _spread(space: Space) -> Kernel:
+    k = KernelWriter(
+        "spread", "Largest and smallest singular value of M, squared, and its condition number.", "1.8"
+    )
+    gram, minors, square = _squares(k, space)
+    largest = k.let("largest", largest_eigenvalue(k, "g", gram))
+    # by the inverse: near a singularity the difference of squares would leave no digits
+    smallest = k.let("smallest", square / largest_eigenvalue(k, "h", minors))
+    k.output("largest", largest, Unit.MIXED)
+    k.output("smallest", smallest, Unit.MIXED)
+    k.output("condition", sp.sqrt(largest / smallest))
+    return k.kernel()
+
+
+def _spread_bound(space: Space) -> Kernel:
+    k = KernelWriter(
+        "spread_bound", "Smooth bounds of the squares of M's largest and smallest singular value.", "1.8"
+    )
+    gram, minors, square = _squares(k, space)
+    k.output("largest", eigenvalue_bound(k, "g", gram), Unit.MIXED)
+    k.output("smallest", square / eigenvalue_bound(k, "h", minors), Unit.MIXED)
+    return k.kernel()
+
+
+def _squares(k: KernelWriter, space: Space) -> tuple[sp.Matrix, sp.Matrix, sp.Expr]:
+    d = space.dimension
+    return (
+        k.input("gram", (d, d), Unit.MIXED),
+        k.input("cofactors", (d, d), Unit.MIXED),
+        k.input("square", ()),
+    )
+
+
+def _norms(space: Space) -> Kernel:
+    k = KernelWriter(
+        "norms", "The indices: 2-norms of both parts of U = J^-1 K, condition number of J_1.", "1.8, 4.2.2"
+    )
+    position, rotation, largest, smallest = _parts(k, space)
+    k.output("eta_1", sp.sqrt(largest_eigenvalue(k, "p", position)), Unit.METRE)
+    k.output("eta_2", sp.sqrt(largest_eigenvalue(k, "r", rotation)))
+    k.output("eta_3", sp.sqrt(k.maximum(*largest) / k.minimum(*smallest)))
+    return k.kernel()
+
+
+def _norm_bounds(space: Space) -> Kernel:
+    k = KernelWriter("norm_bounds", "Smooth bounds of the indices: Schatten norms of order 16.", "1.8, 4.2.2")
+    position, rotation, largest, smallest = _parts(k, space)
+    k.output("eta_1", sp.sqrt(eigenvalue_bound(k, "p", position)), Unit.METRE)
+    k.output("eta_2", sp.sqrt(rotation[0] if rotation.rows == 1 else eigenvalue_bound(k, "r", rotation)))
+    high = bound_of_bounds(k, "l", largest)
+    low = bound_of_bounds(k, "s", [k.let("inv_s", 1 / value) for value in smallest])
+    k.output("eta_3", sp.sqrt(high * low))
+    return k.kernel()
+
+
+def _parts(k: KernelWriter, space: Space) -> tuple[sp.Matrix, sp.Matrix, list[sp.Expr], list[sp.Expr]]:
+    d, turns = space.dimension, 3 if space is Space.SPATIAL else 1
+    return (
+        k.input("position_gram", (d, d), Unit.MIXED),
+        k.input("rotation_gram", (turns, turns), Unit.MIXED),
+        list(k.input("largest", (3,), Unit.MIXED)),
+        list(k.input("smallest", (3,), Unit.MIXED)),
+    )

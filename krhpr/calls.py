@@ -161,6 +161,11 @@ class Calls:
         """
         return self._module.DOCUMENTATION  # type: ignore[no-any-return]
 
+    @property
+    def angular(self) -> tuple[bool, ...]:
+        """Whether each actuator of a leg turns; the others slide."""
+        return tuple(self._module.ANGULAR)
+
     def signature(self, function: str) -> Signature:
         """Arguments and results of a function: names, shapes, units, frames, meanings."""
         if function not in self._module.SIGNATURES:

@@ -89,5 +89,9 @@ class GeneratedMismatch(KrhprError, RuntimeError):
     """The generated folder was written by another version of this package."""
 
 
+class TrajectoryError(KrhprError, ValueError):
+    """A path, an objective or limits of a trajectory that cannot be used."""
+
+
 class PluginError(KrhprError, ValueError):
     """A sub-leg of one's own that cannot be used: which file, what is wrong, and what is expected."""

@@ -11,6 +11,7 @@ from typing import Any, Unpack
 from numpy.typing import ArrayLike
 
 from krhpr.calls import Branch, Home, Options
+from krhpr.defaults import NUMBERS
 from krhpr.errors import UnknownBranch
 from krhpr.forward import ForwardKinematics
 from krhpr.generated.python.runtime import Geometry
@@ -329,6 +330,55 @@ class Robot(ForwardKinematics):
         coordinates (..., 3) alone.
         """
         return self._answer("type_2_of_redundant", (redundant,), options)
+
+    # -- indices --------------------------------------------------------------------------------------------
+
+    def indices(
+        self,
+        p: ArrayLike,
+        Q: ArrayLike,
+        s: ArrayLike,
+        theta: ArrayLike,
+        *,
+        characteristic_length: ArrayLike | None = None,
+        **options: Unpack[Options],
+    ) -> Any:
+        """(eta_1, eta_2, eta_3, condition (..., 3)): the performance indices of Sections 1.8 and 4.2.2.
+
+        eta_1 (m) and eta_2 are the 2-norms of the position and the rotation part of U = J^-1 K, eta_3 is the
+        condition number of J_1 = diag(M_1, M_2, M_3), (1.52), and `condition` has those of the M_i.
+
+        `characteristic_length` (m) is the displacement of an actuator that slides which counts as much as one
+        radian of one that turns, 1 m unless given; where all actuators turn it has no effect.
+        """
+        return self._answer(
+            "indices", (p, Q, s, theta, *self._length("indices", characteristic_length)), options
+        )
+
+    def index_bounds(
+        self,
+        p: ArrayLike,
+        Q: ArrayLike,
+        s: ArrayLike,
+        theta: ArrayLike,
+        *,
+        characteristic_length: ArrayLike | None = None,
+        **options: Unpack[Options],
+    ) -> Any:
+        """(eta_1, eta_2, eta_3): upper bounds of `indices` that have all derivatives, for optimisers.
+
+        Schatten norms of order 16: at most 3^(1/16) = 1.072 times eta_1 and eta_2, and 9^(1/8) = 1.317 times
+        eta_3.
+        """
+        return self._answer(
+            "index_bounds", (p, Q, s, theta, *self._length("index_bounds", characteristic_length)), options
+        )
+
+    def _length(self, function: str, given: ArrayLike | None) -> tuple[Any, ...]:
+        """The characteristic length, where the function takes one."""
+        if not self._takes(function, "characteristic_length"):
+            return ()
+        return (NUMBERS["characteristic_length"][0] if given is None else given,)
 
 
 def _restored(

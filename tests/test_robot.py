@@ -119,6 +119,7 @@ def arguments(robot: Robot, function: str, *batch: int, seed: int = 0) -> tuple[
     known["theta_near"] = theta + 0.1
     known |= dict.fromkeys(SIGNS, np.ones(batch))
     known |= {"p_near": p, "Q_near": Q, "phi_near": Q, "tolerance": np.full(batch, 0.01)}
+    known["characteristic_length"] = np.full(batch, 0.3)
     known["box"] = np.broadcast_to(np.radians([30.0, 150.0]), (*batch, 3, 2))
     known["weights"] = np.broadcast_to([1000.0, 1000.0, 1000.0], (*batch, 3))
     if robot.assemblies:

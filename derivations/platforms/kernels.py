@@ -8,6 +8,7 @@ import sympy as sp
 
 from krhpr.codegen.kernel import Frame, Kernel, Layout, Port, Unit
 from krhpr.codegen.writer import KernelWriter
+from krhpr.derivations.spectra import cofactors, determinant
 from krhpr.derivations.terms import Pose, Space
 from krhpr.derivations.vectors import E, cross, determinant3, dot, solve3
 
@@ -41,6 +42,7 @@ class PlatformKernels:
             self._attachment(),
             self._solve(),
             self._type_2(),
+            self._sensitivity(),
             *self.plate.forward_kernels(),
         )
 
@@ -285,6 +287,61 @@ class PlatformKernels:
         k.add_output(ports.margins, self.plate.margins(k, det_a, det_n, sp.Matrix.hstack(*scale).T))
         return k.kernel()
 
+    def _sensitivity(self) -> Kernel:
+        """Where J is block triangular, in the platform frame: turning it changes no norm."""
+        k = KernelWriter(
+            "sensitivity",
+            "Squares of the position and the rotation part of U = J^-1 K, in the platform frame.",
+            "1.8, 4.2.2",
+        )
+        ports = self.ports
+        lines, points = all_legs(k, ports.line), all_legs(k, ports.point)
+        reach = all_legs(k, ports.reach)
+        if self.plate.space is Space.PLANAR:
+            in_plane = sp.Matrix.vstack(*(line.T for line in lines))
+            inverse, det_a = self._inverse(k, "a", in_plane)
+            squares = [sp.Matrix([[r[0]]]) for r in reach]
+            rows = [[sp.Matrix([[inverse[row, leg]]]) for leg in range(3)] for row in range(3)]
+            k.add_output(ports.position_gram, _gram(rows[:2], squares))
+            k.add_output(ports.rotation_gram, _gram(rows[2:], squares))
+            self.regularity(k, det_a, None, lines, points)
+            return k.kernel()
+        normal, det_n = self._inverse(k, "n", sp.Matrix([[1, point[1], -point[0]] for point in points]))
+        in_plane = sp.Matrix([[line[0], line[1], line[5]] for line in lines])
+        plane, det_a = self._inverse(k, "a", in_plane)
+        # what the lines have out of the plane couples the two, as in `solve`
+        out = k.let("c", sp.Matrix([[line[2], line[3], line[4]] for line in lines]) * normal)
+        mixed = k.let("x", -plane * out)
+        v_x, v_y, w_z = (
+            [sp.Matrix([[plane[row, leg], mixed[row, leg]]]) for leg in range(3)] for row in range(3)
+        )
+        v_z, w_x, w_y = ([sp.Matrix([[0, normal[row, leg]]]) for leg in range(3)] for row in range(3))
+        squares = [sp.Matrix([[r[0], r[1]], [r[1], r[2]]]) for r in reach]
+        k.add_output(ports.position_gram, _gram([v_x, v_y, v_z], squares))
+        k.add_output(ports.rotation_gram, _gram([w_x, w_y, w_z], squares))
+        self.regularity(k, det_a, det_n, lines, points)
+        return k.kernel()
+
+    @staticmethod
+    def _inverse(k: KernelWriter, name: str, m: sp.Matrix) -> tuple[sp.Matrix, Any]:
+        """The inverse of a 3 x 3 matrix, and its determinant."""
+        minors = k.let(f"adj_{name}", cofactors(m))
+        value = k.let(f"det_{name}", determinant(m, minors))
+        return k.let(f"inv_{name}", minors.T * k.let(f"one_{name}", 1 / value)), value
+
+
+def _gram(rows: list[list[sp.Matrix]], squares: list[sp.Matrix]) -> sp.Matrix:
+    """U U^T from rows of J^-1, leg by leg, and each leg's K K^T."""
+    d = len(rows)
+    products = [[row[leg] * squares[leg] for leg in range(3)] for row in rows]
+    return sp.Matrix(
+        d,
+        d,
+        lambda i, j: sum(
+            ((products[min(i, j)][leg] * rows[max(i, j)][leg].T)[0] for leg in range(3)), sp.Integer(0)
+        ),
+    )
+
 
 def all_legs(k: KernelWriter, port: Port) -> list[Any]:
     """An input that holds all three legs' values, as a list of vectors or scalars."""
@@ -359,6 +416,13 @@ class PlatformPorts:
         self.scale = Port(
             "scale", (2,), Unit.METRE, Frame.NONE, "lengths that make margins dimensionless", STACKED
         )
+        half = rows * (rows + 1) // 2
+        self.reach = Port(
+            "reach", (half,), Unit.MIXED, Frame.NONE, "K K^T of the leg, its upper half", STACKED
+        )
+        self.position_gram = Port("position_gram", (d, d), Unit.MIXED, Frame.PLATFORM, "U_p U_p^T")
+        turns = 3 if spatial else 1
+        self.rotation_gram = Port("rotation_gram", (turns, turns), Unit.MIXED, Frame.PLATFORM, "U_r U_r^T")
         link = (3, 3) if spatial else (2,)
         self.link = Port(
             "redundant_link", link, Unit.NONE, Frame.BASE, "orientation of the redundant link", STACKED

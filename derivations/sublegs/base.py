@@ -40,7 +40,7 @@ from krhpr.derivations.sublegs.circles import Meeting
 from krhpr.derivations.sublegs.forward import ForwardRoots
 from krhpr.derivations.sublegs.kernels import SubLegKernels, SubLegPorts
 from krhpr.derivations.sublegs.statics import StaticsKernels
-from krhpr.derivations.terms import ONLY, Factor, Joint, Link, Mode, Sign, Space, branches
+from krhpr.derivations.terms import ONLY, Factor, Joint, JointKind, Link, Mode, Sign, Space, branches
 from krhpr.derivations.vectors import solve_structured
 
 
@@ -209,6 +209,11 @@ class SubLeg(ABC):
         """Loop closure equations f(s, theta) = 0 that define the leg, from which `velocity` is proven."""
 
     # -- what follows ---------------------------------------------------------------------------------------
+
+    @property
+    def slides(self) -> bool:
+        """Whether some of its actuators are slides."""
+        return any(joint.kind is JointKind.PRISMATIC for joint in self.actuators)
 
     @property
     def n(self) -> int:

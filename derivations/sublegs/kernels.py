@@ -10,7 +10,8 @@ import sympy as sp
 
 from krhpr.codegen.kernel import Frame, Kernel, Layout, Port, Unit
 from krhpr.codegen.writer import KernelWriter
-from krhpr.derivations.terms import Factor, Space
+from krhpr.derivations.spectra import cofactors, determinant
+from krhpr.derivations.terms import Factor, JointKind, Space
 from krhpr.derivations.vectors import cross2, determinant3, dot, solve_columns, solve_structured
 
 if TYPE_CHECKING:
@@ -53,6 +54,7 @@ class SubLegKernels:
             self._bias(),
             self._rates(),
             self._determinant(),
+            self._gram(),
             self._passive(),
             self.points(),
         ]
@@ -309,6 +311,36 @@ class SubLegKernels:
         k.add_output(self.ports.factors(len(factors)), factors)
         return self.end(k)
 
+    def _gram(self) -> Kernel:
+        k = KernelWriter(
+            "gram",
+            f"Squares of M_i of the {self.leg.notation} sub-leg, in its own frame, for the indices: "
+            "actuators that slide count by their displacement over `characteristic_length`.",
+            "1.8, 4.2.2",
+            self.geometry,
+        )
+        equations, ports = self.leg.velocity(k, self.at(k)), self.ports
+        local = self._local_jacobian(k, equations)
+        if self.leg.slides:
+            length = k.add_input(ports.characteristic_length)
+            factors = [length if joint.kind is JointKind.PRISMATIC else 1 for joint in self.leg.actuators]
+            local = k.let("m_l", local * sp.diag(*factors), "slides over the length")
+        gram = k.let("g", local * local.T, "M M^T")
+        turned = k.let("n", k.add_input(ports.N) * equations.F, "N in the leg's frame")
+        along = k.let("k", turned * local, "the leg's block of K")
+        if self.leg.redundant:
+            minors, square = cofactors(gram), sum(minor**2 for minor in _minors(local))
+        else:
+            inverse = k.let("c", cofactors(local), "cofactors of M")
+            minors, square = inverse * inverse.T, k.let("det_M", determinant(local, inverse)) ** 2
+        k.add_output(ports.gram, gram)
+        k.add_output(ports.cofactors, minors)
+        k.add_output(ports.square, square)
+        reach = along * along.T
+        k.add_output(ports.reach, [reach[i, j] for i in range(reach.rows) for j in range(i, reach.rows)])
+        self.regularity(k, equations.parallel)
+        return self.end(k)
+
     def _passive(self) -> Kernel:
         k = KernelWriter(
             "passive",
@@ -520,6 +552,26 @@ class SubLegPorts:
         self.M = Port("M", (d, n), Unit.MIXED, Frame.BASE, "Jacobian of the sub-leg", stacked)
         self.N = Port("N", (rows, d), Unit.MIXED, Frame.BASE, "directions of the leg's lines, rows", stacked)
         self.K = Port("K", (rows, n), Unit.MIXED, Frame.BASE, "the leg's block of K", stacked)
+        self.characteristic_length = Port(
+            "characteristic_length",
+            (),
+            Unit.METRE,
+            Frame.NONE,
+            "displacement of a slide that counts as much as one radian",
+        )
+        self.gram = Port("gram", (d, d), Unit.MIXED, Frame.NONE, "M M^T", stacked)
+        self.cofactors = Port(
+            "cofactors", (d, d), Unit.MIXED, Frame.NONE, "the inverse of M M^T times its determinant", stacked
+        )
+        self.square = Port("square", (), Unit.MIXED, Frame.NONE, "det(M M^T)", stacked)
+        self.reach = Port(
+            "reach",
+            (rows * (rows + 1) // 2,),
+            Unit.MIXED,
+            Frame.NONE,
+            "K K^T of the leg, its upper half",
+            stacked,
+        )
         link = (3, 3) if subleg.space is Space.SPATIAL else (2,)
         self.link = Port(
             "link", link, Unit.NONE, Frame.BASE, "orientation of the link that carries the end point", stacked

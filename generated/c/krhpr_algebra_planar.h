@@ -67,6 +67,128 @@ KRHPR_STATIC void krhpr_algebra_planar_rotation(
     Q[3] = cosine[0];
 }
 
+/* Largest and smallest singular value of M, squared, and its condition number.  Thesis: 1.8.  (8 add, 8
+ * multiply, 2 divide, 3 square root) */
+KRHPR_STATIC void krhpr_algebra_planar_spread(
+    const double gram[4], const double cofactors[4], double square, double *KRHPR_RESTRICT largest,
+    double *KRHPR_RESTRICT smallest, double *KRHPR_RESTRICT condition)
+{
+    const double t1 = gram[0] * 0.5;
+    const double t2 = gram[3] * 0.5;
+    const double g_h = t1 - t2;
+    const double largest_a = t2 + (t1 + sqrt(g_h * g_h + gram[1] * gram[1]));
+    const double t3 = cofactors[0] * 0.5;
+    const double t4 = cofactors[3] * 0.5;
+    const double h_h = t3 - t4;
+    const double smallest_a = square / (t4 + (t3 + sqrt(cofactors[1] * cofactors[1] + h_h * h_h)));
+    *largest = largest_a;
+    *smallest = smallest_a;
+    *condition = sqrt(largest_a / smallest_a);
+}
+
+/* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (22 add, 36
+ * multiply, 1 divide, 6 square root) */
+KRHPR_STATIC void krhpr_algebra_planar_spread_bound(
+    const double gram[4], const double cofactors[4], double square, double *KRHPR_RESTRICT largest,
+    double *KRHPR_RESTRICT smallest)
+{
+    const double t1 = gram[1] * gram[2];
+    const double g_r2_00 = gram[0] * gram[0] + t1;
+    const double g_r2_01 = gram[0] * gram[1] + gram[1] * gram[3];
+    const double g_r2_10 = gram[0] * gram[2] + gram[2] * gram[3];
+    const double g_r2_11 = t1 + gram[3] * gram[3];
+    const double t2 = g_r2_01 * g_r2_10;
+    const double g_r4_00 = g_r2_00 * g_r2_00 + t2;
+    const double g_r4_01 = g_r2_00 * g_r2_01 + g_r2_01 * g_r2_11;
+    const double g_r4_10 = g_r2_00 * g_r2_10 + g_r2_10 * g_r2_11;
+    const double g_r4_11 = t2 + g_r2_11 * g_r2_11;
+    const double g_8 = g_r4_00 * g_r4_00 + g_r4_01 * g_r4_01 + g_r4_10 * g_r4_10 + g_r4_11 * g_r4_11;
+    const double g_4 = sqrt(g_8);
+    const double g_2 = sqrt(g_4);
+    const double g_1 = sqrt(g_2);
+    const double t3 = cofactors[1] * cofactors[2];
+    const double h_r2_00 = cofactors[0] * cofactors[0] + t3;
+    const double h_r2_01 = cofactors[0] * cofactors[1] + cofactors[1] * cofactors[3];
+    const double h_r2_10 = cofactors[0] * cofactors[2] + cofactors[2] * cofactors[3];
+    const double h_r2_11 = t3 + cofactors[3] * cofactors[3];
+    const double t4 = h_r2_01 * h_r2_10;
+    const double h_r4_00 = h_r2_00 * h_r2_00 + t4;
+    const double h_r4_01 = h_r2_00 * h_r2_01 + h_r2_01 * h_r2_11;
+    const double h_r4_10 = h_r2_00 * h_r2_10 + h_r2_10 * h_r2_11;
+    const double h_r4_11 = t4 + h_r2_11 * h_r2_11;
+    const double h_8 = h_r4_00 * h_r4_00 + h_r4_01 * h_r4_01 + h_r4_10 * h_r4_10 + h_r4_11 * h_r4_11;
+    const double h_4 = sqrt(h_8);
+    const double h_2 = sqrt(h_4);
+    const double h_1 = sqrt(h_2);
+    *largest = g_1;
+    *smallest = square / h_1;
+}
+
+/* The indices: 2-norms of both parts of U = J^-1 K, condition number of J_1.  Thesis: 1.8, 4.2.2.  (4 add,
+ * 4 multiply, 1 divide, 4 square root, 4 select) */
+KRHPR_STATIC void krhpr_algebra_planar_norms(
+    const double position_gram[4], const double rotation_gram[1], const double largest[3],
+    const double smallest[3], double *KRHPR_RESTRICT eta_1, double *KRHPR_RESTRICT eta_2,
+    double *KRHPR_RESTRICT eta_3)
+{
+    const double t1 = position_gram[0] * 0.5;
+    const double t2 = position_gram[3] * 0.5;
+    const double p_h = t1 - t2;
+    const double t3 = krhpr_max(krhpr_max(largest[0], largest[1]), largest[2]) / krhpr_min(krhpr_min(smallest[0], smallest[1]), smallest[2]);
+    *eta_1 = sqrt(t2 + (t1 + sqrt(p_h * p_h + position_gram[1] * position_gram[1])));
+    *eta_2 = sqrt(rotation_gram[0]);
+    *eta_3 = sqrt(t3);
+}
+
+/* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (15 add, 37 multiply, 3
+ * divide, 12 square root) */
+KRHPR_STATIC void krhpr_algebra_planar_norm_bounds(
+    const double position_gram[4], const double rotation_gram[1], const double largest[3],
+    const double smallest[3], double *KRHPR_RESTRICT eta_1, double *KRHPR_RESTRICT eta_2,
+    double *KRHPR_RESTRICT eta_3)
+{
+    const double t1 = position_gram[1] * position_gram[2];
+    const double p_r2_00 = position_gram[0] * position_gram[0] + t1;
+    const double p_r2_01 = position_gram[0] * position_gram[1] + position_gram[1] * position_gram[3];
+    const double p_r2_10 = position_gram[0] * position_gram[2] + position_gram[2] * position_gram[3];
+    const double p_r2_11 = t1 + position_gram[3] * position_gram[3];
+    const double t2 = p_r2_01 * p_r2_10;
+    const double p_r4_00 = p_r2_00 * p_r2_00 + t2;
+    const double p_r4_01 = p_r2_00 * p_r2_01 + p_r2_01 * p_r2_11;
+    const double p_r4_10 = p_r2_00 * p_r2_10 + p_r2_10 * p_r2_11;
+    const double p_r4_11 = t2 + p_r2_11 * p_r2_11;
+    const double p_8 = p_r4_00 * p_r4_00 + p_r4_01 * p_r4_01 + p_r4_10 * p_r4_10 + p_r4_11 * p_r4_11;
+    const double p_4 = sqrt(p_8);
+    const double p_2 = sqrt(p_4);
+    const double p_1 = sqrt(p_2);
+    const double t3 = largest[0] * largest[0];
+    const double t4 = t3 * t3;
+    const double t5 = largest[1] * largest[1];
+    const double t6 = t5 * t5;
+    const double t7 = largest[2] * largest[2];
+    const double t8 = t7 * t7;
+    const double l_8 = t4 * t4 + t6 * t6 + t8 * t8;
+    const double l_4 = sqrt(l_8);
+    const double l_2 = sqrt(l_4);
+    const double l_1 = sqrt(l_2);
+    const double inv_s = 1.0 / smallest[0];
+    const double inv_s_a = 1.0 / smallest[1];
+    const double inv_s_b = 1.0 / smallest[2];
+    const double t9 = inv_s * inv_s;
+    const double t10 = t9 * t9;
+    const double t11 = inv_s_a * inv_s_a;
+    const double t12 = t11 * t11;
+    const double t13 = inv_s_b * inv_s_b;
+    const double t14 = t13 * t13;
+    const double s_8 = t10 * t10 + t12 * t12 + t14 * t14;
+    const double s_4 = sqrt(s_8);
+    const double s_2 = sqrt(s_4);
+    const double s_1 = sqrt(s_2);
+    *eta_1 = sqrt(p_1);
+    *eta_2 = sqrt(rotation_gram[0]);
+    *eta_3 = sqrt(l_1 * s_1);
+}
+
 /* The wrench of three forces: their sum, and that of their moments.  Thesis: (5.36).  (6 add) */
 KRHPR_STATIC void krhpr_algebra_planar_total(
     const double end_force[6], const double moment[3], double *KRHPR_RESTRICT wrench)

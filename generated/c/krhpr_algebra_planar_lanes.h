@@ -67,6 +67,130 @@ KRHPR_INLINE void krhpr_algebra_planar_rotation_lanes(
     Q[3] = cosine[0];
 }
 
+/* Largest and smallest singular value of M, squared, and its condition number.  Thesis: 1.8.  (8 add, 8
+ * multiply, 2 divide, 3 square root) */
+KRHPR_INLINE void krhpr_algebra_planar_spread_lanes(
+    const krhpr_lanes_at gram[4], const krhpr_lanes_at cofactors[4], krhpr_lanes square,
+    krhpr_lanes_at *KRHPR_RESTRICT largest, krhpr_lanes_at *KRHPR_RESTRICT smallest,
+    krhpr_lanes_at *KRHPR_RESTRICT condition)
+{
+    const krhpr_lanes t1 = gram[0] * 0.5;
+    const krhpr_lanes t2 = gram[3] * 0.5;
+    const krhpr_lanes g_h = t1 - t2;
+    const krhpr_lanes largest_a = t2 + (t1 + krhpr_lanes_sqrt(g_h * g_h + gram[1] * gram[1]));
+    const krhpr_lanes t3 = cofactors[0] * 0.5;
+    const krhpr_lanes t4 = cofactors[3] * 0.5;
+    const krhpr_lanes h_h = t3 - t4;
+    const krhpr_lanes smallest_a = square / (t4 + (t3 + krhpr_lanes_sqrt(cofactors[1] * cofactors[1] + h_h * h_h)));
+    *largest = largest_a;
+    *smallest = smallest_a;
+    *condition = krhpr_lanes_sqrt(largest_a / smallest_a);
+}
+
+/* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (22 add, 36
+ * multiply, 1 divide, 6 square root) */
+KRHPR_INLINE void krhpr_algebra_planar_spread_bound_lanes(
+    const krhpr_lanes_at gram[4], const krhpr_lanes_at cofactors[4], krhpr_lanes square,
+    krhpr_lanes_at *KRHPR_RESTRICT largest, krhpr_lanes_at *KRHPR_RESTRICT smallest)
+{
+    const krhpr_lanes t1 = gram[1] * gram[2];
+    const krhpr_lanes g_r2_00 = gram[0] * gram[0] + t1;
+    const krhpr_lanes g_r2_01 = gram[0] * gram[1] + gram[1] * gram[3];
+    const krhpr_lanes g_r2_10 = gram[0] * gram[2] + gram[2] * gram[3];
+    const krhpr_lanes g_r2_11 = t1 + gram[3] * gram[3];
+    const krhpr_lanes t2 = g_r2_01 * g_r2_10;
+    const krhpr_lanes g_r4_00 = g_r2_00 * g_r2_00 + t2;
+    const krhpr_lanes g_r4_01 = g_r2_00 * g_r2_01 + g_r2_01 * g_r2_11;
+    const krhpr_lanes g_r4_10 = g_r2_00 * g_r2_10 + g_r2_10 * g_r2_11;
+    const krhpr_lanes g_r4_11 = t2 + g_r2_11 * g_r2_11;
+    const krhpr_lanes g_8 = g_r4_00 * g_r4_00 + g_r4_01 * g_r4_01 + g_r4_10 * g_r4_10 + g_r4_11 * g_r4_11;
+    const krhpr_lanes g_4 = krhpr_lanes_sqrt(g_8);
+    const krhpr_lanes g_2 = krhpr_lanes_sqrt(g_4);
+    const krhpr_lanes g_1 = krhpr_lanes_sqrt(g_2);
+    const krhpr_lanes t3 = cofactors[1] * cofactors[2];
+    const krhpr_lanes h_r2_00 = cofactors[0] * cofactors[0] + t3;
+    const krhpr_lanes h_r2_01 = cofactors[0] * cofactors[1] + cofactors[1] * cofactors[3];
+    const krhpr_lanes h_r2_10 = cofactors[0] * cofactors[2] + cofactors[2] * cofactors[3];
+    const krhpr_lanes h_r2_11 = t3 + cofactors[3] * cofactors[3];
+    const krhpr_lanes t4 = h_r2_01 * h_r2_10;
+    const krhpr_lanes h_r4_00 = h_r2_00 * h_r2_00 + t4;
+    const krhpr_lanes h_r4_01 = h_r2_00 * h_r2_01 + h_r2_01 * h_r2_11;
+    const krhpr_lanes h_r4_10 = h_r2_00 * h_r2_10 + h_r2_10 * h_r2_11;
+    const krhpr_lanes h_r4_11 = t4 + h_r2_11 * h_r2_11;
+    const krhpr_lanes h_8 = h_r4_00 * h_r4_00 + h_r4_01 * h_r4_01 + h_r4_10 * h_r4_10 + h_r4_11 * h_r4_11;
+    const krhpr_lanes h_4 = krhpr_lanes_sqrt(h_8);
+    const krhpr_lanes h_2 = krhpr_lanes_sqrt(h_4);
+    const krhpr_lanes h_1 = krhpr_lanes_sqrt(h_2);
+    *largest = g_1;
+    *smallest = square / h_1;
+}
+
+/* The indices: 2-norms of both parts of U = J^-1 K, condition number of J_1.  Thesis: 1.8, 4.2.2.  (4 add,
+ * 4 multiply, 1 divide, 4 square root, 4 select) */
+KRHPR_INLINE void krhpr_algebra_planar_norms_lanes(
+    const krhpr_lanes_at position_gram[4], const krhpr_lanes_at rotation_gram[1],
+    const krhpr_lanes_at largest[3], const krhpr_lanes_at smallest[3], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
+    krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3)
+{
+    const krhpr_lanes t1 = position_gram[0] * 0.5;
+    const krhpr_lanes t2 = position_gram[3] * 0.5;
+    const krhpr_lanes p_h = t1 - t2;
+    const krhpr_lanes eta_1_a = krhpr_lanes_sqrt(t2 + (t1 + krhpr_lanes_sqrt(p_h * p_h + position_gram[1] * position_gram[1])));
+    const krhpr_lanes t3 = krhpr_lanes_max(krhpr_lanes_max(largest[0], largest[1]), largest[2]) / krhpr_lanes_min(krhpr_lanes_min(smallest[0], smallest[1]), smallest[2]);
+    *eta_1 = eta_1_a;
+    *eta_2 = krhpr_lanes_sqrt(rotation_gram[0]);
+    *eta_3 = krhpr_lanes_sqrt(t3);
+}
+
+/* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (15 add, 37 multiply, 3
+ * divide, 12 square root) */
+KRHPR_INLINE void krhpr_algebra_planar_norm_bounds_lanes(
+    const krhpr_lanes_at position_gram[4], const krhpr_lanes_at rotation_gram[1],
+    const krhpr_lanes_at largest[3], const krhpr_lanes_at smallest[3], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
+    krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3)
+{
+    const krhpr_lanes t1 = position_gram[1] * position_gram[2];
+    const krhpr_lanes p_r2_00 = position_gram[0] * position_gram[0] + t1;
+    const krhpr_lanes p_r2_01 = position_gram[0] * position_gram[1] + position_gram[1] * position_gram[3];
+    const krhpr_lanes p_r2_10 = position_gram[0] * position_gram[2] + position_gram[2] * position_gram[3];
+    const krhpr_lanes p_r2_11 = t1 + position_gram[3] * position_gram[3];
+    const krhpr_lanes t2 = p_r2_01 * p_r2_10;
+    const krhpr_lanes p_r4_00 = p_r2_00 * p_r2_00 + t2;
+    const krhpr_lanes p_r4_01 = p_r2_00 * p_r2_01 + p_r2_01 * p_r2_11;
+    const krhpr_lanes p_r4_10 = p_r2_00 * p_r2_10 + p_r2_10 * p_r2_11;
+    const krhpr_lanes p_r4_11 = t2 + p_r2_11 * p_r2_11;
+    const krhpr_lanes p_8 = p_r4_00 * p_r4_00 + p_r4_01 * p_r4_01 + p_r4_10 * p_r4_10 + p_r4_11 * p_r4_11;
+    const krhpr_lanes p_4 = krhpr_lanes_sqrt(p_8);
+    const krhpr_lanes p_2 = krhpr_lanes_sqrt(p_4);
+    const krhpr_lanes p_1 = krhpr_lanes_sqrt(p_2);
+    const krhpr_lanes t3 = largest[0] * largest[0];
+    const krhpr_lanes t4 = t3 * t3;
+    const krhpr_lanes t5 = largest[1] * largest[1];
+    const krhpr_lanes t6 = t5 * t5;
+    const krhpr_lanes t7 = largest[2] * largest[2];
+    const krhpr_lanes t8 = t7 * t7;
+    const krhpr_lanes l_8 = t4 * t4 + t6 * t6 + t8 * t8;
+    const krhpr_lanes l_4 = krhpr_lanes_sqrt(l_8);
+    const krhpr_lanes l_2 = krhpr_lanes_sqrt(l_4);
+    const krhpr_lanes l_1 = krhpr_lanes_sqrt(l_2);
+    const krhpr_lanes inv_s = 1.0 / smallest[0];
+    const krhpr_lanes inv_s_a = 1.0 / smallest[1];
+    const krhpr_lanes inv_s_b = 1.0 / smallest[2];
+    const krhpr_lanes t9 = inv_s * inv_s;
+    const krhpr_lanes t10 = t9 * t9;
+    const krhpr_lanes t11 = inv_s_a * inv_s_a;
+    const krhpr_lanes t12 = t11 * t11;
+    const krhpr_lanes t13 = inv_s_b * inv_s_b;
+    const krhpr_lanes t14 = t13 * t13;
+    const krhpr_lanes s_8 = t10 * t10 + t12 * t12 + t14 * t14;
+    const krhpr_lanes s_4 = krhpr_lanes_sqrt(s_8);
+    const krhpr_lanes s_2 = krhpr_lanes_sqrt(s_4);
+    const krhpr_lanes s_1 = krhpr_lanes_sqrt(s_2);
+    *eta_1 = krhpr_lanes_sqrt(p_1);
+    *eta_2 = krhpr_lanes_sqrt(rotation_gram[0]);
+    *eta_3 = krhpr_lanes_sqrt(l_1 * s_1);
+}
+
 /* The wrench of three forces: their sum, and that of their moments.  Thesis: (5.36).  (6 add) */
 KRHPR_INLINE void krhpr_algebra_planar_total_lanes(
     const krhpr_lanes_at end_force[6], const krhpr_lanes_at moment[3], krhpr_lanes_at *KRHPR_RESTRICT wrench)

@@ -80,6 +80,390 @@ KRHPR_STATIC void krhpr_algebra_spatial_rotation_error(const double Q[9], double
     *error = krhpr_max(t3, t4);
 }
 
+/* Largest and smallest singular value of M, squared, and its condition number.  Thesis: 1.8.  (128 add, 208
+ * multiply, 2 divide, 5 square root, 2 sine cosine, 2 arctangent) */
+KRHPR_STATIC void krhpr_algebra_spatial_spread(
+    const double gram[9], const double cofactors[9], double square, double *KRHPR_RESTRICT largest,
+    double *KRHPR_RESTRICT smallest, double *KRHPR_RESTRICT condition)
+{
+    const double g_m = gram[0] * (1.0 / 3.0) + gram[4] * (1.0 / 3.0) + gram[8] * (1.0 / 3.0);
+    const double g_f = g_m * g_m;
+    const double g_d_00 = gram[0] - g_m; /* without its mean */
+    const double g_d_11 = gram[4] - g_m;
+    const double g_d_22 = gram[8] - g_m;
+    const double t1 = g_d_00 * g_d_00;
+    const double t2 = g_d_11 * g_d_11;
+    const double t3 = g_d_22 * g_d_22;
+    const double t4 = (1.0 / 6.0) * t1 + (1.0 / 6.0) * t2 + (1.0 / 6.0) * t3 + (1.0 / 6.0) * (gram[1] * gram[1]);
+    const double t5 = t4 + (1.0 / 6.0) * (gram[2] * gram[2]) + (1.0 / 6.0) * (gram[3] * gram[3]) + (1.0 / 6.0) * (gram[5] * gram[5]);
+    const double g_p = t5 + (1.0 / 6.0) * (gram[6] * gram[6]) + (1.0 / 6.0) * (gram[7] * gram[7]) + g_f * (1.0 / 1000000000000000000000000000000000000000000000000.0);
+    const double t6 = gram[5] * gram[7];
+    const double t7 = g_d_00 * 0.5 * (g_d_11 * g_d_22 - t6) + gram[1] * 0.5 * (gram[5] * gram[6] - gram[3] * g_d_22);
+    const double g_q = t7 + gram[2] * 0.5 * (gram[3] * gram[7] - gram[6] * g_d_11);
+    const double t8 = gram[1] * gram[3];
+    const double t9 = gram[2] * gram[6];
+    const double g_a2_00 = t1 + t8 + t9;
+    const double g_a2_01 = gram[1] * g_d_00 + gram[1] * g_d_11 + gram[2] * gram[7];
+    const double g_a2_02 = gram[2] * g_d_00 + gram[2] * g_d_22 + gram[1] * gram[5];
+    const double g_a2_11 = t6 + (t2 + t8);
+    const double g_a2_12 = gram[5] * g_d_11 + gram[5] * g_d_22 + gram[2] * gram[3];
+    const double g_a2_22 = t6 + (t3 + t9);
+    const double g_w01 = g_d_11 - g_d_00;
+    const double g_v01 = g_a2_11 - g_a2_00;
+    const double g_w02 = g_d_22 - g_d_00;
+    const double g_v02 = g_a2_22 - g_a2_00;
+    const double g_w12 = g_d_22 - g_d_11;
+    const double g_v12 = g_a2_22 - g_a2_11;
+    const double t10 = gram[1] * g_a2_02 - gram[2] * g_a2_01;
+    const double t11 = gram[1] * g_a2_12 - gram[5] * g_a2_01;
+    const double t12 = gram[2] * g_a2_12 - gram[5] * g_a2_02;
+    const double t13 = (1.0 / 9.0) * (t10 * t10) + (1.0 / 9.0) * (t11 * t11) + (1.0 / 9.0) * (t12 * t12);
+    const double t14 = g_a2_01 * g_w01 - gram[1] * g_v01;
+    const double t15 = g_a2_01 * g_w02 - gram[1] * g_v02;
+    const double t16 = g_a2_01 * g_w12 - gram[1] * g_v12;
+    const double t17 = t13 + (1.0 / 54.0) * (t14 * t14) + (1.0 / 54.0) * (t15 * t15) + (1.0 / 54.0) * (t16 * t16);
+    const double t18 = g_a2_02 * g_w01 - gram[2] * g_v01;
+    const double t19 = g_a2_02 * g_w02 - gram[2] * g_v02;
+    const double t20 = g_a2_02 * g_w12 - gram[2] * g_v12;
+    const double t21 = t17 + (1.0 / 54.0) * (t18 * t18) + (1.0 / 54.0) * (t19 * t19) + (1.0 / 54.0) * (t20 * t20);
+    const double t22 = g_a2_12 * g_w01 - gram[5] * g_v01;
+    const double t23 = g_a2_12 * g_w02 - gram[5] * g_v02;
+    const double t24 = g_a2_12 * g_w12 - gram[5] * g_v12;
+    const double t25 = t21 + (1.0 / 54.0) * (t22 * t22) + (1.0 / 54.0) * (t23 * t23) + (1.0 / 54.0) * (t24 * t24);
+    const double t26 = g_w01 * g_v02 - g_v01 * g_w02;
+    const double t27 = (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0) * (g_f * (g_f * g_f));
+    const double g_s = t25 + (1.0 / 108.0) * (t26 * t26) + t27;
+    const double g_t = (1.0 / 3.0) * krhpr_atan2(sqrt(g_s), g_q);
+    const double largest_a = g_m + 2.0 * sqrt(g_p) * cos(g_t);
+    const double h_m = cofactors[0] * (1.0 / 3.0) + cofactors[4] * (1.0 / 3.0) + cofactors[8] * (1.0 / 3.0);
+    const double h_f = h_m * h_m;
+    const double h_d_00 = cofactors[0] - h_m; /* without its mean */
+    const double h_d_11 = cofactors[4] - h_m;
+    const double h_d_22 = cofactors[8] - h_m;
+    const double t28 = (1.0 / 6.0) * (cofactors[1] * cofactors[1]) + (1.0 / 6.0) * (cofactors[2] * cofactors[2]);
+    const double t29 = t28 + (1.0 / 6.0) * (cofactors[3] * cofactors[3]) + (1.0 / 6.0) * (cofactors[5] * cofactors[5]);
+    const double t30 = t29 + (1.0 / 6.0) * (cofactors[6] * cofactors[6]) + (1.0 / 6.0) * (cofactors[7] * cofactors[7]);
+    const double t31 = h_d_00 * h_d_00;
+    const double t32 = h_d_11 * h_d_11;
+    const double t33 = h_d_22 * h_d_22;
+    const double h_p = t30 + (1.0 / 6.0) * t31 + (1.0 / 6.0) * t32 + (1.0 / 6.0) * t33 + (1.0 / 1000000000000000000000000000000000000000000000000.0) * h_f;
+    const double t34 = cofactors[1] * 0.5 * (cofactors[5] * cofactors[6] - cofactors[3] * h_d_22) + cofactors[2] * 0.5 * (cofactors[3] * cofactors[7] - cofactors[6] * h_d_11);
+    const double t35 = cofactors[5] * cofactors[7];
+    const double h_q = t34 + 0.5 * h_d_00 * (h_d_11 * h_d_22 - t35);
+    const double t36 = cofactors[1] * cofactors[3];
+    const double t37 = cofactors[2] * cofactors[6];
+    const double h_a2_00 = t31 + t36 + t37;
+    const double h_a2_01 = cofactors[1] * h_d_00 + cofactors[1] * h_d_11 + cofactors[2] * cofactors[7];
+    const double h_a2_02 = cofactors[1] * cofactors[5] + cofactors[2] * h_d_00 + cofactors[2] * h_d_22;
+    const double h_a2_11 = t35 + (t32 + t36);
+    const double h_a2_12 = cofactors[2] * cofactors[3] + cofactors[5] * h_d_11 + cofactors[5] * h_d_22;
+    const double h_a2_22 = t35 + (t33 + t37);
+    const double h_w01 = h_d_11 - h_d_00;
+    const double h_v01 = h_a2_11 - h_a2_00;
+    const double h_w02 = h_d_22 - h_d_00;
+    const double h_v02 = h_a2_22 - h_a2_00;
+    const double h_w12 = h_d_22 - h_d_11;
+    const double h_v12 = h_a2_22 - h_a2_11;
+    const double t38 = cofactors[1] * h_a2_02 - cofactors[2] * h_a2_01;
+    const double t39 = cofactors[1] * h_a2_12 - cofactors[5] * h_a2_01;
+    const double t40 = cofactors[2] * h_a2_12 - cofactors[5] * h_a2_02;
+    const double t41 = (1.0 / 9.0) * (t38 * t38) + (1.0 / 9.0) * (t39 * t39) + (1.0 / 9.0) * (t40 * t40);
+    const double t42 = h_a2_01 * h_w01 - cofactors[1] * h_v01;
+    const double t43 = h_a2_01 * h_w02 - cofactors[1] * h_v02;
+    const double t44 = h_a2_01 * h_w12 - cofactors[1] * h_v12;
+    const double t45 = t41 + (1.0 / 54.0) * (t42 * t42) + (1.0 / 54.0) * (t43 * t43) + (1.0 / 54.0) * (t44 * t44);
+    const double t46 = h_a2_02 * h_w01 - cofactors[2] * h_v01;
+    const double t47 = h_a2_02 * h_w02 - cofactors[2] * h_v02;
+    const double t48 = h_a2_02 * h_w12 - cofactors[2] * h_v12;
+    const double t49 = t45 + (1.0 / 54.0) * (t46 * t46) + (1.0 / 54.0) * (t47 * t47) + (1.0 / 54.0) * (t48 * t48);
+    const double t50 = h_a2_12 * h_w01 - cofactors[5] * h_v01;
+    const double t51 = h_a2_12 * h_w02 - cofactors[5] * h_v02;
+    const double t52 = h_a2_12 * h_w12 - cofactors[5] * h_v12;
+    const double t53 = t49 + (1.0 / 54.0) * (t50 * t50) + (1.0 / 54.0) * (t51 * t51) + (1.0 / 54.0) * (t52 * t52);
+    const double t54 = h_w01 * h_v02 - h_v01 * h_w02;
+    const double t55 = (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0) * (h_f * (h_f * h_f));
+    const double h_s = t53 + (1.0 / 108.0) * (t54 * t54) + t55;
+    const double h_t = (1.0 / 3.0) * krhpr_atan2(sqrt(h_s), h_q);
+    const double smallest_a = square / (h_m + 2.0 * sqrt(h_p) * cos(h_t));
+    *largest = largest_a;
+    *smallest = smallest_a;
+    *condition = sqrt(largest_a / smallest_a);
+}
+
+/* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (88 add, 114
+ * multiply, 1 divide, 6 square root) */
+KRHPR_STATIC void krhpr_algebra_spatial_spread_bound(
+    const double gram[9], const double cofactors[9], double square, double *KRHPR_RESTRICT largest,
+    double *KRHPR_RESTRICT smallest)
+{
+    const double t1 = gram[1] * gram[3];
+    const double t2 = gram[2] * gram[6];
+    const double g_r2_00 = gram[0] * gram[0] + t1 + t2;
+    const double g_r2_01 = gram[0] * gram[1] + gram[1] * gram[4] + gram[2] * gram[7];
+    const double g_r2_02 = gram[0] * gram[2] + gram[1] * gram[5] + gram[2] * gram[8];
+    const double g_r2_10 = gram[0] * gram[3] + gram[3] * gram[4] + gram[5] * gram[6];
+    const double t3 = gram[5] * gram[7];
+    const double g_r2_11 = t1 + gram[4] * gram[4] + t3;
+    const double g_r2_12 = gram[2] * gram[3] + gram[4] * gram[5] + gram[5] * gram[8];
+    const double g_r2_20 = gram[0] * gram[6] + gram[3] * gram[7] + gram[6] * gram[8];
+    const double g_r2_21 = gram[1] * gram[6] + gram[4] * gram[7] + gram[7] * gram[8];
+    const double g_r2_22 = t3 + (t2 + gram[8] * gram[8]);
+    const double t4 = g_r2_01 * g_r2_10;
+    const double t5 = g_r2_02 * g_r2_20;
+    const double g_r4_00 = g_r2_00 * g_r2_00 + t4 + t5;
+    const double g_r4_01 = g_r2_00 * g_r2_01 + g_r2_01 * g_r2_11 + g_r2_02 * g_r2_21;
+    const double g_r4_02 = g_r2_00 * g_r2_02 + g_r2_01 * g_r2_12 + g_r2_02 * g_r2_22;
+    const double g_r4_10 = g_r2_00 * g_r2_10 + g_r2_10 * g_r2_11 + g_r2_12 * g_r2_20;
+    const double t6 = g_r2_12 * g_r2_21;
+    const double g_r4_11 = t4 + g_r2_11 * g_r2_11 + t6;
+    const double g_r4_12 = g_r2_02 * g_r2_10 + g_r2_11 * g_r2_12 + g_r2_12 * g_r2_22;
+    const double g_r4_20 = g_r2_00 * g_r2_20 + g_r2_10 * g_r2_21 + g_r2_20 * g_r2_22;
+    const double g_r4_21 = g_r2_01 * g_r2_20 + g_r2_11 * g_r2_21 + g_r2_21 * g_r2_22;
+    const double g_r4_22 = t6 + (t5 + g_r2_22 * g_r2_22);
+    const double t7 = g_r4_00 * g_r4_00 + g_r4_01 * g_r4_01 + g_r4_02 * g_r4_02 + g_r4_10 * g_r4_10 + g_r4_11 * g_r4_11;
+    const double g_8 = t7 + g_r4_12 * g_r4_12 + g_r4_20 * g_r4_20 + g_r4_21 * g_r4_21 + g_r4_22 * g_r4_22;
+    const double g_4 = sqrt(g_8);
+    const double g_2 = sqrt(g_4);
+    const double g_1 = sqrt(g_2);
+    const double t8 = cofactors[1] * cofactors[3];
+    const double t9 = cofactors[2] * cofactors[6];
+    const double h_r2_00 = cofactors[0] * cofactors[0] + t8 + t9;
+    const double h_r2_01 = cofactors[0] * cofactors[1] + cofactors[1] * cofactors[4] + cofactors[2] * cofactors[7];
+    const double h_r2_02 = cofactors[0] * cofactors[2] + cofactors[1] * cofactors[5] + cofactors[2] * cofactors[8];
+    const double h_r2_10 = cofactors[0] * cofactors[3] + cofactors[3] * cofactors[4] + cofactors[5] * cofactors[6];
+    const double t10 = cofactors[5] * cofactors[7];
+    const double h_r2_11 = t8 + cofactors[4] * cofactors[4] + t10;
+    const double h_r2_12 = cofactors[2] * cofactors[3] + cofactors[4] * cofactors[5] + cofactors[5] * cofactors[8];
+    const double h_r2_20 = cofactors[0] * cofactors[6] + cofactors[3] * cofactors[7] + cofactors[6] * cofactors[8];
+    const double h_r2_21 = cofactors[1] * cofactors[6] + cofactors[4] * cofactors[7] + cofactors[7] * cofactors[8];
+    const double h_r2_22 = t10 + (t9 + cofactors[8] * cofactors[8]);
+    const double t11 = h_r2_01 * h_r2_10;
+    const double t12 = h_r2_02 * h_r2_20;
+    const double h_r4_00 = h_r2_00 * h_r2_00 + t11 + t12;
+    const double h_r4_01 = h_r2_00 * h_r2_01 + h_r2_01 * h_r2_11 + h_r2_02 * h_r2_21;
+    const double h_r4_02 = h_r2_00 * h_r2_02 + h_r2_01 * h_r2_12 + h_r2_02 * h_r2_22;
+    const double h_r4_10 = h_r2_00 * h_r2_10 + h_r2_10 * h_r2_11 + h_r2_12 * h_r2_20;
+    const double t13 = h_r2_12 * h_r2_21;
+    const double h_r4_11 = t11 + h_r2_11 * h_r2_11 + t13;
+    const double h_r4_12 = h_r2_02 * h_r2_10 + h_r2_11 * h_r2_12 + h_r2_12 * h_r2_22;
+    const double h_r4_20 = h_r2_00 * h_r2_20 + h_r2_10 * h_r2_21 + h_r2_20 * h_r2_22;
+    const double h_r4_21 = h_r2_01 * h_r2_20 + h_r2_11 * h_r2_21 + h_r2_21 * h_r2_22;
+    const double h_r4_22 = t13 + (t12 + h_r2_22 * h_r2_22);
+    const double t14 = h_r4_00 * h_r4_00 + h_r4_01 * h_r4_01 + h_r4_02 * h_r4_02 + h_r4_10 * h_r4_10 + h_r4_11 * h_r4_11;
+    const double h_8 = t14 + h_r4_12 * h_r4_12 + h_r4_20 * h_r4_20 + h_r4_21 * h_r4_21 + h_r4_22 * h_r4_22;
+    const double h_4 = sqrt(h_8);
+    const double h_2 = sqrt(h_4);
+    const double h_1 = sqrt(h_2);
+    *largest = g_1;
+    *smallest = square / h_1;
+}
+
+/* The indices: 2-norms of both parts of U = J^-1 K, condition number of J_1.  Thesis: 1.8, 4.2.2.  (128
+ * add, 208 multiply, 1 divide, 7 square root, 2 sine cosine, 2 arctangent, 4 select) */
+KRHPR_STATIC void krhpr_algebra_spatial_norms(
+    const double position_gram[9], const double rotation_gram[9], const double largest[3],
+    const double smallest[3], double *KRHPR_RESTRICT eta_1, double *KRHPR_RESTRICT eta_2,
+    double *KRHPR_RESTRICT eta_3)
+{
+    const double p_m = position_gram[0] * (1.0 / 3.0) + position_gram[4] * (1.0 / 3.0) + position_gram[8] * (1.0 / 3.0);
+    const double p_f = p_m * p_m;
+    const double p_d_00 = position_gram[0] - p_m; /* without its mean */
+    const double p_d_11 = position_gram[4] - p_m;
+    const double p_d_22 = position_gram[8] - p_m;
+    const double t1 = p_d_00 * p_d_00;
+    const double t2 = p_d_11 * p_d_11;
+    const double t3 = p_d_22 * p_d_22;
+    const double t4 = (1.0 / 6.0) * t1 + (1.0 / 6.0) * t2 + (1.0 / 6.0) * t3 + (1.0 / 6.0) * (position_gram[1] * position_gram[1]);
+    const double t5 = t4 + (1.0 / 6.0) * (position_gram[2] * position_gram[2]) + (1.0 / 6.0) * (position_gram[3] * position_gram[3]);
+    const double t6 = t5 + (1.0 / 6.0) * (position_gram[5] * position_gram[5]) + (1.0 / 6.0) * (position_gram[6] * position_gram[6]);
+    const double p_p = t6 + (1.0 / 6.0) * (position_gram[7] * position_gram[7]) + p_f * (1.0 / 1000000000000000000000000000000000000000000000000.0);
+    const double t7 = position_gram[5] * position_gram[7];
+    const double t8 = position_gram[1] * 0.5 * (position_gram[5] * position_gram[6] - position_gram[3] * p_d_22);
+    const double t9 = position_gram[2] * 0.5 * (position_gram[3] * position_gram[7] - position_gram[6] * p_d_11);
+    const double p_q = p_d_00 * 0.5 * (p_d_11 * p_d_22 - t7) + t8 + t9;
+    const double t10 = position_gram[1] * position_gram[3];
+    const double t11 = position_gram[2] * position_gram[6];
+    const double p_a2_00 = t1 + t10 + t11;
+    const double p_a2_01 = position_gram[1] * p_d_00 + position_gram[1] * p_d_11 + position_gram[2] * position_gram[7];
+    const double p_a2_02 = position_gram[2] * p_d_00 + position_gram[2] * p_d_22 + position_gram[1] * position_gram[5];
+    const double p_a2_11 = t7 + (t2 + t10);
+    const double p_a2_12 = position_gram[5] * p_d_11 + position_gram[5] * p_d_22 + position_gram[2] * position_gram[3];
+    const double p_a2_22 = t7 + (t3 + t11);
+    const double p_w01 = p_d_11 - p_d_00;
+    const double p_v01 = p_a2_11 - p_a2_00;
+    const double p_w02 = p_d_22 - p_d_00;
+    const double p_v02 = p_a2_22 - p_a2_00;
+    const double p_w12 = p_d_22 - p_d_11;
+    const double p_v12 = p_a2_22 - p_a2_11;
+    const double t12 = position_gram[1] * p_a2_02 - position_gram[2] * p_a2_01;
+    const double t13 = position_gram[1] * p_a2_12 - position_gram[5] * p_a2_01;
+    const double t14 = position_gram[2] * p_a2_12 - position_gram[5] * p_a2_02;
+    const double t15 = (1.0 / 9.0) * (t12 * t12) + (1.0 / 9.0) * (t13 * t13) + (1.0 / 9.0) * (t14 * t14);
+    const double t16 = p_a2_01 * p_w01 - position_gram[1] * p_v01;
+    const double t17 = p_a2_01 * p_w02 - position_gram[1] * p_v02;
+    const double t18 = p_a2_01 * p_w12 - position_gram[1] * p_v12;
+    const double t19 = t15 + (1.0 / 54.0) * (t16 * t16) + (1.0 / 54.0) * (t17 * t17) + (1.0 / 54.0) * (t18 * t18);
+    const double t20 = p_a2_02 * p_w01 - position_gram[2] * p_v01;
+    const double t21 = p_a2_02 * p_w02 - position_gram[2] * p_v02;
+    const double t22 = p_a2_02 * p_w12 - position_gram[2] * p_v12;
+    const double t23 = t19 + (1.0 / 54.0) * (t20 * t20) + (1.0 / 54.0) * (t21 * t21) + (1.0 / 54.0) * (t22 * t22);
+    const double t24 = p_a2_12 * p_w01 - position_gram[5] * p_v01;
+    const double t25 = p_a2_12 * p_w02 - position_gram[5] * p_v02;
+    const double t26 = p_a2_12 * p_w12 - position_gram[5] * p_v12;
+    const double t27 = t23 + (1.0 / 54.0) * (t24 * t24) + (1.0 / 54.0) * (t25 * t25) + (1.0 / 54.0) * (t26 * t26);
+    const double t28 = p_w01 * p_v02 - p_v01 * p_w02;
+    const double t29 = (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0) * (p_f * (p_f * p_f));
+    const double p_s = t27 + (1.0 / 108.0) * (t28 * t28) + t29;
+    const double p_t = (1.0 / 3.0) * krhpr_atan2(sqrt(p_s), p_q);
+    const double r_m = rotation_gram[0] * (1.0 / 3.0) + rotation_gram[4] * (1.0 / 3.0) + rotation_gram[8] * (1.0 / 3.0);
+    const double r_f = r_m * r_m;
+    const double r_d_00 = rotation_gram[0] - r_m; /* without its mean */
+    const double r_d_11 = rotation_gram[4] - r_m;
+    const double r_d_22 = rotation_gram[8] - r_m;
+    const double t30 = r_d_00 * r_d_00;
+    const double t31 = r_d_11 * r_d_11;
+    const double t32 = r_d_22 * r_d_22;
+    const double t33 = (1.0 / 6.0) * t30 + (1.0 / 6.0) * t31 + (1.0 / 6.0) * t32 + (1.0 / 6.0) * (rotation_gram[1] * rotation_gram[1]);
+    const double t34 = t33 + (1.0 / 6.0) * (rotation_gram[2] * rotation_gram[2]) + (1.0 / 6.0) * (rotation_gram[3] * rotation_gram[3]);
+    const double t35 = t34 + (1.0 / 6.0) * (rotation_gram[5] * rotation_gram[5]) + (1.0 / 6.0) * (rotation_gram[6] * rotation_gram[6]);
+    const double r_p = t35 + (1.0 / 6.0) * (rotation_gram[7] * rotation_gram[7]) + (1.0 / 1000000000000000000000000000000000000000000000000.0) * r_f;
+    const double t36 = rotation_gram[5] * rotation_gram[7];
+    const double t37 = rotation_gram[1] * 0.5 * (rotation_gram[5] * rotation_gram[6] - rotation_gram[3] * r_d_22);
+    const double t38 = rotation_gram[2] * 0.5 * (rotation_gram[3] * rotation_gram[7] - rotation_gram[6] * r_d_11);
+    const double r_q = 0.5 * r_d_00 * (r_d_11 * r_d_22 - t36) + t37 + t38;
+    const double t39 = rotation_gram[1] * rotation_gram[3];
+    const double t40 = rotation_gram[2] * rotation_gram[6];
+    const double r_a2_00 = t30 + t39 + t40;
+    const double r_a2_01 = rotation_gram[1] * r_d_00 + rotation_gram[1] * r_d_11 + rotation_gram[2] * rotation_gram[7];
+    const double r_a2_02 = rotation_gram[2] * r_d_00 + rotation_gram[2] * r_d_22 + rotation_gram[1] * rotation_gram[5];
+    const double r_a2_11 = t36 + (t31 + t39);
+    const double r_a2_12 = rotation_gram[5] * r_d_11 + rotation_gram[5] * r_d_22 + rotation_gram[2] * rotation_gram[3];
+    const double r_a2_22 = t36 + (t32 + t40);
+    const double r_w01 = r_d_11 - r_d_00;
+    const double r_v01 = r_a2_11 - r_a2_00;
+    const double r_w02 = r_d_22 - r_d_00;
+    const double r_v02 = r_a2_22 - r_a2_00;
+    const double r_w12 = r_d_22 - r_d_11;
+    const double r_v12 = r_a2_22 - r_a2_11;
+    const double t41 = rotation_gram[1] * r_a2_02 - rotation_gram[2] * r_a2_01;
+    const double t42 = rotation_gram[1] * r_a2_12 - rotation_gram[5] * r_a2_01;
+    const double t43 = rotation_gram[2] * r_a2_12 - rotation_gram[5] * r_a2_02;
+    const double t44 = (1.0 / 9.0) * (t41 * t41) + (1.0 / 9.0) * (t42 * t42) + (1.0 / 9.0) * (t43 * t43);
+    const double t45 = r_a2_01 * r_w01 - rotation_gram[1] * r_v01;
+    const double t46 = r_a2_01 * r_w02 - rotation_gram[1] * r_v02;
+    const double t47 = r_a2_01 * r_w12 - rotation_gram[1] * r_v12;
+    const double t48 = t44 + (1.0 / 54.0) * (t45 * t45) + (1.0 / 54.0) * (t46 * t46) + (1.0 / 54.0) * (t47 * t47);
+    const double t49 = r_a2_02 * r_w01 - rotation_gram[2] * r_v01;
+    const double t50 = r_a2_02 * r_w02 - rotation_gram[2] * r_v02;
+    const double t51 = r_a2_02 * r_w12 - rotation_gram[2] * r_v12;
+    const double t52 = t48 + (1.0 / 54.0) * (t49 * t49) + (1.0 / 54.0) * (t50 * t50) + (1.0 / 54.0) * (t51 * t51);
+    const double t53 = r_a2_12 * r_w01 - rotation_gram[5] * r_v01;
+    const double t54 = r_a2_12 * r_w02 - rotation_gram[5] * r_v02;
+    const double t55 = r_a2_12 * r_w12 - rotation_gram[5] * r_v12;
+    const double t56 = t52 + (1.0 / 54.0) * (t53 * t53) + (1.0 / 54.0) * (t54 * t54) + (1.0 / 54.0) * (t55 * t55);
+    const double t57 = r_w01 * r_v02 - r_v01 * r_w02;
+    const double t58 = (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0) * (r_f * (r_f * r_f));
+    const double r_s = t56 + (1.0 / 108.0) * (t57 * t57) + t58;
+    const double r_t = (1.0 / 3.0) * krhpr_atan2(sqrt(r_s), r_q);
+    const double t59 = krhpr_max(krhpr_max(largest[0], largest[1]), largest[2]) / krhpr_min(krhpr_min(smallest[0], smallest[1]), smallest[2]);
+    *eta_1 = sqrt(p_m + 2.0 * sqrt(p_p) * cos(p_t));
+    *eta_2 = sqrt(r_m + 2.0 * sqrt(r_p) * cos(r_t));
+    *eta_3 = sqrt(t59);
+}
+
+/* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (92 add, 133 multiply, 3
+ * divide, 15 square root) */
+KRHPR_STATIC void krhpr_algebra_spatial_norm_bounds(
+    const double position_gram[9], const double rotation_gram[9], const double largest[3],
+    const double smallest[3], double *KRHPR_RESTRICT eta_1, double *KRHPR_RESTRICT eta_2,
+    double *KRHPR_RESTRICT eta_3)
+{
+    const double t1 = position_gram[1] * position_gram[3];
+    const double t2 = position_gram[2] * position_gram[6];
+    const double p_r2_00 = position_gram[0] * position_gram[0] + t1 + t2;
+    const double p_r2_01 = position_gram[0] * position_gram[1] + position_gram[1] * position_gram[4] + position_gram[2] * position_gram[7];
+    const double p_r2_02 = position_gram[0] * position_gram[2] + position_gram[1] * position_gram[5] + position_gram[2] * position_gram[8];
+    const double p_r2_10 = position_gram[0] * position_gram[3] + position_gram[3] * position_gram[4] + position_gram[5] * position_gram[6];
+    const double t3 = position_gram[5] * position_gram[7];
+    const double p_r2_11 = t1 + position_gram[4] * position_gram[4] + t3;
+    const double p_r2_12 = position_gram[2] * position_gram[3] + position_gram[4] * position_gram[5] + position_gram[5] * position_gram[8];
+    const double p_r2_20 = position_gram[0] * position_gram[6] + position_gram[3] * position_gram[7] + position_gram[6] * position_gram[8];
+    const double p_r2_21 = position_gram[1] * position_gram[6] + position_gram[4] * position_gram[7] + position_gram[7] * position_gram[8];
+    const double p_r2_22 = t3 + (t2 + position_gram[8] * position_gram[8]);
+    const double t4 = p_r2_01 * p_r2_10;
+    const double t5 = p_r2_02 * p_r2_20;
+    const double p_r4_00 = p_r2_00 * p_r2_00 + t4 + t5;
+    const double p_r4_01 = p_r2_00 * p_r2_01 + p_r2_01 * p_r2_11 + p_r2_02 * p_r2_21;
+    const double p_r4_02 = p_r2_00 * p_r2_02 + p_r2_01 * p_r2_12 + p_r2_02 * p_r2_22;
+    const double p_r4_10 = p_r2_00 * p_r2_10 + p_r2_10 * p_r2_11 + p_r2_12 * p_r2_20;
+    const double t6 = p_r2_12 * p_r2_21;
+    const double p_r4_11 = t4 + p_r2_11 * p_r2_11 + t6;
+    const double p_r4_12 = p_r2_02 * p_r2_10 + p_r2_11 * p_r2_12 + p_r2_12 * p_r2_22;
+    const double p_r4_20 = p_r2_00 * p_r2_20 + p_r2_10 * p_r2_21 + p_r2_20 * p_r2_22;
+    const double p_r4_21 = p_r2_01 * p_r2_20 + p_r2_11 * p_r2_21 + p_r2_21 * p_r2_22;
+    const double p_r4_22 = t6 + (t5 + p_r2_22 * p_r2_22);
+    const double t7 = p_r4_00 * p_r4_00 + p_r4_01 * p_r4_01 + p_r4_02 * p_r4_02 + p_r4_10 * p_r4_10 + p_r4_11 * p_r4_11;
+    const double p_8 = t7 + p_r4_12 * p_r4_12 + p_r4_20 * p_r4_20 + p_r4_21 * p_r4_21 + p_r4_22 * p_r4_22;
+    const double p_4 = sqrt(p_8);
+    const double p_2 = sqrt(p_4);
+    const double p_1 = sqrt(p_2);
+    const double t8 = rotation_gram[1] * rotation_gram[3];
+    const double t9 = rotation_gram[2] * rotation_gram[6];
+    const double r_r2_00 = rotation_gram[0] * rotation_gram[0] + t8 + t9;
+    const double r_r2_01 = rotation_gram[0] * rotation_gram[1] + rotation_gram[1] * rotation_gram[4] + rotation_gram[2] * rotation_gram[7];
+    const double r_r2_02 = rotation_gram[0] * rotation_gram[2] + rotation_gram[1] * rotation_gram[5] + rotation_gram[2] * rotation_gram[8];
+    const double r_r2_10 = rotation_gram[0] * rotation_gram[3] + rotation_gram[3] * rotation_gram[4] + rotation_gram[5] * rotation_gram[6];
+    const double t10 = rotation_gram[5] * rotation_gram[7];
+    const double r_r2_11 = t8 + rotation_gram[4] * rotation_gram[4] + t10;
+    const double r_r2_12 = rotation_gram[2] * rotation_gram[3] + rotation_gram[4] * rotation_gram[5] + rotation_gram[5] * rotation_gram[8];
+    const double r_r2_20 = rotation_gram[0] * rotation_gram[6] + rotation_gram[3] * rotation_gram[7] + rotation_gram[6] * rotation_gram[8];
+    const double r_r2_21 = rotation_gram[1] * rotation_gram[6] + rotation_gram[4] * rotation_gram[7] + rotation_gram[7] * rotation_gram[8];
+    const double r_r2_22 = t10 + (t9 + rotation_gram[8] * rotation_gram[8]);
+    const double t11 = r_r2_01 * r_r2_10;
+    const double t12 = r_r2_02 * r_r2_20;
+    const double r_r4_00 = r_r2_00 * r_r2_00 + t11 + t12;
+    const double r_r4_01 = r_r2_00 * r_r2_01 + r_r2_01 * r_r2_11 + r_r2_02 * r_r2_21;
+    const double r_r4_02 = r_r2_00 * r_r2_02 + r_r2_01 * r_r2_12 + r_r2_02 * r_r2_22;
+    const double r_r4_10 = r_r2_00 * r_r2_10 + r_r2_10 * r_r2_11 + r_r2_12 * r_r2_20;
+    const double t13 = r_r2_12 * r_r2_21;
+    const double r_r4_11 = t11 + r_r2_11 * r_r2_11 + t13;
+    const double r_r4_12 = r_r2_02 * r_r2_10 + r_r2_11 * r_r2_12 + r_r2_12 * r_r2_22;
+    const double r_r4_20 = r_r2_00 * r_r2_20 + r_r2_10 * r_r2_21 + r_r2_20 * r_r2_22;
+    const double r_r4_21 = r_r2_01 * r_r2_20 + r_r2_11 * r_r2_21 + r_r2_21 * r_r2_22;
+    const double r_r4_22 = t13 + (t12 + r_r2_22 * r_r2_22);
+    const double t14 = r_r4_00 * r_r4_00 + r_r4_01 * r_r4_01 + r_r4_02 * r_r4_02 + r_r4_10 * r_r4_10 + r_r4_11 * r_r4_11;
+    const double r_8 = t14 + r_r4_12 * r_r4_12 + r_r4_20 * r_r4_20 + r_r4_21 * r_r4_21 + r_r4_22 * r_r4_22;
+    const double r_4 = sqrt(r_8);
+    const double r_2 = sqrt(r_4);
+    const double r_1 = sqrt(r_2);
+    const double t15 = largest[0] * largest[0];
+    const double t16 = t15 * t15;
+    const double t17 = largest[1] * largest[1];
+    const double t18 = t17 * t17;
+    const double t19 = largest[2] * largest[2];
+    const double t20 = t19 * t19;
+    const double l_8 = t16 * t16 + t18 * t18 + t20 * t20;
+    const double l_4 = sqrt(l_8);
+    const double l_2 = sqrt(l_4);
+    const double l_1 = sqrt(l_2);
+    const double inv_s = 1.0 / smallest[0];
+    const double inv_s_a = 1.0 / smallest[1];
+    const double inv_s_b = 1.0 / smallest[2];
+    const double t21 = inv_s * inv_s;
+    const double t22 = t21 * t21;
+    const double t23 = inv_s_a * inv_s_a;
+    const double t24 = t23 * t23;
+    const double t25 = inv_s_b * inv_s_b;
+    const double t26 = t25 * t25;
+    const double s_8 = t22 * t22 + t24 * t24 + t26 * t26;
+    const double s_4 = sqrt(s_8);
+    const double s_2 = sqrt(s_4);
+    const double s_1 = sqrt(s_2);
+    *eta_1 = sqrt(p_1);
+    *eta_2 = sqrt(r_1);
+    *eta_3 = sqrt(l_1 * s_1);
+}
+
 /* The wrench of three forces: their sum, and that of their moments.  Thesis: (5.36).  (12 add) */
 KRHPR_STATIC void krhpr_algebra_spatial_total(
     const double end_force[9], const double moment[9], double *KRHPR_RESTRICT wrench)

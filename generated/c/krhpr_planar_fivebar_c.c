@@ -1215,6 +1215,183 @@ KRHPR_API int krhpr_planar_fivebar_c_type_2_of_redundant(
     return status;
 }
 
+KRHPR_API int krhpr_planar_fivebar_c_indices(
+    const krhpr_planar_fivebar_c_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], double *KRHPR_RESTRICT eta_1, double *KRHPR_RESTRICT eta_2,
+    double *KRHPR_RESTRICT eta_3, double *KRHPR_RESTRICT condition)
+{
+    int status = KRHPR_OK;
+    double Q[4];
+    double line[9];
+    double point[6];
+    double reach[3];
+    double regularity[3];
+    double largest[3];
+    double smallest[3];
+    double position_gram[4];
+    double rotation_gram[1];
+    double det_regularity[1];
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(eta_1, 1);
+        krhpr_fill_nan(eta_2, 1);
+        krhpr_fill_nan(eta_3, 1);
+        krhpr_fill_nan(condition, 3);
+        return KRHPR_INVALID_INPUT;
+    }
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
+    krhpr_algebra_planar_rotation_angles(phi, angle);
+    krhpr_sincos_array(1, angle, sine, cosine);
+    krhpr_algebra_planar_rotation(sine, cosine, Q);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes line_legs[3];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_1_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes gram_legs[4];
+        krhpr_lanes cofactors_legs[4];
+        krhpr_lanes square_legs[1];
+        krhpr_lanes reach_legs[1];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes largest_legs[1];
+        krhpr_lanes smallest_legs[1];
+        krhpr_lanes condition_legs[1];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_planar_c_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_subleg_planar_fivebar_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
+        krhpr_subleg_planar_fivebar_gram_lanes(
+            &g->subleg, i, d_legs, u_1_legs, u_2_legs, N_legs, gram_legs, cofactors_legs, square_legs,
+            reach_legs, regularity_legs);
+        krhpr_algebra_planar_spread_lanes(
+            gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, condition_legs);
+        krhpr_legs_store(line, 3, line_legs, 3, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(reach, 1, reach_legs, 1, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
+        krhpr_legs_store(largest, 1, largest_legs, 1, i);
+        krhpr_legs_store(smallest, 1, smallest_legs, 1, i);
+        krhpr_legs_store(condition, 1, condition_legs, 1, i);
+    }
+    krhpr_platform_planar_c_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
+    krhpr_algebra_planar_norms(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
+    for (int i = 0; i < 3; ++i) {
+        if (!(regularity[i] >= 1e-12)) {
+            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            krhpr_fill_nan(condition + 1 * i, 1);
+        }
+    }
+    if (!(det_regularity[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
+    if (status != KRHPR_OK) {
+        krhpr_fill_nan(eta_1, 1);
+        krhpr_fill_nan(eta_2, 1);
+        krhpr_fill_nan(eta_3, 1);
+        krhpr_fill_nan(condition, 3);
+    }
+    return status;
+}
+
+KRHPR_API int krhpr_planar_fivebar_c_index_bounds(
+    const krhpr_planar_fivebar_c_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], double *KRHPR_RESTRICT eta_1, double *KRHPR_RESTRICT eta_2,
+    double *KRHPR_RESTRICT eta_3)
+{
+    int status = KRHPR_OK;
+    double Q[4];
+    double line[9];
+    double point[6];
+    double reach[3];
+    double regularity[3];
+    double largest[3];
+    double smallest[3];
+    double position_gram[4];
+    double rotation_gram[1];
+    double det_regularity[1];
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(eta_1, 1);
+        krhpr_fill_nan(eta_2, 1);
+        krhpr_fill_nan(eta_3, 1);
+        return KRHPR_INVALID_INPUT;
+    }
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
+    krhpr_algebra_planar_rotation_angles(phi, angle);
+    krhpr_sincos_array(1, angle, sine, cosine);
+    krhpr_algebra_planar_rotation(sine, cosine, Q);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes line_legs[3];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_1_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes gram_legs[4];
+        krhpr_lanes cofactors_legs[4];
+        krhpr_lanes square_legs[1];
+        krhpr_lanes reach_legs[1];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes largest_legs[1];
+        krhpr_lanes smallest_legs[1];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_planar_c_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_subleg_planar_fivebar_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
+        krhpr_subleg_planar_fivebar_gram_lanes(
+            &g->subleg, i, d_legs, u_1_legs, u_2_legs, N_legs, gram_legs, cofactors_legs, square_legs,
+            reach_legs, regularity_legs);
+        krhpr_algebra_planar_spread_bound_lanes(
+            gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs);
+        krhpr_legs_store(line, 3, line_legs, 3, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(reach, 1, reach_legs, 1, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
+        krhpr_legs_store(largest, 1, largest_legs, 1, i);
+        krhpr_legs_store(smallest, 1, smallest_legs, 1, i);
+    }
+    krhpr_platform_planar_c_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
+    krhpr_algebra_planar_norm_bounds(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
+    for (int i = 0; i < 3; ++i) {
+        if (!(regularity[i] >= 1e-12)) {
+            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+        }
+    }
+    if (!(det_regularity[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
+    if (status != KRHPR_OK) {
+        krhpr_fill_nan(eta_1, 1);
+        krhpr_fill_nan(eta_2, 1);
+        krhpr_fill_nan(eta_3, 1);
+    }
+    return status;
+}
+
 KRHPR_API int krhpr_planar_fivebar_c_forward_all(
     const krhpr_planar_fivebar_c_geometry *g, const double s[6], double *KRHPR_RESTRICT p,
     double *KRHPR_RESTRICT phi, double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT det_J,

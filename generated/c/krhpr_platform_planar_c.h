@@ -240,6 +240,49 @@ KRHPR_STATIC void krhpr_platform_planar_c_type_2(
     margins[0] = det_a;
 }
 
+/* Squares of the position and the rotation part of U = J^-1 K, in the platform frame.  Thesis: 1.8, 4.2.2.
+ * (27 add, 70 multiply, 2 divide) */
+KRHPR_STATIC void krhpr_platform_planar_c_sensitivity(
+    const double line[9], const double point[6], const double reach[3], double *KRHPR_RESTRICT position_gram,
+    double *KRHPR_RESTRICT rotation_gram, double *KRHPR_RESTRICT regularity)
+{
+    const double adj_a_00 = line[4] * line[8] - line[5] * line[7];
+    const double adj_a_01 = line[5] * line[6] - line[3] * line[8];
+    const double adj_a_02 = line[3] * line[7] - line[4] * line[6];
+    const double adj_a_10 = line[2] * line[7] - line[1] * line[8];
+    const double adj_a_11 = line[0] * line[8] - line[2] * line[6];
+    const double adj_a_12 = line[1] * line[6] - line[0] * line[7];
+    const double adj_a_20 = line[1] * line[5] - line[2] * line[4];
+    const double adj_a_21 = line[2] * line[3] - line[0] * line[5];
+    const double adj_a_22 = line[0] * line[4] - line[1] * line[3];
+    const double det_a = line[0] * adj_a_00 + line[1] * adj_a_01 + line[2] * adj_a_02;
+    const double one_a = 1.0 / det_a;
+    const double inv_a_00 = adj_a_00 * one_a;
+    const double inv_a_01 = adj_a_10 * one_a;
+    const double inv_a_02 = adj_a_20 * one_a;
+    const double inv_a_10 = adj_a_01 * one_a;
+    const double inv_a_11 = adj_a_11 * one_a;
+    const double inv_a_12 = adj_a_21 * one_a;
+    const double inv_a_20 = adj_a_02 * one_a;
+    const double inv_a_21 = adj_a_12 * one_a;
+    const double inv_a_22 = adj_a_22 * one_a;
+    const double position_gram_00 = reach[0] * (inv_a_00 * inv_a_00) + reach[1] * (inv_a_01 * inv_a_01) + reach[2] * (inv_a_02 * inv_a_02);
+    const double position_gram_01 = reach[0] * (inv_a_00 * inv_a_10) + reach[1] * (inv_a_01 * inv_a_11) + reach[2] * (inv_a_02 * inv_a_12);
+    const double position_gram_11 = reach[0] * (inv_a_10 * inv_a_10) + reach[1] * (inv_a_11 * inv_a_11) + reach[2] * (inv_a_12 * inv_a_12);
+    const double rotation_gram_00 = reach[0] * (inv_a_20 * inv_a_20) + reach[1] * (inv_a_21 * inv_a_21) + reach[2] * (inv_a_22 * inv_a_22);
+    const double d2_0 = line[0] * line[0] + line[1] * line[1];
+    const double d2_1 = line[3] * line[3] + line[4] * line[4];
+    const double d2_2 = line[6] * line[6] + line[7] * line[7];
+    const double t1 = point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
+    const double size = t1 + point[4] * point[4] + point[5] * point[5]; /* sum of |S_i - O'|^2 */
+    position_gram[0] = position_gram_00;
+    position_gram[1] = position_gram_01;
+    position_gram[2] = position_gram_01;
+    position_gram[3] = position_gram_11;
+    rotation_gram[0] = rotation_gram_00;
+    regularity[0] = det_a * det_a / (size * (d2_2 * (d2_0 * d2_1)));
+}
+
 /* How the leg holds the platform, for the forward kinematics.  (no operations) */
 KRHPR_STATIC void krhpr_platform_planar_c_tie(
     const krhpr_platform_planar_c_geometry *g, int i, double *KRHPR_RESTRICT slide)

@@ -430,6 +430,124 @@ KRHPR_INLINE void krhpr_platform_spatial_a_type_2_lanes(
     margins[1] = det_n / (R * R);
 }
 
+/* Squares of the position and the rotation part of U = J^-1 K, in the platform frame.  Thesis: 1.8, 4.2.2.
+ * (126 add, 233 multiply, 4 divide) */
+KRHPR_INLINE void krhpr_platform_spatial_a_sensitivity_lanes(
+    const krhpr_lanes_at line[18], const krhpr_lanes_at point[6], const krhpr_lanes_at reach[9],
+    krhpr_lanes_at *KRHPR_RESTRICT position_gram, krhpr_lanes_at *KRHPR_RESTRICT rotation_gram,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
+{
+    const krhpr_lanes adj_n_00 = point[2] * point[5] - point[3] * point[4];
+    const krhpr_lanes adj_n_01 = point[4] - point[2];
+    const krhpr_lanes adj_n_02 = point[5] - point[3];
+    const krhpr_lanes adj_n_10 = point[1] * point[4] - point[0] * point[5];
+    const krhpr_lanes adj_n_11 = point[0] - point[4];
+    const krhpr_lanes adj_n_12 = point[1] - point[5];
+    const krhpr_lanes adj_n_20 = point[0] * point[3] - point[1] * point[2];
+    const krhpr_lanes adj_n_21 = point[2] - point[0];
+    const krhpr_lanes adj_n_22 = point[3] - point[1];
+    const krhpr_lanes det_n = adj_n_00 + point[1] * adj_n_01 - point[0] * adj_n_02;
+    const krhpr_lanes one_n = 1.0 / det_n;
+    const krhpr_lanes inv_n_00 = adj_n_00 * one_n;
+    const krhpr_lanes inv_n_01 = adj_n_10 * one_n;
+    const krhpr_lanes inv_n_02 = adj_n_20 * one_n;
+    const krhpr_lanes inv_n_10 = adj_n_01 * one_n;
+    const krhpr_lanes inv_n_11 = adj_n_11 * one_n;
+    const krhpr_lanes inv_n_12 = adj_n_21 * one_n;
+    const krhpr_lanes inv_n_20 = adj_n_02 * one_n;
+    const krhpr_lanes inv_n_21 = adj_n_12 * one_n;
+    const krhpr_lanes inv_n_22 = adj_n_22 * one_n;
+    const krhpr_lanes adj_a_00 = line[7] * line[17] - line[11] * line[13];
+    const krhpr_lanes adj_a_01 = line[11] * line[12] - line[6] * line[17];
+    const krhpr_lanes adj_a_02 = line[6] * line[13] - line[7] * line[12];
+    const krhpr_lanes adj_a_10 = line[5] * line[13] - line[1] * line[17];
+    const krhpr_lanes adj_a_11 = line[0] * line[17] - line[5] * line[12];
+    const krhpr_lanes adj_a_12 = line[1] * line[12] - line[0] * line[13];
+    const krhpr_lanes adj_a_20 = line[1] * line[11] - line[5] * line[7];
+    const krhpr_lanes adj_a_21 = line[5] * line[6] - line[0] * line[11];
+    const krhpr_lanes adj_a_22 = line[0] * line[7] - line[1] * line[6];
+    const krhpr_lanes det_a = line[0] * adj_a_00 + line[1] * adj_a_01 + line[5] * adj_a_02;
+    const krhpr_lanes one_a = 1.0 / det_a;
+    const krhpr_lanes inv_a_00 = adj_a_00 * one_a;
+    const krhpr_lanes inv_a_01 = adj_a_10 * one_a;
+    const krhpr_lanes inv_a_02 = adj_a_20 * one_a;
+    const krhpr_lanes inv_a_10 = adj_a_01 * one_a;
+    const krhpr_lanes inv_a_11 = adj_a_11 * one_a;
+    const krhpr_lanes inv_a_12 = adj_a_21 * one_a;
+    const krhpr_lanes inv_a_20 = adj_a_02 * one_a;
+    const krhpr_lanes inv_a_21 = adj_a_12 * one_a;
+    const krhpr_lanes inv_a_22 = adj_a_22 * one_a;
+    const krhpr_lanes c_00 = line[2] * inv_n_00 + line[3] * inv_n_10 + line[4] * inv_n_20;
+    const krhpr_lanes c_01 = line[2] * inv_n_01 + line[3] * inv_n_11 + line[4] * inv_n_21;
+    const krhpr_lanes c_02 = line[2] * inv_n_02 + line[3] * inv_n_12 + line[4] * inv_n_22;
+    const krhpr_lanes c_10 = line[8] * inv_n_00 + line[9] * inv_n_10 + line[10] * inv_n_20;
+    const krhpr_lanes c_11 = line[8] * inv_n_01 + line[9] * inv_n_11 + line[10] * inv_n_21;
+    const krhpr_lanes c_12 = line[8] * inv_n_02 + line[9] * inv_n_12 + line[10] * inv_n_22;
+    const krhpr_lanes c_20 = line[14] * inv_n_00 + line[15] * inv_n_10 + line[16] * inv_n_20;
+    const krhpr_lanes c_21 = line[14] * inv_n_01 + line[15] * inv_n_11 + line[16] * inv_n_21;
+    const krhpr_lanes c_22 = line[14] * inv_n_02 + line[15] * inv_n_12 + line[16] * inv_n_22;
+    const krhpr_lanes t1 = inv_a_00 * c_00 + inv_a_01 * c_10 + inv_a_02 * c_20;
+    const krhpr_lanes t2 = inv_a_00 * c_01 + inv_a_01 * c_11 + inv_a_02 * c_21;
+    const krhpr_lanes t3 = inv_a_00 * c_02 + inv_a_01 * c_12 + inv_a_02 * c_22;
+    const krhpr_lanes t4 = inv_a_10 * c_00 + inv_a_11 * c_10 + inv_a_12 * c_20;
+    const krhpr_lanes t5 = inv_a_10 * c_01 + inv_a_11 * c_11 + inv_a_12 * c_21;
+    const krhpr_lanes t6 = inv_a_10 * c_02 + inv_a_11 * c_12 + inv_a_12 * c_22;
+    const krhpr_lanes t7 = inv_a_20 * c_00 + inv_a_21 * c_10 + inv_a_22 * c_20;
+    const krhpr_lanes t8 = inv_a_20 * c_01 + inv_a_21 * c_11 + inv_a_22 * c_21;
+    const krhpr_lanes t9 = inv_a_20 * c_02 + inv_a_21 * c_12 + inv_a_22 * c_22;
+    const krhpr_lanes t10 = reach[0] * inv_a_00 - reach[1] * t1;
+    const krhpr_lanes t11 = reach[3] * inv_a_01 - reach[4] * t2;
+    const krhpr_lanes t12 = reach[6] * inv_a_02 - reach[7] * t3;
+    const krhpr_lanes t13 = reach[1] * inv_a_00 - reach[2] * t1;
+    const krhpr_lanes t14 = reach[4] * inv_a_01 - reach[5] * t2;
+    const krhpr_lanes t15 = reach[7] * inv_a_02 - reach[8] * t3;
+    const krhpr_lanes position_gram_00 = inv_a_00 * t10 + inv_a_01 * t11 + inv_a_02 * t12 - t1 * t13 - t2 * t14 - t3 * t15;
+    const krhpr_lanes position_gram_01 = inv_a_10 * t10 + inv_a_11 * t11 + inv_a_12 * t12 - t4 * t13 - t5 * t14 - t6 * t15;
+    const krhpr_lanes position_gram_02 = inv_n_00 * t13 + inv_n_01 * t14 + inv_n_02 * t15;
+    const krhpr_lanes t16 = inv_a_10 * (reach[0] * inv_a_10 - reach[1] * t4) + inv_a_11 * (reach[3] * inv_a_11 - reach[4] * t5);
+    const krhpr_lanes t17 = reach[1] * inv_a_10 - reach[2] * t4;
+    const krhpr_lanes t18 = reach[4] * inv_a_11 - reach[5] * t5;
+    const krhpr_lanes t19 = reach[7] * inv_a_12 - reach[8] * t6;
+    const krhpr_lanes position_gram_11 = t16 + inv_a_12 * (reach[6] * inv_a_12 - reach[7] * t6) - t4 * t17 - t5 * t18 - t6 * t19;
+    const krhpr_lanes position_gram_12 = inv_n_00 * t17 + inv_n_01 * t18 + inv_n_02 * t19;
+    const krhpr_lanes position_gram_22 = reach[2] * (inv_n_00 * inv_n_00) + reach[5] * (inv_n_01 * inv_n_01) + reach[8] * (inv_n_02 * inv_n_02);
+    const krhpr_lanes rotation_gram_00 = reach[2] * (inv_n_10 * inv_n_10) + reach[5] * (inv_n_11 * inv_n_11) + reach[8] * (inv_n_12 * inv_n_12);
+    const krhpr_lanes rotation_gram_01 = reach[2] * (inv_n_10 * inv_n_20) + reach[5] * (inv_n_11 * inv_n_21) + reach[8] * (inv_n_12 * inv_n_22);
+    const krhpr_lanes t20 = reach[1] * (inv_n_10 * inv_a_20) + reach[4] * (inv_n_11 * inv_a_21) + reach[7] * (inv_n_12 * inv_a_22);
+    const krhpr_lanes rotation_gram_02 = t20 - t7 * (reach[2] * inv_n_10) - t8 * (reach[5] * inv_n_11) - t9 * (reach[8] * inv_n_12);
+    const krhpr_lanes rotation_gram_11 = reach[2] * (inv_n_20 * inv_n_20) + reach[5] * (inv_n_21 * inv_n_21) + reach[8] * (inv_n_22 * inv_n_22);
+    const krhpr_lanes t21 = reach[1] * (inv_n_20 * inv_a_20) + reach[4] * (inv_n_21 * inv_a_21) + reach[7] * (inv_n_22 * inv_a_22);
+    const krhpr_lanes rotation_gram_12 = t21 - t7 * (reach[2] * inv_n_20) - t8 * (reach[5] * inv_n_21) - t9 * (reach[8] * inv_n_22);
+    const krhpr_lanes t22 = inv_a_20 * (reach[0] * inv_a_20 - reach[1] * t7) + inv_a_21 * (reach[3] * inv_a_21 - reach[4] * t8);
+    const krhpr_lanes t23 = t22 + inv_a_22 * (reach[6] * inv_a_22 - reach[7] * t9) - t7 * (reach[1] * inv_a_20 - reach[2] * t7);
+    const krhpr_lanes rotation_gram_22 = t23 - t8 * (reach[4] * inv_a_21 - reach[5] * t8) - t9 * (reach[7] * inv_a_22 - reach[8] * t9);
+    const krhpr_lanes d2_0 = line[0] * line[0] + line[1] * line[1];
+    const krhpr_lanes d2_1 = line[6] * line[6] + line[7] * line[7];
+    const krhpr_lanes d2_2 = line[12] * line[12] + line[13] * line[13];
+    const krhpr_lanes t24 = point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
+    const krhpr_lanes size = t24 + point[4] * point[4] + point[5] * point[5]; /* sum of |S_i - O'|^2 */
+    position_gram[0] = position_gram_00;
+    position_gram[1] = position_gram_01;
+    position_gram[2] = position_gram_02;
+    position_gram[3] = position_gram_01;
+    position_gram[4] = position_gram_11;
+    position_gram[5] = position_gram_12;
+    position_gram[6] = position_gram_02;
+    position_gram[7] = position_gram_12;
+    position_gram[8] = position_gram_22;
+    rotation_gram[0] = rotation_gram_00;
+    rotation_gram[1] = rotation_gram_01;
+    rotation_gram[2] = rotation_gram_02;
+    rotation_gram[3] = rotation_gram_01;
+    rotation_gram[4] = rotation_gram_11;
+    rotation_gram[5] = rotation_gram_12;
+    rotation_gram[6] = rotation_gram_02;
+    rotation_gram[7] = rotation_gram_12;
+    rotation_gram[8] = rotation_gram_22;
+    regularity[0] = det_a * det_a / (size * (d2_2 * (d2_0 * d2_1)));
+    regularity[1] = det_n * det_n / (size * size);
+}
+
 /* How the leg holds the platform, for the forward kinematics.  (no operations) */
 KRHPR_INLINE void krhpr_platform_spatial_a_tie_lanes(
     const krhpr_platform_spatial_a_geometry *g, int i, krhpr_lanes_at *KRHPR_RESTRICT anchor,

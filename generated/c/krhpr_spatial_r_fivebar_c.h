@@ -394,6 +394,39 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_type_2_of_redundant(
     const krhpr_spatial_r_fivebar_c_geometry *g, const double redundant[3], double *KRHPR_RESTRICT type_2,
     double *KRHPR_RESTRICT margins);
 
+/* The performance indices: 2-norms of both parts of U = J^-1 K, and condition numbers.  They have a kink
+ * where a largest singular value is a double one.  Thesis: 1.8, 4.2.2, (1.50) to (1.52).
+ *   in     p (3, m, base frame): position of O'
+ *   in     Q (3 x 3, base frame): orientation, base from platform
+ *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
+ *   in     theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
+ *   out    eta_1 (scalar, m): 2-norm of the position part of U: displacement per radian, or
+ *          `characteristic_length`, of the actuators
+ *   out    eta_2 (scalar): 2-norm of the rotation part of U: rotation for the same
+ *   out    eta_3 (scalar): condition number of J_1 = diag(M_1, M_2, M_3), (1.52)
+ *   out    condition (3): condition numbers of M_i
+ */
+KRHPR_API int krhpr_spatial_r_fivebar_c_indices(
+    const krhpr_spatial_r_fivebar_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT eta_1, double *KRHPR_RESTRICT eta_2,
+    double *KRHPR_RESTRICT eta_3, double *KRHPR_RESTRICT condition);
+
+/* Upper bounds of the performance indices with all derivatives: Schatten norms of order 16, at most 7.2 %
+ * above eta_1 and eta_2, and 32 % above eta_3.  Thesis: 1.8, 4.2.2, (1.50) to (1.52).
+ *   in     p (3, m, base frame): position of O'
+ *   in     Q (3 x 3, base frame): orientation, base from platform
+ *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
+ *   in     theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
+ *   out    eta_1 (scalar, m): bound of the 2-norm of the position part of U: displacement per radian, or
+ *          `characteristic_length`, of the actuators
+ *   out    eta_2 (scalar): bound of the 2-norm of the rotation part of U: rotation for the same
+ *   out    eta_3 (scalar): bound of the condition number of J_1 = diag(M_1, M_2, M_3), (1.52)
+ */
+KRHPR_API int krhpr_spatial_r_fivebar_c_index_bounds(
+    const krhpr_spatial_r_fivebar_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT eta_1, double *KRHPR_RESTRICT eta_2,
+    double *KRHPR_RESTRICT eta_3);
+
 /* Every pose of the platform that holds the end points of the sub-legs, with its redundant coordinates:
  * two, in closed form, with opposite det J, first the one whose first margin is positive.  Thesis: 3.6; 3.2
  * for arrangement (a).
@@ -714,6 +747,22 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_type_2_of_redundant_batch(
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
 KRHPR_API int krhpr_spatial_r_fivebar_c_type_2_of_redundant_soa(
+    const krhpr_spatial_r_fivebar_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* indices: in = p (3), Q (9), s (9), theta (9); out = eta_1 (1), eta_2 (1), eta_3 (1), condition (3). */
+KRHPR_API int krhpr_spatial_r_fivebar_c_indices_batch(
+    const krhpr_spatial_r_fivebar_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_r_fivebar_c_indices_soa(
+    const krhpr_spatial_r_fivebar_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* index_bounds: in = p (3), Q (9), s (9), theta (9); out = eta_1 (1), eta_2 (1), eta_3 (1). */
+KRHPR_API int krhpr_spatial_r_fivebar_c_index_bounds_batch(
+    const krhpr_spatial_r_fivebar_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_r_fivebar_c_index_bounds_soa(
     const krhpr_spatial_r_fivebar_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 /* forward_all: in = s (9), turned (1); out = p (6), Q (18), redundant (6), det_J (2), count (1). */

@@ -2649,6 +2649,311 @@ KRHPR_API int krhpr_spatial_tripteron_c_type_2_of_redundant_soa(
 }
 #endif
 
+/* indices of KRHPR_LANES poses side by side. */
+KRHPR_OUTLINE void krhpr_spatial_tripteron_c_indices_lanes(
+    const krhpr_spatial_tripteron_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at characteristic_length[1],
+    krhpr_lanes_at *KRHPR_RESTRICT eta_1, krhpr_lanes_at *KRHPR_RESTRICT eta_2,
+    krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_lanes_at *KRHPR_RESTRICT condition, krhpr_ints *answer)
+{
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
+        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(characteristic_length, 1);
+    krhpr_lanes line[18];
+    krhpr_lanes point[6];
+    krhpr_lanes reach[9];
+    krhpr_lanes largest[3];
+    krhpr_lanes smallest[3];
+    krhpr_lanes position_gram[9];
+    krhpr_lanes rotation_gram[9];
+    krhpr_lanes det_regularity[2];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_lanes N[6];
+        krhpr_lanes scale[2];
+        krhpr_lanes rho[3];
+        krhpr_lanes gram[9];
+        krhpr_lanes cofactors[9];
+        krhpr_lanes square;
+        krhpr_platform_spatial_c_line_lanes(
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
+        krhpr_subleg_tripteron_gram_lanes(
+            &g->subleg, i, characteristic_length[0], N, gram, cofactors, &square, reach + 3 * i);
+        krhpr_algebra_spatial_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i], &condition[i]);
+    }
+    krhpr_platform_spatial_c_sensitivity_lanes(
+        line, point, reach, position_gram, rotation_gram, det_regularity);
+    krhpr_algebra_spatial_norms_lanes(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
+    status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);
+    const krhpr_ints valid = krhpr_is_ok(status);
+    krhpr_poses_keep(valid, eta_1, 1);
+    krhpr_poses_keep(valid, eta_2, 1);
+    krhpr_poses_keep(valid, eta_3, 1);
+    krhpr_poses_keep(valid, condition, 3);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, eta_1, 1);
+    krhpr_poses_keep(finite, eta_2, 1);
+    krhpr_poses_keep(finite, eta_3, 1);
+    krhpr_poses_keep(finite, condition, 3);
+}
+
+KRHPR_API int krhpr_spatial_tripteron_c_indices_batch(
+    const krhpr_spatial_tripteron_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+        const int here = krhpr_poses_here(count - (size_t)k);
+        krhpr_ints answer;
+        krhpr_lanes p_lanes[3];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes Q_lanes[9];
+        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes characteristic_length_lanes[1];
+        krhpr_poses_load(characteristic_length_lanes, in[4] + k * in_step[4], in_step[4], 1, here);
+        krhpr_lanes eta_1_lanes[1];
+        krhpr_lanes eta_2_lanes[1];
+        krhpr_lanes eta_3_lanes[1];
+        krhpr_lanes condition_lanes[3];
+        krhpr_spatial_tripteron_c_indices_lanes(
+            g, p_lanes, Q_lanes, s_lanes, theta_lanes, characteristic_length_lanes, eta_1_lanes,
+            eta_2_lanes, eta_3_lanes, condition_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
+        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
+        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+    }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_tripteron_c_indices(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], *(in[4] + k * in_step[4]), out[0] + k * out_step[0],
+            out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+#ifndef KRHPR_WITHOUT_SOA
+KRHPR_API int krhpr_spatial_tripteron_c_indices_soa(
+    const krhpr_spatial_tripteron_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[3];
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes Q_room[9];
+            const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            krhpr_lanes theta_room[9];
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            krhpr_lanes characteristic_length_room[1];
+            const krhpr_lanes_at *const characteristic_length_lanes = krhpr_poses_in(characteristic_length_room, in[4] + b * in_step[4] + k, row, 1, here);
+            krhpr_lanes eta_1_room[1];
+            double *const eta_1_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const eta_1_lanes = krhpr_poses_out(eta_1_room, eta_1_at, row, here);
+            krhpr_lanes eta_2_room[1];
+            double *const eta_2_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const eta_2_lanes = krhpr_poses_out(eta_2_room, eta_2_at, row, here);
+            krhpr_lanes eta_3_room[1];
+            double *const eta_3_at = out[2] + b * out_step[2] + k;
+            krhpr_lanes_at *const eta_3_lanes = krhpr_poses_out(eta_3_room, eta_3_at, row, here);
+            krhpr_lanes condition_room[3];
+            double *const condition_at = out[3] + b * out_step[3] + k;
+            krhpr_lanes_at *const condition_lanes = krhpr_poses_out(condition_room, condition_at, row, here);
+            krhpr_spatial_tripteron_c_indices_lanes(
+                g, p_lanes, Q_lanes, s_lanes, theta_lanes, characteristic_length_lanes, eta_1_lanes,
+                eta_2_lanes, eta_3_lanes, condition_lanes, &answer);
+            krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
+            krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
+            krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
+            krhpr_poses_done(condition_room, condition_at, row, 3, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+#endif
+
+/* index_bounds of KRHPR_LANES poses side by side. */
+KRHPR_OUTLINE void krhpr_spatial_tripteron_c_index_bounds_lanes(
+    const krhpr_spatial_tripteron_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at characteristic_length[1],
+    krhpr_lanes_at *KRHPR_RESTRICT eta_1, krhpr_lanes_at *KRHPR_RESTRICT eta_2,
+    krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_ints *answer)
+{
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
+        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(characteristic_length, 1);
+    krhpr_lanes line[18];
+    krhpr_lanes point[6];
+    krhpr_lanes reach[9];
+    krhpr_lanes largest[3];
+    krhpr_lanes smallest[3];
+    krhpr_lanes position_gram[9];
+    krhpr_lanes rotation_gram[9];
+    krhpr_lanes det_regularity[2];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_lanes N[6];
+        krhpr_lanes scale[2];
+        krhpr_lanes rho[3];
+        krhpr_lanes gram[9];
+        krhpr_lanes cofactors[9];
+        krhpr_lanes square;
+        krhpr_platform_spatial_c_line_lanes(
+            &g->platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
+        krhpr_subleg_tripteron_gram_lanes(
+            &g->subleg, i, characteristic_length[0], N, gram, cofactors, &square, reach + 3 * i);
+        krhpr_algebra_spatial_spread_bound_lanes(gram, cofactors, square, &largest[i], &smallest[i]);
+    }
+    krhpr_platform_spatial_c_sensitivity_lanes(
+        line, point, reach, position_gram, rotation_gram, det_regularity);
+    krhpr_algebra_spatial_norm_bounds_lanes(
+        position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
+    status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);
+    const krhpr_ints valid = krhpr_is_ok(status);
+    krhpr_poses_keep(valid, eta_1, 1);
+    krhpr_poses_keep(valid, eta_2, 1);
+    krhpr_poses_keep(valid, eta_3, 1);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, eta_1, 1);
+    krhpr_poses_keep(finite, eta_2, 1);
+    krhpr_poses_keep(finite, eta_3, 1);
+}
+
+KRHPR_API int krhpr_spatial_tripteron_c_index_bounds_batch(
+    const krhpr_spatial_tripteron_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+        const int here = krhpr_poses_here(count - (size_t)k);
+        krhpr_ints answer;
+        krhpr_lanes p_lanes[3];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes Q_lanes[9];
+        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes characteristic_length_lanes[1];
+        krhpr_poses_load(characteristic_length_lanes, in[4] + k * in_step[4], in_step[4], 1, here);
+        krhpr_lanes eta_1_lanes[1];
+        krhpr_lanes eta_2_lanes[1];
+        krhpr_lanes eta_3_lanes[1];
+        krhpr_spatial_tripteron_c_index_bounds_lanes(
+            g, p_lanes, Q_lanes, s_lanes, theta_lanes, characteristic_length_lanes, eta_1_lanes,
+            eta_2_lanes, eta_3_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
+        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+    }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_tripteron_c_index_bounds(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], *(in[4] + k * in_step[4]), out[0] + k * out_step[0],
+            out[1] + k * out_step[1], out[2] + k * out_step[2]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+#ifndef KRHPR_WITHOUT_SOA
+KRHPR_API int krhpr_spatial_tripteron_c_index_bounds_soa(
+    const krhpr_spatial_tripteron_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[3];
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes Q_room[9];
+            const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            krhpr_lanes theta_room[9];
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            krhpr_lanes characteristic_length_room[1];
+            const krhpr_lanes_at *const characteristic_length_lanes = krhpr_poses_in(characteristic_length_room, in[4] + b * in_step[4] + k, row, 1, here);
+            krhpr_lanes eta_1_room[1];
+            double *const eta_1_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const eta_1_lanes = krhpr_poses_out(eta_1_room, eta_1_at, row, here);
+            krhpr_lanes eta_2_room[1];
+            double *const eta_2_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const eta_2_lanes = krhpr_poses_out(eta_2_room, eta_2_at, row, here);
+            krhpr_lanes eta_3_room[1];
+            double *const eta_3_at = out[2] + b * out_step[2] + k;
+            krhpr_lanes_at *const eta_3_lanes = krhpr_poses_out(eta_3_room, eta_3_at, row, here);
+            krhpr_spatial_tripteron_c_index_bounds_lanes(
+                g, p_lanes, Q_lanes, s_lanes, theta_lanes, characteristic_length_lanes, eta_1_lanes,
+                eta_2_lanes, eta_3_lanes, &answer);
+            krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
+            krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
+            krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+#endif
+
 /* forward_all of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_tripteron_c_forward_all_lanes(
     const krhpr_spatial_tripteron_c_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at turned[1],

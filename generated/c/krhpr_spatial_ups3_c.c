@@ -975,6 +975,165 @@ KRHPR_API int krhpr_spatial_ups3_c_type_2_of_redundant(
     return status;
 }
 
+KRHPR_API int krhpr_spatial_ups3_c_indices(
+    const krhpr_spatial_ups3_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double characteristic_length, double *KRHPR_RESTRICT eta_1,
+    double *KRHPR_RESTRICT eta_2, double *KRHPR_RESTRICT eta_3, double *KRHPR_RESTRICT condition)
+{
+    int status = KRHPR_OK;
+    double line[18];
+    double point[6];
+    double reach[9];
+    double regularity[3];
+    double largest[3];
+    double smallest[3];
+    double position_gram[9];
+    double rotation_gram[9];
+    double det_regularity[2];
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(&characteristic_length, 1))) {
+        krhpr_fill_nan(eta_1, 1);
+        krhpr_fill_nan(eta_2, 1);
+        krhpr_fill_nan(eta_3, 1);
+        krhpr_fill_nan(condition, 3);
+        return KRHPR_INVALID_INPUT;
+    }
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes w_legs[9];
+        krhpr_lanes b_legs[3];
+        krhpr_lanes gram_legs[9];
+        krhpr_lanes cofactors_legs[9];
+        krhpr_lanes square_legs[1];
+        krhpr_lanes reach_legs[3];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes largest_legs[1];
+        krhpr_lanes smallest_legs[1];
+        krhpr_lanes condition_legs[1];
+        krhpr_platform_spatial_c_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_subleg_ups3_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs);
+        krhpr_subleg_ups3_gram_lanes(
+            &g->subleg, i, w_legs, b_legs, characteristic_length_legs[0], N_legs, gram_legs, cofactors_legs,
+            square_legs, reach_legs, regularity_legs);
+        krhpr_algebra_spatial_spread_lanes(
+            gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, condition_legs);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(reach, 3, reach_legs, 3, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
+        krhpr_legs_store(largest, 1, largest_legs, 1, i);
+        krhpr_legs_store(smallest, 1, smallest_legs, 1, i);
+        krhpr_legs_store(condition, 1, condition_legs, 1, i);
+    }
+    krhpr_platform_spatial_c_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
+    krhpr_algebra_spatial_norms(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
+    for (int i = 0; i < 3; ++i) {
+        if (!(regularity[i] >= 1e-12)) {
+            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            krhpr_fill_nan(condition + 1 * i, 1);
+        }
+    }
+    if (!(det_regularity[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
+    if (!(det_regularity[1] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
+    }
+    if (status != KRHPR_OK) {
+        krhpr_fill_nan(eta_1, 1);
+        krhpr_fill_nan(eta_2, 1);
+        krhpr_fill_nan(eta_3, 1);
+        krhpr_fill_nan(condition, 3);
+    }
+    return status;
+}
+
+KRHPR_API int krhpr_spatial_ups3_c_index_bounds(
+    const krhpr_spatial_ups3_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double characteristic_length, double *KRHPR_RESTRICT eta_1,
+    double *KRHPR_RESTRICT eta_2, double *KRHPR_RESTRICT eta_3)
+{
+    int status = KRHPR_OK;
+    double line[18];
+    double point[6];
+    double reach[9];
+    double regularity[3];
+    double largest[3];
+    double smallest[3];
+    double position_gram[9];
+    double rotation_gram[9];
+    double det_regularity[2];
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
+          krhpr_taint(&characteristic_length, 1))) {
+        krhpr_fill_nan(eta_1, 1);
+        krhpr_fill_nan(eta_2, 1);
+        krhpr_fill_nan(eta_3, 1);
+        return KRHPR_INVALID_INPUT;
+    }
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes scale_legs[2];
+        krhpr_lanes w_legs[9];
+        krhpr_lanes b_legs[3];
+        krhpr_lanes gram_legs[9];
+        krhpr_lanes cofactors_legs[9];
+        krhpr_lanes square_legs[1];
+        krhpr_lanes reach_legs[3];
+        krhpr_lanes regularity_legs[1];
+        krhpr_lanes largest_legs[1];
+        krhpr_lanes smallest_legs[1];
+        krhpr_platform_spatial_c_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
+        krhpr_subleg_ups3_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs);
+        krhpr_subleg_ups3_gram_lanes(
+            &g->subleg, i, w_legs, b_legs, characteristic_length_legs[0], N_legs, gram_legs, cofactors_legs,
+            square_legs, reach_legs, regularity_legs);
+        krhpr_algebra_spatial_spread_bound_lanes(
+            gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs);
+        krhpr_legs_store(line, 6, line_legs, 6, i);
+        krhpr_legs_store(point, 2, point_legs, 2, i);
+        krhpr_legs_store(reach, 3, reach_legs, 3, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
+        krhpr_legs_store(largest, 1, largest_legs, 1, i);
+        krhpr_legs_store(smallest, 1, smallest_legs, 1, i);
+    }
+    krhpr_platform_spatial_c_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
+    krhpr_algebra_spatial_norm_bounds(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
+    for (int i = 0; i < 3; ++i) {
+        if (!(regularity[i] >= 1e-12)) {
+            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+        }
+    }
+    if (!(det_regularity[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
+    }
+    if (!(det_regularity[1] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_SINGULAR_NORMAL : status;
+    }
+    if (status != KRHPR_OK) {
+        krhpr_fill_nan(eta_1, 1);
+        krhpr_fill_nan(eta_2, 1);
+        krhpr_fill_nan(eta_3, 1);
+    }
+    return status;
+}
+
 KRHPR_API int krhpr_spatial_ups3_c_forward_all(
     const krhpr_spatial_ups3_c_geometry *g, const double s[9], double turned, double *KRHPR_RESTRICT p,
     double *KRHPR_RESTRICT Q, double *KRHPR_RESTRICT redundant, double *KRHPR_RESTRICT det_J,

@@ -472,6 +472,50 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_determinant(
     factors[2] = delta * g->k[10][i];
 }
 
+/* Squares of M_i of the (RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide count by
+ * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (20 add, 30 multiply, 1 divide, 1
+ * select) */
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_gram(
+    const krhpr_subleg_planar_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
+    const double u_2[2], const double N[2], double *KRHPR_RESTRICT gram, double *KRHPR_RESTRICT cofactors,
+    double *KRHPR_RESTRICT square, double *KRHPR_RESTRICT reach, double *KRHPR_RESTRICT regularity)
+{
+    const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
+    const double v_1_1 = d[1] - u_1[1];
+    const double v_2_0 = u_1[0] + v_1_0 - g->o_12[0][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 - g->o_12[1][i] - u_2[1];
+    const double t1 = u_1[0] * v_1_1;
+    const double t2 = u_1[1] * v_1_0;
+    const double b_22 = t1 - t2; /* v_1^T (e_2 x u_1) */
+    const double t3 = u_2[0] * v_2_1;
+    const double t4 = u_2[1] * v_2_0;
+    const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
+    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
+    const double t5 = 1.0 / delta;
+    const double m_00 = v_2_1 * b_22 * t5; /* A^-1 B in the leg's frame */
+    const double m_01 = t5 * (v_1_1 * (t4 - t3));
+    const double m_10 = t5 * (v_2_0 * (t2 - t1));
+    const double m_11 = t5 * (v_1_0 * b_33);
+    const double g_00 = m_00 * m_00 + m_01 * m_01; /* M M^T */
+    const double g_01 = m_00 * m_10 + m_01 * m_11;
+    const double g_11 = m_10 * m_10 + m_11 * m_11;
+    const double k_00 = m_00 * N[0] + m_10 * N[1]; /* the leg's block of K */
+    const double k_01 = m_01 * N[0] + m_11 * N[1];
+    const double det_M = m_00 * m_11 - m_01 * m_10;
+    const double cofactors_01 = -g_01;
+    gram[0] = g_00;
+    gram[1] = g_01;
+    gram[2] = g_01;
+    gram[3] = g_11;
+    cofactors[0] = g_11;
+    cofactors[1] = cofactors_01;
+    cofactors[2] = cofactors_01;
+    cofactors[3] = g_00;
+    *square = det_M * det_M;
+    reach[0] = k_00 * k_00 + k_01 * k_01;
+    *regularity = fabs(delta * g->k[10][i]);
+}
+
 /* Passive joints of the (RR-RRR) sub-leg and the orientation of its last link.  (14 add, 14 multiply) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_passive(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const double d[2], const double u_1[2],

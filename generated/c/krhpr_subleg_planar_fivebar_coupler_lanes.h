@@ -588,6 +588,59 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_determinant_lanes(
     factors[2] = delta * g_k_14;
 }
 
+/* Squares of M_i of the (RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide count by
+ * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (23 add, 40 multiply, 1 divide, 1
+ * select) */
+KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_gram_lanes(
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at d[2],
+    const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2], const krhpr_lanes_at N[2],
+    krhpr_lanes_at *KRHPR_RESTRICT gram, krhpr_lanes_at *KRHPR_RESTRICT cofactors,
+    krhpr_lanes_at *KRHPR_RESTRICT square, krhpr_lanes_at *KRHPR_RESTRICT reach,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
+{
+    const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
+    const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
+    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
+    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
+    const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
+    const krhpr_lanes v_1_1 = d[1] - u_1[1];
+    const krhpr_lanes t1 = v_1_0 * g_k_7;
+    const krhpr_lanes v_2_0 = u_1[0] + t1 - g_o_12_0 - u_2[0]; /* (1.15) */
+    const krhpr_lanes t2 = v_1_1 * g_k_7;
+    const krhpr_lanes v_2_1 = u_1[1] + t2 - g_o_12_1 - u_2[1]; /* (1.15) */
+    const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
+    const krhpr_lanes b_32 = g_k_13 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const krhpr_lanes t3 = u_2[0] * v_2_1;
+    const krhpr_lanes t4 = u_2[1] * v_2_0;
+    const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
+    const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes t5 = g_k_7 * b_22;
+    const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
+    const krhpr_lanes m_00 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_01 = t6 * (v_1_1 * (t4 - t3));
+    const krhpr_lanes m_10 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
+    const krhpr_lanes m_11 = t6 * (v_1_0 * b_33);
+    const krhpr_lanes g_00 = m_00 * m_00 + m_01 * m_01; /* M M^T */
+    const krhpr_lanes g_01 = m_00 * m_10 + m_01 * m_11;
+    const krhpr_lanes g_11 = m_10 * m_10 + m_11 * m_11;
+    const krhpr_lanes k_00 = m_00 * N[0] + m_10 * N[1]; /* the leg's block of K */
+    const krhpr_lanes k_01 = m_01 * N[0] + m_11 * N[1];
+    const krhpr_lanes det_M = m_00 * m_11 - m_01 * m_10;
+    const krhpr_lanes cofactors_01 = -g_01;
+    gram[0] = g_00;
+    gram[1] = g_01;
+    gram[2] = g_01;
+    gram[3] = g_11;
+    cofactors[0] = g_11;
+    cofactors[1] = cofactors_01;
+    cofactors[2] = cofactors_01;
+    cofactors[3] = g_00;
+    *square = det_M * det_M;
+    reach[0] = k_00 * k_00 + k_01 * k_01;
+    *regularity = krhpr_lanes_fabs(delta * g_k_14);
+}
+
 /* Passive joints of the (RR-RRR) sub-leg and the orientation of its last link.  (14 add, 16 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_passive_lanes(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at d[2],

@@ -176,6 +176,36 @@ KRHPR_STATIC void krhpr_subleg_planar_pp_determinant(
     factors[0] = g->k[2][i];
 }
 
+/* Squares of M_i of the PP sub-leg, in its own frame, for the indices: actuators that slide count by their
+ * displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (7 add, 19 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_pp_gram(
+    const krhpr_subleg_planar_pp_geometry *g, int i, double characteristic_length, const double N[2],
+    double *KRHPR_RESTRICT gram, double *KRHPR_RESTRICT cofactors, double *KRHPR_RESTRICT square,
+    double *KRHPR_RESTRICT reach)
+{
+    const double m_l_00 = g->e_1[0][i] * characteristic_length; /* slides over the length */
+    const double m_l_01 = g->e_2[0][i] * characteristic_length;
+    const double m_l_10 = g->e_1[1][i] * characteristic_length;
+    const double m_l_11 = g->e_2[1][i] * characteristic_length;
+    const double g_00 = m_l_00 * m_l_00 + m_l_01 * m_l_01; /* M M^T */
+    const double g_01 = m_l_00 * m_l_10 + m_l_01 * m_l_11;
+    const double g_11 = m_l_10 * m_l_10 + m_l_11 * m_l_11;
+    const double k_00 = m_l_00 * N[0] + m_l_10 * N[1]; /* the leg's block of K */
+    const double k_01 = m_l_01 * N[0] + m_l_11 * N[1];
+    const double det_M = m_l_00 * m_l_11 - m_l_01 * m_l_10;
+    const double cofactors_01 = -g_01;
+    gram[0] = g_00;
+    gram[1] = g_01;
+    gram[2] = g_01;
+    gram[3] = g_11;
+    cofactors[0] = g_11;
+    cofactors[1] = cofactors_01;
+    cofactors[2] = cofactors_01;
+    cofactors[3] = g_00;
+    *square = det_M * det_M;
+    reach[0] = k_00 * k_00 + k_01 * k_01;
+}
+
 /* Passive joints of the PP sub-leg and the orientation of its last link.  (no operations) */
 KRHPR_STATIC void krhpr_subleg_planar_pp_passive(
     const krhpr_subleg_planar_pp_geometry *g, int i, double *KRHPR_RESTRICT link)

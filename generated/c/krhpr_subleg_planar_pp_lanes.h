@@ -195,6 +195,40 @@ KRHPR_INLINE void krhpr_subleg_planar_pp_determinant_lanes(
     factors[0] = g_k_2;
 }
 
+/* Squares of M_i of the PP sub-leg, in its own frame, for the indices: actuators that slide count by their
+ * displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (7 add, 19 multiply) */
+KRHPR_INLINE void krhpr_subleg_planar_pp_gram_lanes(
+    const krhpr_subleg_planar_pp_geometry *g, int i, krhpr_lanes characteristic_length,
+    const krhpr_lanes_at N[2], krhpr_lanes_at *KRHPR_RESTRICT gram, krhpr_lanes_at *KRHPR_RESTRICT cofactors,
+    krhpr_lanes_at *KRHPR_RESTRICT square, krhpr_lanes_at *KRHPR_RESTRICT reach)
+{
+    const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
+    const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
+    const krhpr_lanes g_e_2_0 = krhpr_of_leg(g->e_2[0], i);
+    const krhpr_lanes g_e_2_1 = krhpr_of_leg(g->e_2[1], i);
+    const krhpr_lanes m_l_00 = g_e_1_0 * characteristic_length; /* slides over the length */
+    const krhpr_lanes m_l_01 = g_e_2_0 * characteristic_length;
+    const krhpr_lanes m_l_10 = g_e_1_1 * characteristic_length;
+    const krhpr_lanes m_l_11 = g_e_2_1 * characteristic_length;
+    const krhpr_lanes g_00 = m_l_00 * m_l_00 + m_l_01 * m_l_01; /* M M^T */
+    const krhpr_lanes g_01 = m_l_00 * m_l_10 + m_l_01 * m_l_11;
+    const krhpr_lanes g_11 = m_l_10 * m_l_10 + m_l_11 * m_l_11;
+    const krhpr_lanes k_00 = m_l_00 * N[0] + m_l_10 * N[1]; /* the leg's block of K */
+    const krhpr_lanes k_01 = m_l_01 * N[0] + m_l_11 * N[1];
+    const krhpr_lanes det_M = m_l_00 * m_l_11 - m_l_01 * m_l_10;
+    const krhpr_lanes cofactors_01 = -g_01;
+    gram[0] = g_00;
+    gram[1] = g_01;
+    gram[2] = g_01;
+    gram[3] = g_11;
+    cofactors[0] = g_11;
+    cofactors[1] = cofactors_01;
+    cofactors[2] = cofactors_01;
+    cofactors[3] = g_00;
+    *square = det_M * det_M;
+    reach[0] = k_00 * k_00 + k_01 * k_01;
+}
+
 /* Passive joints of the PP sub-leg and the orientation of its last link.  (no operations) */
 KRHPR_INLINE void krhpr_subleg_planar_pp_passive_lanes(
     const krhpr_subleg_planar_pp_geometry *g, int i, krhpr_lanes_at *KRHPR_RESTRICT link)

@@ -213,6 +213,36 @@ KRHPR_STATIC void krhpr_subleg_planar_pr_determinant(
     factors[0] = along * g->k[1][i];
 }
 
+/* Squares of M_i of the PR sub-leg, in its own frame, for the indices: actuators that slide count by their
+ * displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (8 add, 17 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_pr_gram(
+    const krhpr_subleg_planar_pr_geometry *g, int i, const double u[2], double characteristic_length,
+    const double N[2], double *KRHPR_RESTRICT gram, double *KRHPR_RESTRICT cofactors,
+    double *KRHPR_RESTRICT square, double *KRHPR_RESTRICT reach)
+{
+    const double m_l_00 = g->e_1[0][i] * characteristic_length; /* slides over the length */
+    const double m_l_10 = g->e_1[1][i] * characteristic_length;
+    const double g_00 = u[1] * u[1] + m_l_00 * m_l_00; /* M M^T */
+    const double t1 = u[0] * u[1];
+    const double t2 = m_l_00 * m_l_10;
+    const double g_01 = t2 - t1; /* M M^T */
+    const double g_11 = m_l_10 * m_l_10 + u[0] * u[0];
+    const double k_00 = m_l_00 * N[0] + m_l_10 * N[1]; /* the leg's block of K */
+    const double k_01 = u[0] * N[1] - u[1] * N[0];
+    const double det_M = u[1] * m_l_10 + u[0] * m_l_00;
+    const double cofactors_01 = t1 - t2;
+    gram[0] = g_00;
+    gram[1] = g_01;
+    gram[2] = g_01;
+    gram[3] = g_11;
+    cofactors[0] = g_11;
+    cofactors[1] = cofactors_01;
+    cofactors[2] = cofactors_01;
+    cofactors[3] = g_00;
+    *square = det_M * det_M;
+    reach[0] = k_00 * k_00 + k_01 * k_01;
+}
+
 /* Passive joints of the PR sub-leg and the orientation of its last link.  (2 multiply) */
 KRHPR_STATIC void krhpr_subleg_planar_pr_passive(
     const krhpr_subleg_planar_pr_geometry *g, int i, const double u[2], double *KRHPR_RESTRICT link)

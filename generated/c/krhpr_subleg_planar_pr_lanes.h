@@ -232,6 +232,39 @@ KRHPR_INLINE void krhpr_subleg_planar_pr_determinant_lanes(
     factors[0] = along * g_k_1;
 }
 
+/* Squares of M_i of the PR sub-leg, in its own frame, for the indices: actuators that slide count by their
+ * displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (8 add, 17 multiply) */
+KRHPR_INLINE void krhpr_subleg_planar_pr_gram_lanes(
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes_at u[2],
+    krhpr_lanes characteristic_length, const krhpr_lanes_at N[2], krhpr_lanes_at *KRHPR_RESTRICT gram,
+    krhpr_lanes_at *KRHPR_RESTRICT cofactors, krhpr_lanes_at *KRHPR_RESTRICT square,
+    krhpr_lanes_at *KRHPR_RESTRICT reach)
+{
+    const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
+    const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
+    const krhpr_lanes m_l_00 = g_e_1_0 * characteristic_length; /* slides over the length */
+    const krhpr_lanes m_l_10 = g_e_1_1 * characteristic_length;
+    const krhpr_lanes g_00 = u[1] * u[1] + m_l_00 * m_l_00; /* M M^T */
+    const krhpr_lanes t1 = u[0] * u[1];
+    const krhpr_lanes t2 = m_l_00 * m_l_10;
+    const krhpr_lanes g_01 = t2 - t1; /* M M^T */
+    const krhpr_lanes g_11 = m_l_10 * m_l_10 + u[0] * u[0];
+    const krhpr_lanes k_00 = m_l_00 * N[0] + m_l_10 * N[1]; /* the leg's block of K */
+    const krhpr_lanes k_01 = u[0] * N[1] - u[1] * N[0];
+    const krhpr_lanes det_M = u[1] * m_l_10 + u[0] * m_l_00;
+    const krhpr_lanes cofactors_01 = t1 - t2;
+    gram[0] = g_00;
+    gram[1] = g_01;
+    gram[2] = g_01;
+    gram[3] = g_11;
+    cofactors[0] = g_11;
+    cofactors[1] = cofactors_01;
+    cofactors[2] = cofactors_01;
+    cofactors[3] = g_00;
+    *square = det_M * det_M;
+    reach[0] = k_00 * k_00 + k_01 * k_01;
+}
+
 /* Passive joints of the PR sub-leg and the orientation of its last link.  (2 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_pr_passive_lanes(
     const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_lanes_at u[2],

@@ -356,6 +356,43 @@ KRHPR_STATIC void krhpr_subleg_planar_prr2_determinant(
     factors[2] = volume * g->k[4][i];
 }
 
+/* Squares of M_i of the (2-PRR) sub-leg, in its own frame, for the indices: actuators that slide count by
+ * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (8 add, 30 multiply, 1 divide, 1
+ * select) */
+KRHPR_STATIC void krhpr_subleg_planar_prr2_gram(
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const double w[4], const double b[2],
+    double characteristic_length, const double N[2], double *KRHPR_RESTRICT gram,
+    double *KRHPR_RESTRICT cofactors, double *KRHPR_RESTRICT square, double *KRHPR_RESTRICT reach,
+    double *KRHPR_RESTRICT regularity)
+{
+    const double volume = w[0] * w[3] - w[1] * w[2]; /* det [w_1 ...] */
+    const double t1 = 1.0 / volume;
+    const double m_00 = w[3] * b[0] * t1; /* A^-1 B in the leg's frame */
+    const double m_11 = t1 * (w[0] * b[1]);
+    const double m_l_00 = m_00 * characteristic_length; /* slides over the length */
+    const double c_10 = t1 * (w[1] * b[1]) * characteristic_length; /* cofactors of M */
+    const double c_01 = t1 * (w[2] * b[0]) * characteristic_length;
+    const double m_l_11 = m_11 * characteristic_length; /* slides over the length */
+    const double g_00 = m_l_00 * m_l_00 + c_10 * c_10; /* M M^T */
+    const double cofactors_01 = m_l_00 * c_01 + c_10 * m_l_11;
+    const double g_01 = -cofactors_01; /* M M^T */
+    const double g_11 = c_01 * c_01 + m_l_11 * m_l_11;
+    const double k_00 = m_l_00 * N[0] - c_01 * N[1]; /* the leg's block of K */
+    const double k_01 = m_l_11 * N[1] - c_10 * N[0];
+    const double det_M = m_l_00 * m_l_11 - c_10 * c_01;
+    gram[0] = g_00;
+    gram[1] = g_01;
+    gram[2] = g_01;
+    gram[3] = g_11;
+    cofactors[0] = g_11;
+    cofactors[1] = cofactors_01;
+    cofactors[2] = cofactors_01;
+    cofactors[3] = g_00;
+    *square = det_M * det_M;
+    reach[0] = k_00 * k_00 + k_01 * k_01;
+    *regularity = fabs(volume * g->k[4][i]);
+}
+
 /* Passive joints of the (2-PRR) sub-leg and the orientation of its last link.  (7 add, 16 multiply, 1
  * divide, 1 square root) */
 KRHPR_STATIC void krhpr_subleg_planar_prr2_passive(

@@ -396,6 +396,44 @@ KRHPR_INLINE void krhpr_subleg_planar_prr2_determinant_lanes(
     factors[2] = volume * g_k_4;
 }
 
+/* Squares of M_i of the (2-PRR) sub-leg, in its own frame, for the indices: actuators that slide count by
+ * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (8 add, 30 multiply, 1 divide, 1
+ * select) */
+KRHPR_INLINE void krhpr_subleg_planar_prr2_gram_lanes(
+    const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes_at w[4], const krhpr_lanes_at b[2],
+    krhpr_lanes characteristic_length, const krhpr_lanes_at N[2], krhpr_lanes_at *KRHPR_RESTRICT gram,
+    krhpr_lanes_at *KRHPR_RESTRICT cofactors, krhpr_lanes_at *KRHPR_RESTRICT square,
+    krhpr_lanes_at *KRHPR_RESTRICT reach, krhpr_lanes_at *KRHPR_RESTRICT regularity)
+{
+    const krhpr_lanes g_k_4 = krhpr_of_leg(g->k[4], i);
+    const krhpr_lanes volume = w[0] * w[3] - w[1] * w[2]; /* det [w_1 ...] */
+    const krhpr_lanes t1 = 1.0 / volume;
+    const krhpr_lanes m_00 = w[3] * b[0] * t1; /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_11 = t1 * (w[0] * b[1]);
+    const krhpr_lanes m_l_00 = m_00 * characteristic_length; /* slides over the length */
+    const krhpr_lanes c_10 = t1 * (w[1] * b[1]) * characteristic_length; /* cofactors of M */
+    const krhpr_lanes c_01 = t1 * (w[2] * b[0]) * characteristic_length;
+    const krhpr_lanes m_l_11 = m_11 * characteristic_length; /* slides over the length */
+    const krhpr_lanes g_00 = m_l_00 * m_l_00 + c_10 * c_10; /* M M^T */
+    const krhpr_lanes cofactors_01 = m_l_00 * c_01 + c_10 * m_l_11;
+    const krhpr_lanes g_01 = -cofactors_01; /* M M^T */
+    const krhpr_lanes g_11 = c_01 * c_01 + m_l_11 * m_l_11;
+    const krhpr_lanes k_00 = m_l_00 * N[0] - c_01 * N[1]; /* the leg's block of K */
+    const krhpr_lanes k_01 = m_l_11 * N[1] - c_10 * N[0];
+    const krhpr_lanes det_M = m_l_00 * m_l_11 - c_10 * c_01;
+    gram[0] = g_00;
+    gram[1] = g_01;
+    gram[2] = g_01;
+    gram[3] = g_11;
+    cofactors[0] = g_11;
+    cofactors[1] = cofactors_01;
+    cofactors[2] = cofactors_01;
+    cofactors[3] = g_00;
+    *square = det_M * det_M;
+    reach[0] = k_00 * k_00 + k_01 * k_01;
+    *regularity = krhpr_lanes_fabs(volume * g_k_4);
+}
+
 /* Passive joints of the (2-PRR) sub-leg and the orientation of its last link.  (7 add, 16 multiply, 1
  * divide, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_planar_prr2_passive_lanes(

@@ -220,6 +220,38 @@ KRHPR_STATIC void krhpr_subleg_planar_rp_determinant(
     factors[0] = rho * g->k[2][i];
 }
 
+/* Squares of M_i of the RP sub-leg, in its own frame, for the indices: actuators that slide count by their
+ * displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (8 add, 17 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_rp_gram(
+    const krhpr_subleg_planar_rp_geometry *g, int i, const double d[2], const double u[2],
+    double characteristic_length, const double N[2], double *KRHPR_RESTRICT gram,
+    double *KRHPR_RESTRICT cofactors, double *KRHPR_RESTRICT square, double *KRHPR_RESTRICT reach)
+{
+    (void)(g);
+    (void)(i);
+    const double m_l_01 = u[0] * characteristic_length; /* slides over the length */
+    const double m_l_11 = u[1] * characteristic_length;
+    const double g_00 = d[1] * d[1] + m_l_01 * m_l_01; /* M M^T */
+    const double t1 = d[0] * d[1];
+    const double t2 = m_l_01 * m_l_11;
+    const double g_01 = t2 - t1; /* M M^T */
+    const double g_11 = d[0] * d[0] + m_l_11 * m_l_11;
+    const double k_00 = d[0] * N[1] - d[1] * N[0]; /* the leg's block of K */
+    const double k_01 = m_l_01 * N[0] + m_l_11 * N[1];
+    const double t3 = d[0] * m_l_01 + d[1] * m_l_11;
+    const double cofactors_01 = t1 - t2;
+    gram[0] = g_00;
+    gram[1] = g_01;
+    gram[2] = g_01;
+    gram[3] = g_11;
+    cofactors[0] = g_11;
+    cofactors[1] = cofactors_01;
+    cofactors[2] = cofactors_01;
+    cofactors[3] = g_00;
+    *square = t3 * t3;
+    reach[0] = k_00 * k_00 + k_01 * k_01;
+}
+
 /* Passive joints of the RP sub-leg and the orientation of its last link.  (no operations) */
 KRHPR_STATIC void krhpr_subleg_planar_rp_passive(
     const krhpr_subleg_planar_rp_geometry *g, int i, const double u[2], double *KRHPR_RESTRICT link)

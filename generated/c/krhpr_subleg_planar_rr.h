@@ -259,6 +259,34 @@ KRHPR_STATIC void krhpr_subleg_planar_rr_determinant(
     factors[0] = elbow * g->k[5][i];
 }
 
+/* Squares of M_i of the RR sub-leg, in its own frame, for the indices: actuators that slide count by their
+ * displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (7 add, 15 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_rr_gram(
+    const krhpr_subleg_planar_rr_geometry *g, int i, const double d[2], const double v_1[2],
+    const double N[2], double *KRHPR_RESTRICT gram, double *KRHPR_RESTRICT cofactors,
+    double *KRHPR_RESTRICT square, double *KRHPR_RESTRICT reach)
+{
+    (void)(g);
+    (void)(i);
+    const double elbow = d[0] * v_1[1] - d[1] * v_1[0]; /* a b sin(t_2) */
+    const double g_00 = d[1] * d[1] + v_1[1] * v_1[1]; /* M M^T */
+    const double cofactors_01 = d[0] * d[1] + v_1[0] * v_1[1];
+    const double g_01 = -cofactors_01; /* M M^T */
+    const double g_11 = d[0] * d[0] + v_1[0] * v_1[0];
+    const double k_00 = d[0] * N[1] - d[1] * N[0]; /* the leg's block of K */
+    const double k_01 = v_1[0] * N[1] - v_1[1] * N[0];
+    gram[0] = g_00;
+    gram[1] = g_01;
+    gram[2] = g_01;
+    gram[3] = g_11;
+    cofactors[0] = g_11;
+    cofactors[1] = cofactors_01;
+    cofactors[2] = cofactors_01;
+    cofactors[3] = g_00;
+    *square = elbow * elbow;
+    reach[0] = k_00 * k_00 + k_01 * k_01;
+}
+
 /* Passive joints of the RR sub-leg and the orientation of its last link.  (2 multiply) */
 KRHPR_STATIC void krhpr_subleg_planar_rr_passive(
     const krhpr_subleg_planar_rr_geometry *g, int i, const double v_1[2], double *KRHPR_RESTRICT link)

@@ -270,6 +270,34 @@ KRHPR_INLINE void krhpr_subleg_planar_rr_determinant_lanes(
     factors[0] = elbow * g_k_5;
 }
 
+/* Squares of M_i of the RR sub-leg, in its own frame, for the indices: actuators that slide count by their
+ * displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (7 add, 15 multiply) */
+KRHPR_INLINE void krhpr_subleg_planar_rr_gram_lanes(
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at v_1[2],
+    const krhpr_lanes_at N[2], krhpr_lanes_at *KRHPR_RESTRICT gram, krhpr_lanes_at *KRHPR_RESTRICT cofactors,
+    krhpr_lanes_at *KRHPR_RESTRICT square, krhpr_lanes_at *KRHPR_RESTRICT reach)
+{
+    (void)(g);
+    (void)(i);
+    const krhpr_lanes elbow = d[0] * v_1[1] - d[1] * v_1[0]; /* a b sin(t_2) */
+    const krhpr_lanes g_00 = d[1] * d[1] + v_1[1] * v_1[1]; /* M M^T */
+    const krhpr_lanes cofactors_01 = d[0] * d[1] + v_1[0] * v_1[1];
+    const krhpr_lanes g_01 = -cofactors_01; /* M M^T */
+    const krhpr_lanes g_11 = d[0] * d[0] + v_1[0] * v_1[0];
+    const krhpr_lanes k_00 = d[0] * N[1] - d[1] * N[0]; /* the leg's block of K */
+    const krhpr_lanes k_01 = v_1[0] * N[1] - v_1[1] * N[0];
+    gram[0] = g_00;
+    gram[1] = g_01;
+    gram[2] = g_01;
+    gram[3] = g_11;
+    cofactors[0] = g_11;
+    cofactors[1] = cofactors_01;
+    cofactors[2] = cofactors_01;
+    cofactors[3] = g_00;
+    *square = elbow * elbow;
+    reach[0] = k_00 * k_00 + k_01 * k_01;
+}
+
 /* Passive joints of the RR sub-leg and the orientation of its last link.  (2 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_rr_passive_lanes(
     const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes_at v_1[2],

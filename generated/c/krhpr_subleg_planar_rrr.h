@@ -341,6 +341,39 @@ KRHPR_STATIC void krhpr_subleg_planar_rrr_determinant(
     factors[0] = elbow;
 }
 
+/* Squares of M_i of the RRR sub-leg, in its own frame, for the indices: actuators that slide count by their
+ * displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (18 add, 27 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_rrr_gram(
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const double d[2], const double u_2[2],
+    const double u_3[2], const double N[2], double *KRHPR_RESTRICT gram, double *KRHPR_RESTRICT cofactors,
+    double *KRHPR_RESTRICT square, double *KRHPR_RESTRICT reach)
+{
+    (void)(g);
+    (void)(i);
+    const double t1 = u_2[1] + u_3[1];
+    const double m_11 = u_2[0] + u_3[0]; /* A^-1 B in the leg's frame */
+    const double g_00 = d[1] * d[1] + t1 * t1 + u_3[1] * u_3[1]; /* M M^T */
+    const double cofactors_01 = d[0] * d[1] + t1 * m_11 + u_3[0] * u_3[1];
+    const double g_01 = -cofactors_01; /* M M^T */
+    const double g_11 = d[0] * d[0] + m_11 * m_11 + u_3[0] * u_3[0];
+    const double k_00 = d[0] * N[1] - d[1] * N[0]; /* the leg's block of K */
+    const double k_01 = m_11 * N[1] - t1 * N[0];
+    const double k_02 = u_3[0] * N[1] - u_3[1] * N[0];
+    const double t2 = d[0] * t1 - d[1] * m_11;
+    const double t3 = d[0] * u_3[1] - d[1] * u_3[0];
+    const double t4 = u_3[1] * m_11 - u_3[0] * t1;
+    gram[0] = g_00;
+    gram[1] = g_01;
+    gram[2] = g_01;
+    gram[3] = g_11;
+    cofactors[0] = g_11;
+    cofactors[1] = cofactors_01;
+    cofactors[2] = cofactors_01;
+    cofactors[3] = g_00;
+    *square = t2 * t2 + t3 * t3 + t4 * t4;
+    reach[0] = k_00 * k_00 + k_01 * k_01 + k_02 * k_02;
+}
+
 /* Passive joints of the RRR sub-leg and the orientation of its last link.  (2 multiply) */
 KRHPR_STATIC void krhpr_subleg_planar_rrr_passive(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const double u_3[2], double *KRHPR_RESTRICT link)

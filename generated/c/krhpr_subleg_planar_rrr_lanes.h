@@ -360,6 +360,40 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_determinant_lanes(
     factors[0] = elbow;
 }
 
+/* Squares of M_i of the RRR sub-leg, in its own frame, for the indices: actuators that slide count by their
+ * displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (18 add, 27 multiply) */
+KRHPR_INLINE void krhpr_subleg_planar_rrr_gram_lanes(
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_2[2],
+    const krhpr_lanes_at u_3[2], const krhpr_lanes_at N[2], krhpr_lanes_at *KRHPR_RESTRICT gram,
+    krhpr_lanes_at *KRHPR_RESTRICT cofactors, krhpr_lanes_at *KRHPR_RESTRICT square,
+    krhpr_lanes_at *KRHPR_RESTRICT reach)
+{
+    (void)(g);
+    (void)(i);
+    const krhpr_lanes t1 = u_2[1] + u_3[1];
+    const krhpr_lanes m_11 = u_2[0] + u_3[0]; /* A^-1 B in the leg's frame */
+    const krhpr_lanes g_00 = d[1] * d[1] + t1 * t1 + u_3[1] * u_3[1]; /* M M^T */
+    const krhpr_lanes cofactors_01 = d[0] * d[1] + t1 * m_11 + u_3[0] * u_3[1];
+    const krhpr_lanes g_01 = -cofactors_01; /* M M^T */
+    const krhpr_lanes g_11 = d[0] * d[0] + m_11 * m_11 + u_3[0] * u_3[0];
+    const krhpr_lanes k_00 = d[0] * N[1] - d[1] * N[0]; /* the leg's block of K */
+    const krhpr_lanes k_01 = m_11 * N[1] - t1 * N[0];
+    const krhpr_lanes k_02 = u_3[0] * N[1] - u_3[1] * N[0];
+    const krhpr_lanes t2 = d[0] * t1 - d[1] * m_11;
+    const krhpr_lanes t3 = d[0] * u_3[1] - d[1] * u_3[0];
+    const krhpr_lanes t4 = u_3[1] * m_11 - u_3[0] * t1;
+    gram[0] = g_00;
+    gram[1] = g_01;
+    gram[2] = g_01;
+    gram[3] = g_11;
+    cofactors[0] = g_11;
+    cofactors[1] = cofactors_01;
+    cofactors[2] = cofactors_01;
+    cofactors[3] = g_00;
+    *square = t2 * t2 + t3 * t3 + t4 * t4;
+    reach[0] = k_00 * k_00 + k_01 * k_01 + k_02 * k_02;
+}
+
 /* Passive joints of the RRR sub-leg and the orientation of its last link.  (2 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_passive_lanes(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes_at u_3[2],

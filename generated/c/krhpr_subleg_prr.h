@@ -318,6 +318,60 @@ KRHPR_STATIC void krhpr_subleg_prr_determinant(
     factors[0] = elbow * g->k[5][i];
 }
 
+/* Squares of M_i of the PRR sub-leg, in its own frame, for the indices: actuators that slide count by their
+ * displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (28 add, 58 multiply) */
+KRHPR_STATIC void krhpr_subleg_prr_gram(
+    const krhpr_subleg_prr_geometry *g, int i, const double d[2], const double v_1[2],
+    double characteristic_length, const double N[6], double *KRHPR_RESTRICT gram,
+    double *KRHPR_RESTRICT cofactors, double *KRHPR_RESTRICT square, double *KRHPR_RESTRICT reach)
+{
+    const double elbow = d[0] * v_1[1] - d[1] * v_1[0]; /* a b sin(t_2) */
+    const double g_00 = d[1] * d[1] + v_1[1] * v_1[1]; /* M M^T */
+    const double g_01 = -(d[0] * d[1] + v_1[0] * v_1[1]);
+    const double g_11 = d[0] * d[0] + v_1[0] * v_1[0];
+    const double g_22 = characteristic_length * characteristic_length;
+    const double n_00 = g->e_x[0][i] * N[0] + g->e_x[1][i] * N[1] + g->e_x[2][i] * N[2]; /* N in the leg's frame */
+    const double n_01 = g->e_1[0][i] * N[0] + g->e_1[1][i] * N[1] + g->e_1[2][i] * N[2];
+    const double n_02 = g->e_t[0][i] * N[0] + g->e_t[1][i] * N[1];
+    const double n_10 = g->e_x[0][i] * N[3] + g->e_x[1][i] * N[4] + g->e_x[2][i] * N[5];
+    const double n_11 = g->e_1[0][i] * N[3] + g->e_1[1][i] * N[4] + g->e_1[2][i] * N[5];
+    const double n_12 = g->e_t[0][i] * N[3] + g->e_t[1][i] * N[4];
+    const double k_00 = characteristic_length * n_02; /* the leg's block of K */
+    const double k_01 = d[0] * n_01 - d[1] * n_00;
+    const double k_02 = v_1[0] * n_01 - v_1[1] * n_00;
+    const double k_10 = characteristic_length * n_12;
+    const double k_11 = d[0] * n_11 - d[1] * n_10;
+    const double k_12 = v_1[0] * n_11 - v_1[1] * n_10;
+    const double c_01 = v_1[0] * characteristic_length; /* cofactors of M */
+    const double t1 = d[0] * characteristic_length;
+    const double c_11 = v_1[1] * characteristic_length; /* cofactors of M */
+    const double t2 = d[1] * characteristic_length;
+    const double det_M = v_1[1] * t1 - d[1] * c_01;
+    const double cofactors_01 = c_01 * c_11 + t1 * t2;
+    gram[0] = g_00;
+    gram[1] = g_01;
+    gram[2] = 0.0;
+    gram[3] = g_01;
+    gram[4] = g_11;
+    gram[5] = 0.0;
+    gram[6] = 0.0;
+    gram[7] = 0.0;
+    gram[8] = g_22;
+    cofactors[0] = c_01 * c_01 + t1 * t1;
+    cofactors[1] = cofactors_01;
+    cofactors[2] = 0.0;
+    cofactors[3] = cofactors_01;
+    cofactors[4] = c_11 * c_11 + t2 * t2;
+    cofactors[5] = 0.0;
+    cofactors[6] = 0.0;
+    cofactors[7] = 0.0;
+    cofactors[8] = elbow * elbow;
+    *square = det_M * det_M;
+    reach[0] = k_00 * k_00 + k_01 * k_01 + k_02 * k_02;
+    reach[1] = k_00 * k_10 + k_01 * k_11 + k_02 * k_12;
+    reach[2] = k_10 * k_10 + k_11 * k_11 + k_12 * k_12;
+}
+
 /* Passive joints of the PRR sub-leg and the orientation of its last link.  (6 add, 14 multiply) */
 KRHPR_STATIC void krhpr_subleg_prr_passive(
     const krhpr_subleg_prr_geometry *g, int i, const double v_1[2], double *KRHPR_RESTRICT link)

@@ -394,6 +394,69 @@ KRHPR_INLINE void krhpr_subleg_prr_determinant_lanes(
     factors[0] = elbow * g_k_5;
 }
 
+/* Squares of M_i of the PRR sub-leg, in its own frame, for the indices: actuators that slide count by their
+ * displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (28 add, 58 multiply) */
+KRHPR_INLINE void krhpr_subleg_prr_gram_lanes(
+    const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at v_1[2],
+    krhpr_lanes characteristic_length, const krhpr_lanes_at N[6], krhpr_lanes_at *KRHPR_RESTRICT gram,
+    krhpr_lanes_at *KRHPR_RESTRICT cofactors, krhpr_lanes_at *KRHPR_RESTRICT square,
+    krhpr_lanes_at *KRHPR_RESTRICT reach)
+{
+    const krhpr_lanes g_e_x_0 = krhpr_of_leg(g->e_x[0], i);
+    const krhpr_lanes g_e_x_1 = krhpr_of_leg(g->e_x[1], i);
+    const krhpr_lanes g_e_x_2 = krhpr_of_leg(g->e_x[2], i);
+    const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
+    const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
+    const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
+    const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
+    const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
+    const krhpr_lanes elbow = d[0] * v_1[1] - d[1] * v_1[0]; /* a b sin(t_2) */
+    const krhpr_lanes g_00 = d[1] * d[1] + v_1[1] * v_1[1]; /* M M^T */
+    const krhpr_lanes g_01 = -(d[0] * d[1] + v_1[0] * v_1[1]);
+    const krhpr_lanes g_11 = d[0] * d[0] + v_1[0] * v_1[0];
+    const krhpr_lanes g_22 = characteristic_length * characteristic_length;
+    const krhpr_lanes n_00 = g_e_x_0 * N[0] + g_e_x_1 * N[1] + g_e_x_2 * N[2]; /* N in the leg's frame */
+    const krhpr_lanes n_01 = g_e_1_0 * N[0] + g_e_1_1 * N[1] + g_e_1_2 * N[2];
+    const krhpr_lanes n_02 = g_e_t_0 * N[0] + g_e_t_1 * N[1];
+    const krhpr_lanes n_10 = g_e_x_0 * N[3] + g_e_x_1 * N[4] + g_e_x_2 * N[5];
+    const krhpr_lanes n_11 = g_e_1_0 * N[3] + g_e_1_1 * N[4] + g_e_1_2 * N[5];
+    const krhpr_lanes n_12 = g_e_t_0 * N[3] + g_e_t_1 * N[4];
+    const krhpr_lanes k_00 = characteristic_length * n_02; /* the leg's block of K */
+    const krhpr_lanes k_01 = d[0] * n_01 - d[1] * n_00;
+    const krhpr_lanes k_02 = v_1[0] * n_01 - v_1[1] * n_00;
+    const krhpr_lanes k_10 = characteristic_length * n_12;
+    const krhpr_lanes k_11 = d[0] * n_11 - d[1] * n_10;
+    const krhpr_lanes k_12 = v_1[0] * n_11 - v_1[1] * n_10;
+    const krhpr_lanes c_01 = v_1[0] * characteristic_length; /* cofactors of M */
+    const krhpr_lanes t1 = d[0] * characteristic_length;
+    const krhpr_lanes c_11 = v_1[1] * characteristic_length; /* cofactors of M */
+    const krhpr_lanes t2 = d[1] * characteristic_length;
+    const krhpr_lanes det_M = v_1[1] * t1 - d[1] * c_01;
+    const krhpr_lanes cofactors_01 = c_01 * c_11 + t1 * t2;
+    gram[0] = g_00;
+    gram[1] = g_01;
+    gram[2] = krhpr_all(0.0);
+    gram[3] = g_01;
+    gram[4] = g_11;
+    gram[5] = krhpr_all(0.0);
+    gram[6] = krhpr_all(0.0);
+    gram[7] = krhpr_all(0.0);
+    gram[8] = g_22;
+    cofactors[0] = c_01 * c_01 + t1 * t1;
+    cofactors[1] = cofactors_01;
+    cofactors[2] = krhpr_all(0.0);
+    cofactors[3] = cofactors_01;
+    cofactors[4] = c_11 * c_11 + t2 * t2;
+    cofactors[5] = krhpr_all(0.0);
+    cofactors[6] = krhpr_all(0.0);
+    cofactors[7] = krhpr_all(0.0);
+    cofactors[8] = elbow * elbow;
+    *square = det_M * det_M;
+    reach[0] = k_00 * k_00 + k_01 * k_01 + k_02 * k_02;
+    reach[1] = k_00 * k_10 + k_01 * k_11 + k_02 * k_12;
+    reach[2] = k_10 * k_10 + k_11 * k_11 + k_12 * k_12;
+}
+
 /* Passive joints of the PRR sub-leg and the orientation of its last link.  (6 add, 14 multiply) */
 KRHPR_INLINE void krhpr_subleg_prr_passive_lanes(
     const krhpr_subleg_prr_geometry *g, int i, const krhpr_lanes_at v_1[2],

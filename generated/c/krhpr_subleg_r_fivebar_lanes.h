@@ -809,6 +809,88 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_determinant_lanes(
     factors[3] = delta * g_k_14;
 }
 
+/* Squares of M_i of the R(RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide count by
+ * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (44 add, 85 multiply, 1 divide, 1
+ * select) */
+KRHPR_INLINE void krhpr_subleg_r_fivebar_gram_lanes(
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
+    const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2],
+    const krhpr_lanes_at N[6], krhpr_lanes_at *KRHPR_RESTRICT gram, krhpr_lanes_at *KRHPR_RESTRICT cofactors,
+    krhpr_lanes_at *KRHPR_RESTRICT square, krhpr_lanes_at *KRHPR_RESTRICT reach,
+    krhpr_lanes_at *KRHPR_RESTRICT regularity)
+{
+    const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
+    const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
+    const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
+    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
+    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
+    const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
+    const krhpr_lanes v_1_1 = d[1] - u_1[1];
+    const krhpr_lanes t1 = v_1_0 * g_k_7;
+    const krhpr_lanes v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
+    const krhpr_lanes t2 = v_1_1 * g_k_7;
+    const krhpr_lanes v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
+    const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
+    const krhpr_lanes b_32 = g_k_13 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const krhpr_lanes t3 = u_2[0] * v_2_1;
+    const krhpr_lanes t4 = u_2[1] * v_2_0;
+    const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
+    const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes t5 = g_k_7 * b_22;
+    const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
+    const krhpr_lanes m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_02 = t6 * (v_1_1 * (t4 - t3));
+    const krhpr_lanes m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
+    const krhpr_lanes m_12 = t6 * (v_1_0 * b_33);
+    const krhpr_lanes g_00 = m_01 * m_01 + m_02 * m_02; /* M M^T */
+    const krhpr_lanes g_01 = m_01 * m_11 + m_02 * m_12;
+    const krhpr_lanes g_11 = m_11 * m_11 + m_12 * m_12;
+    const krhpr_lanes g_22 = d[0] * d[0];
+    const krhpr_lanes n_00 = x[0] * N[0] + x[1] * N[1] + x[2] * N[2]; /* N in the leg's frame */
+    const krhpr_lanes n_01 = g_e_1_0 * N[0] + g_e_1_1 * N[1] + g_e_1_2 * N[2];
+    const krhpr_lanes n_02 = e_2[0] * N[0] + e_2[1] * N[1] + e_2[2] * N[2];
+    const krhpr_lanes n_10 = x[0] * N[3] + x[1] * N[4] + x[2] * N[5];
+    const krhpr_lanes n_11 = g_e_1_0 * N[3] + g_e_1_1 * N[4] + g_e_1_2 * N[5];
+    const krhpr_lanes n_12 = e_2[0] * N[3] + e_2[1] * N[4] + e_2[2] * N[5];
+    const krhpr_lanes t7 = d[0] * n_02;
+    const krhpr_lanes k_01 = m_01 * n_00 + m_11 * n_01; /* the leg's block of K */
+    const krhpr_lanes k_02 = m_02 * n_00 + m_12 * n_01;
+    const krhpr_lanes t8 = d[0] * n_12;
+    const krhpr_lanes k_11 = m_01 * n_10 + m_11 * n_11; /* the leg's block of K */
+    const krhpr_lanes k_12 = m_02 * n_10 + m_12 * n_11;
+    const krhpr_lanes t9 = d[0] * m_12;
+    const krhpr_lanes c_02 = d[0] * m_11; /* cofactors of M */
+    const krhpr_lanes c_11 = d[0] * m_02;
+    const krhpr_lanes t10 = d[0] * m_01;
+    const krhpr_lanes c_20 = m_01 * m_12 - m_02 * m_11; /* cofactors of M */
+    const krhpr_lanes det_M = m_02 * c_02 - m_01 * t9;
+    const krhpr_lanes cofactors_01 = -(t9 * c_11 + c_02 * t10);
+    gram[0] = g_00;
+    gram[1] = g_01;
+    gram[2] = krhpr_all(0.0);
+    gram[3] = g_01;
+    gram[4] = g_11;
+    gram[5] = krhpr_all(0.0);
+    gram[6] = krhpr_all(0.0);
+    gram[7] = krhpr_all(0.0);
+    gram[8] = g_22;
+    cofactors[0] = t9 * t9 + c_02 * c_02;
+    cofactors[1] = cofactors_01;
+    cofactors[2] = krhpr_all(0.0);
+    cofactors[3] = cofactors_01;
+    cofactors[4] = c_11 * c_11 + t10 * t10;
+    cofactors[5] = krhpr_all(0.0);
+    cofactors[6] = krhpr_all(0.0);
+    cofactors[7] = krhpr_all(0.0);
+    cofactors[8] = c_20 * c_20;
+    *square = det_M * det_M;
+    reach[0] = t7 * t7 + k_01 * k_01 + k_02 * k_02;
+    reach[1] = t7 * t8 + k_01 * k_11 + k_02 * k_12;
+    reach[2] = t8 * t8 + k_11 * k_11 + k_12 * k_12;
+    *regularity = krhpr_lanes_fabs(delta * g_k_14);
+}
+
 /* Passive joints of the R(RR-RRR) sub-leg and the orientation of its last link.  (18 add, 28 multiply) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_passive_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],

@@ -386,6 +386,59 @@ KRHPR_STATIC void krhpr_subleg_rrr_determinant(
     factors[1] = elbow * g->k[6][i];
 }
 
+/* Squares of M_i of the RRR sub-leg, in its own frame, for the indices: actuators that slide count by their
+ * displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (30 add, 56 multiply) */
+KRHPR_STATIC void krhpr_subleg_rrr_gram(
+    const krhpr_subleg_rrr_geometry *g, int i, const double x[3], const double e_2[3], const double d[2],
+    const double v_1[2], const double N[6], double *KRHPR_RESTRICT gram, double *KRHPR_RESTRICT cofactors,
+    double *KRHPR_RESTRICT square, double *KRHPR_RESTRICT reach)
+{
+    const double t1 = d[0] * v_1[1];
+    const double elbow = t1 - d[1] * v_1[0]; /* a b sin(t_2) */
+    const double g_00 = d[1] * d[1] + v_1[1] * v_1[1]; /* M M^T */
+    const double c_12 = d[0] * d[1]; /* cofactors of M */
+    const double g_01 = -(c_12 + v_1[0] * v_1[1]); /* M M^T */
+    const double g_22 = d[0] * d[0];
+    const double g_11 = g_22 + v_1[0] * v_1[0];
+    const double n_00 = x[0] * N[0] + x[1] * N[1] + x[2] * N[2]; /* N in the leg's frame */
+    const double n_01 = g->e_1[0][i] * N[0] + g->e_1[1][i] * N[1] + g->e_1[2][i] * N[2];
+    const double n_02 = e_2[0] * N[0] + e_2[1] * N[1] + e_2[2] * N[2];
+    const double n_10 = x[0] * N[3] + x[1] * N[4] + x[2] * N[5];
+    const double n_11 = g->e_1[0][i] * N[3] + g->e_1[1][i] * N[4] + g->e_1[2][i] * N[5];
+    const double n_12 = e_2[0] * N[3] + e_2[1] * N[4] + e_2[2] * N[5];
+    const double t2 = d[0] * n_02;
+    const double k_01 = d[0] * n_01 - d[1] * n_00; /* the leg's block of K */
+    const double k_02 = v_1[0] * n_01 - v_1[1] * n_00;
+    const double t3 = d[0] * n_12;
+    const double k_11 = d[0] * n_11 - d[1] * n_10; /* the leg's block of K */
+    const double k_12 = v_1[0] * n_11 - v_1[1] * n_10;
+    const double t4 = d[0] * v_1[0];
+    const double det_M = d[1] * t4 - v_1[1] * g_22;
+    const double cofactors_01 = t1 * t4 + c_12 * g_22;
+    gram[0] = g_00;
+    gram[1] = g_01;
+    gram[2] = 0.0;
+    gram[3] = g_01;
+    gram[4] = g_11;
+    gram[5] = 0.0;
+    gram[6] = 0.0;
+    gram[7] = 0.0;
+    gram[8] = g_22;
+    cofactors[0] = t4 * t4 + g_22 * g_22;
+    cofactors[1] = cofactors_01;
+    cofactors[2] = 0.0;
+    cofactors[3] = cofactors_01;
+    cofactors[4] = t1 * t1 + c_12 * c_12;
+    cofactors[5] = 0.0;
+    cofactors[6] = 0.0;
+    cofactors[7] = 0.0;
+    cofactors[8] = elbow * elbow;
+    *square = det_M * det_M;
+    reach[0] = t2 * t2 + k_01 * k_01 + k_02 * k_02;
+    reach[1] = t2 * t3 + k_01 * k_11 + k_02 * k_12;
+    reach[2] = t3 * t3 + k_11 * k_11 + k_12 * k_12;
+}
+
 /* Passive joints of the RRR sub-leg and the orientation of its last link.  (6 add, 14 multiply) */
 KRHPR_STATIC void krhpr_subleg_rrr_passive(
     const krhpr_subleg_rrr_geometry *g, int i, const double x[3], const double e_2[3], const double v_1[2],

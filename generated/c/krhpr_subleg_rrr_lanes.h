@@ -448,6 +448,63 @@ KRHPR_INLINE void krhpr_subleg_rrr_determinant_lanes(
     factors[1] = elbow * g_k_6;
 }
 
+/* Squares of M_i of the RRR sub-leg, in its own frame, for the indices: actuators that slide count by their
+ * displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (30 add, 56 multiply) */
+KRHPR_INLINE void krhpr_subleg_rrr_gram_lanes(
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
+    const krhpr_lanes_at d[2], const krhpr_lanes_at v_1[2], const krhpr_lanes_at N[6],
+    krhpr_lanes_at *KRHPR_RESTRICT gram, krhpr_lanes_at *KRHPR_RESTRICT cofactors,
+    krhpr_lanes_at *KRHPR_RESTRICT square, krhpr_lanes_at *KRHPR_RESTRICT reach)
+{
+    const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
+    const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
+    const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
+    const krhpr_lanes t1 = d[0] * v_1[1];
+    const krhpr_lanes elbow = t1 - d[1] * v_1[0]; /* a b sin(t_2) */
+    const krhpr_lanes g_00 = d[1] * d[1] + v_1[1] * v_1[1]; /* M M^T */
+    const krhpr_lanes c_12 = d[0] * d[1]; /* cofactors of M */
+    const krhpr_lanes g_01 = -(c_12 + v_1[0] * v_1[1]); /* M M^T */
+    const krhpr_lanes g_22 = d[0] * d[0];
+    const krhpr_lanes g_11 = g_22 + v_1[0] * v_1[0];
+    const krhpr_lanes n_00 = x[0] * N[0] + x[1] * N[1] + x[2] * N[2]; /* N in the leg's frame */
+    const krhpr_lanes n_01 = g_e_1_0 * N[0] + g_e_1_1 * N[1] + g_e_1_2 * N[2];
+    const krhpr_lanes n_02 = e_2[0] * N[0] + e_2[1] * N[1] + e_2[2] * N[2];
+    const krhpr_lanes n_10 = x[0] * N[3] + x[1] * N[4] + x[2] * N[5];
+    const krhpr_lanes n_11 = g_e_1_0 * N[3] + g_e_1_1 * N[4] + g_e_1_2 * N[5];
+    const krhpr_lanes n_12 = e_2[0] * N[3] + e_2[1] * N[4] + e_2[2] * N[5];
+    const krhpr_lanes t2 = d[0] * n_02;
+    const krhpr_lanes k_01 = d[0] * n_01 - d[1] * n_00; /* the leg's block of K */
+    const krhpr_lanes k_02 = v_1[0] * n_01 - v_1[1] * n_00;
+    const krhpr_lanes t3 = d[0] * n_12;
+    const krhpr_lanes k_11 = d[0] * n_11 - d[1] * n_10; /* the leg's block of K */
+    const krhpr_lanes k_12 = v_1[0] * n_11 - v_1[1] * n_10;
+    const krhpr_lanes t4 = d[0] * v_1[0];
+    const krhpr_lanes det_M = d[1] * t4 - v_1[1] * g_22;
+    const krhpr_lanes cofactors_01 = t1 * t4 + c_12 * g_22;
+    gram[0] = g_00;
+    gram[1] = g_01;
+    gram[2] = krhpr_all(0.0);
+    gram[3] = g_01;
+    gram[4] = g_11;
+    gram[5] = krhpr_all(0.0);
+    gram[6] = krhpr_all(0.0);
+    gram[7] = krhpr_all(0.0);
+    gram[8] = g_22;
+    cofactors[0] = t4 * t4 + g_22 * g_22;
+    cofactors[1] = cofactors_01;
+    cofactors[2] = krhpr_all(0.0);
+    cofactors[3] = cofactors_01;
+    cofactors[4] = t1 * t1 + c_12 * c_12;
+    cofactors[5] = krhpr_all(0.0);
+    cofactors[6] = krhpr_all(0.0);
+    cofactors[7] = krhpr_all(0.0);
+    cofactors[8] = elbow * elbow;
+    *square = det_M * det_M;
+    reach[0] = t2 * t2 + k_01 * k_01 + k_02 * k_02;
+    reach[1] = t2 * t3 + k_01 * k_11 + k_02 * k_12;
+    reach[2] = t3 * t3 + k_11 * k_11 + k_12 * k_12;
+}
+
 /* Passive joints of the RRR sub-leg and the orientation of its last link.  (6 add, 14 multiply) */
 KRHPR_INLINE void krhpr_subleg_rrr_passive_lanes(
     const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],

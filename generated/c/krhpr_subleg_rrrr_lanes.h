@@ -685,6 +685,83 @@ KRHPR_INLINE void krhpr_subleg_rrrr_determinant_lanes(
     factors[3] = r * g_k_8;
 }
 
+/* Squares of M_i of the 4R sub-leg, in its own frame, for the indices: actuators that slide count by their
+ * displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (72 add, 115 multiply) */
+KRHPR_INLINE void krhpr_subleg_rrrr_gram_lanes(
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
+    const krhpr_lanes_at d[3], const krhpr_lanes_at v[3], const krhpr_lanes_at e_4[3],
+    const krhpr_lanes_at N[6], krhpr_lanes_at *KRHPR_RESTRICT gram, krhpr_lanes_at *KRHPR_RESTRICT cofactors,
+    krhpr_lanes_at *KRHPR_RESTRICT square, krhpr_lanes_at *KRHPR_RESTRICT reach)
+{
+    const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
+    const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
+    const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
+    const krhpr_lanes g_k_0 = krhpr_of_leg(g->k[0], i);
+    const krhpr_lanes dir_0 = (d[0] - v[0]) * g_k_0; /* along the upper arm */
+    const krhpr_lanes dir_1 = g_k_0 * (d[1] - v[1]);
+    const krhpr_lanes dir_2 = g_k_0 * (d[2] - v[2]);
+    const krhpr_lanes m_3_0 = v[2] * dir_1 - v[1] * dir_2; /* column 3 of (2.32) */
+    const krhpr_lanes m_3_1 = v[0] * dir_2 - v[2] * dir_0;
+    const krhpr_lanes m_3_2 = v[1] * dir_0 - v[0] * dir_1;
+    const krhpr_lanes m_4_0 = v[2] * e_4[1] - v[1] * e_4[2]; /* column 4 of (2.32) */
+    const krhpr_lanes m_4_1 = v[0] * e_4[2] - v[2] * e_4[0];
+    const krhpr_lanes m_4_2 = v[1] * e_4[0] - v[0] * e_4[1];
+    const krhpr_lanes t1 = d[0] * d[0];
+    const krhpr_lanes g_00 = d[2] * d[2] + d[1] * d[1] + m_3_0 * m_3_0 + m_4_0 * m_4_0; /* M M^T */
+    const krhpr_lanes t2 = d[0] * d[1];
+    const krhpr_lanes g_01 = m_3_0 * m_3_1 - t2 + m_4_0 * m_4_1; /* M M^T */
+    const krhpr_lanes t3 = d[0] * d[2];
+    const krhpr_lanes g_02 = m_3_0 * m_3_2 - t3 + m_4_0 * m_4_2; /* M M^T */
+    const krhpr_lanes g_11 = t1 + m_3_1 * m_3_1 + m_4_1 * m_4_1;
+    const krhpr_lanes g_12 = m_3_1 * m_3_2 + m_4_1 * m_4_2;
+    const krhpr_lanes g_22 = t1 + m_3_2 * m_3_2 + m_4_2 * m_4_2;
+    const krhpr_lanes n_00 = x[0] * N[0] + x[1] * N[1] + x[2] * N[2]; /* N in the leg's frame */
+    const krhpr_lanes n_01 = g_e_1_0 * N[0] + g_e_1_1 * N[1] + g_e_1_2 * N[2];
+    const krhpr_lanes n_02 = e_2[0] * N[0] + e_2[1] * N[1] + e_2[2] * N[2];
+    const krhpr_lanes n_10 = x[0] * N[3] + x[1] * N[4] + x[2] * N[5];
+    const krhpr_lanes n_11 = g_e_1_0 * N[3] + g_e_1_1 * N[4] + g_e_1_2 * N[5];
+    const krhpr_lanes n_12 = e_2[0] * N[3] + e_2[1] * N[4] + e_2[2] * N[5];
+    const krhpr_lanes k_00 = d[2] * n_00 - d[0] * n_02; /* the leg's block of K */
+    const krhpr_lanes k_01 = d[0] * n_01 - d[1] * n_00;
+    const krhpr_lanes k_02 = m_3_0 * n_00 + m_3_1 * n_01 + m_3_2 * n_02;
+    const krhpr_lanes k_03 = m_4_0 * n_00 + m_4_1 * n_01 + m_4_2 * n_02;
+    const krhpr_lanes k_10 = d[2] * n_10 - d[0] * n_12;
+    const krhpr_lanes k_11 = d[0] * n_11 - d[1] * n_10;
+    const krhpr_lanes k_12 = m_3_0 * n_10 + m_3_1 * n_11 + m_3_2 * n_12;
+    const krhpr_lanes k_13 = m_4_0 * n_10 + m_4_1 * n_11 + m_4_2 * n_12;
+    const krhpr_lanes cofactors_01 = g_02 * g_12 - g_01 * g_22;
+    const krhpr_lanes cofactors_02 = g_01 * g_12 - g_02 * g_11;
+    const krhpr_lanes cofactors_12 = g_01 * g_02 - g_00 * g_12;
+    const krhpr_lanes t4 = m_3_1 * m_4_2 - m_3_2 * m_4_1;
+    const krhpr_lanes t5 = d[0] * m_3_0;
+    const krhpr_lanes t6 = d[2] * t4 - m_4_1 * t5 + m_4_0 * (d[0] * m_3_1);
+    const krhpr_lanes t7 = m_4_0 * (d[0] * m_3_2) - d[1] * t4 - m_4_2 * t5;
+    const krhpr_lanes t8 = m_3_2 * t3 + m_3_1 * t2 + m_3_0 * t1;
+    const krhpr_lanes t9 = m_4_2 * t3 + m_4_1 * t2 + m_4_0 * t1;
+    gram[0] = g_00;
+    gram[1] = g_01;
+    gram[2] = g_02;
+    gram[3] = g_01;
+    gram[4] = g_11;
+    gram[5] = g_12;
+    gram[6] = g_02;
+    gram[7] = g_12;
+    gram[8] = g_22;
+    cofactors[0] = g_11 * g_22 - g_12 * g_12;
+    cofactors[1] = cofactors_01;
+    cofactors[2] = cofactors_02;
+    cofactors[3] = cofactors_01;
+    cofactors[4] = g_00 * g_22 - g_02 * g_02;
+    cofactors[5] = cofactors_12;
+    cofactors[6] = cofactors_02;
+    cofactors[7] = cofactors_12;
+    cofactors[8] = g_00 * g_11 - g_01 * g_01;
+    *square = t6 * t6 + t7 * t7 + t8 * t8 + t9 * t9;
+    reach[0] = k_00 * k_00 + k_01 * k_01 + k_02 * k_02 + k_03 * k_03;
+    reach[1] = k_00 * k_10 + k_01 * k_11 + k_02 * k_12 + k_03 * k_13;
+    reach[2] = k_10 * k_10 + k_11 * k_11 + k_12 * k_12 + k_13 * k_13;
+}
+
 /* Passive joints of the 4R sub-leg and the orientation of its last link.  (21 add, 36 multiply) */
 KRHPR_INLINE void krhpr_subleg_rrrr_passive_lanes(
     const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],

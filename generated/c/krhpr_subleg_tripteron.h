@@ -287,6 +287,52 @@ KRHPR_STATIC void krhpr_subleg_tripteron_determinant(
     factors[2] = g->k[3][i] * (0.25 * (t1 + t3 - g->k[0][i]) * (t4 - t1));
 }
 
+/* Squares of M_i of the (Tripteron) sub-leg, in its own frame, for the indices: actuators that slide count
+ * by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (16 add, 35 multiply) */
+KRHPR_STATIC void krhpr_subleg_tripteron_gram(
+    const krhpr_subleg_tripteron_geometry *g, int i, double characteristic_length, const double N[6],
+    double *KRHPR_RESTRICT gram, double *KRHPR_RESTRICT cofactors, double *KRHPR_RESTRICT square,
+    double *KRHPR_RESTRICT reach)
+{
+    const double g_00 = characteristic_length * characteristic_length; /* M M^T */
+    const double n_00 = g->e_x[0][i] * N[0] + g->e_x[1][i] * N[1] + g->e_x[2][i] * N[2]; /* N in the leg's frame */
+    const double n_01 = g->e_1[0][i] * N[0] + g->e_1[1][i] * N[1] + g->e_1[2][i] * N[2];
+    const double n_02 = g->e_t[0][i] * N[0] + g->e_t[1][i] * N[1];
+    const double n_10 = g->e_x[0][i] * N[3] + g->e_x[1][i] * N[4] + g->e_x[2][i] * N[5];
+    const double n_11 = g->e_1[0][i] * N[3] + g->e_1[1][i] * N[4] + g->e_1[2][i] * N[5];
+    const double n_12 = g->e_t[0][i] * N[3] + g->e_t[1][i] * N[4];
+    const double k_00 = characteristic_length * n_00; /* the leg's block of K */
+    const double k_01 = characteristic_length * n_01;
+    const double k_02 = characteristic_length * n_02;
+    const double k_10 = characteristic_length * n_10;
+    const double k_11 = characteristic_length * n_11;
+    const double k_12 = characteristic_length * n_12;
+    const double det_M = characteristic_length * g_00;
+    const double cofactors_00 = g_00 * g_00;
+    gram[0] = g_00;
+    gram[1] = 0.0;
+    gram[2] = 0.0;
+    gram[3] = 0.0;
+    gram[4] = g_00;
+    gram[5] = 0.0;
+    gram[6] = 0.0;
+    gram[7] = 0.0;
+    gram[8] = g_00;
+    cofactors[0] = cofactors_00;
+    cofactors[1] = 0.0;
+    cofactors[2] = 0.0;
+    cofactors[3] = 0.0;
+    cofactors[4] = cofactors_00;
+    cofactors[5] = 0.0;
+    cofactors[6] = 0.0;
+    cofactors[7] = 0.0;
+    cofactors[8] = cofactors_00;
+    *square = det_M * det_M;
+    reach[0] = k_00 * k_00 + k_01 * k_01 + k_02 * k_02;
+    reach[1] = k_00 * k_10 + k_01 * k_11 + k_02 * k_12;
+    reach[2] = k_10 * k_10 + k_11 * k_11 + k_12 * k_12;
+}
+
 /* Passive joints of the (Tripteron) sub-leg and the orientation of its last link.  (32 add, 24 multiply, 3
  * square root, 4 select) */
 KRHPR_STATIC void krhpr_subleg_tripteron_passive(

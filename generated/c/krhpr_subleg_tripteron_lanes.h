@@ -331,6 +331,60 @@ KRHPR_INLINE void krhpr_subleg_tripteron_determinant_lanes(
     factors[2] = g_k_3 * (0.25 * (t1 + t3 - g_k_0) * (t4 - t1));
 }
 
+/* Squares of M_i of the (Tripteron) sub-leg, in its own frame, for the indices: actuators that slide count
+ * by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (16 add, 35 multiply) */
+KRHPR_INLINE void krhpr_subleg_tripteron_gram_lanes(
+    const krhpr_subleg_tripteron_geometry *g, int i, krhpr_lanes characteristic_length,
+    const krhpr_lanes_at N[6], krhpr_lanes_at *KRHPR_RESTRICT gram, krhpr_lanes_at *KRHPR_RESTRICT cofactors,
+    krhpr_lanes_at *KRHPR_RESTRICT square, krhpr_lanes_at *KRHPR_RESTRICT reach)
+{
+    const krhpr_lanes g_e_x_0 = krhpr_of_leg(g->e_x[0], i);
+    const krhpr_lanes g_e_x_1 = krhpr_of_leg(g->e_x[1], i);
+    const krhpr_lanes g_e_x_2 = krhpr_of_leg(g->e_x[2], i);
+    const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
+    const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
+    const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
+    const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
+    const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
+    const krhpr_lanes g_00 = characteristic_length * characteristic_length; /* M M^T */
+    const krhpr_lanes n_00 = g_e_x_0 * N[0] + g_e_x_1 * N[1] + g_e_x_2 * N[2]; /* N in the leg's frame */
+    const krhpr_lanes n_01 = g_e_1_0 * N[0] + g_e_1_1 * N[1] + g_e_1_2 * N[2];
+    const krhpr_lanes n_02 = g_e_t_0 * N[0] + g_e_t_1 * N[1];
+    const krhpr_lanes n_10 = g_e_x_0 * N[3] + g_e_x_1 * N[4] + g_e_x_2 * N[5];
+    const krhpr_lanes n_11 = g_e_1_0 * N[3] + g_e_1_1 * N[4] + g_e_1_2 * N[5];
+    const krhpr_lanes n_12 = g_e_t_0 * N[3] + g_e_t_1 * N[4];
+    const krhpr_lanes k_00 = characteristic_length * n_00; /* the leg's block of K */
+    const krhpr_lanes k_01 = characteristic_length * n_01;
+    const krhpr_lanes k_02 = characteristic_length * n_02;
+    const krhpr_lanes k_10 = characteristic_length * n_10;
+    const krhpr_lanes k_11 = characteristic_length * n_11;
+    const krhpr_lanes k_12 = characteristic_length * n_12;
+    const krhpr_lanes det_M = characteristic_length * g_00;
+    const krhpr_lanes cofactors_00 = g_00 * g_00;
+    gram[0] = g_00;
+    gram[1] = krhpr_all(0.0);
+    gram[2] = krhpr_all(0.0);
+    gram[3] = krhpr_all(0.0);
+    gram[4] = g_00;
+    gram[5] = krhpr_all(0.0);
+    gram[6] = krhpr_all(0.0);
+    gram[7] = krhpr_all(0.0);
+    gram[8] = g_00;
+    cofactors[0] = cofactors_00;
+    cofactors[1] = krhpr_all(0.0);
+    cofactors[2] = krhpr_all(0.0);
+    cofactors[3] = krhpr_all(0.0);
+    cofactors[4] = cofactors_00;
+    cofactors[5] = krhpr_all(0.0);
+    cofactors[6] = krhpr_all(0.0);
+    cofactors[7] = krhpr_all(0.0);
+    cofactors[8] = cofactors_00;
+    *square = det_M * det_M;
+    reach[0] = k_00 * k_00 + k_01 * k_01 + k_02 * k_02;
+    reach[1] = k_00 * k_10 + k_01 * k_11 + k_02 * k_12;
+    reach[2] = k_10 * k_10 + k_11 * k_11 + k_12 * k_12;
+}
+
 /* Passive joints of the (Tripteron) sub-leg and the orientation of its last link.  (32 add, 24 multiply, 3
  * square root, 4 select) */
 KRHPR_INLINE void krhpr_subleg_tripteron_passive_lanes(

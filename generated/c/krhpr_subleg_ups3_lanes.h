@@ -465,6 +465,89 @@ KRHPR_INLINE void krhpr_subleg_ups3_determinant_lanes(
     factors[3] = volume * g_k_9;
 }
 
+/* Squares of M_i of the (3-UPS) sub-leg, in its own frame, for the indices: actuators that slide count by
+ * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (64 add, 134 multiply, 1 divide, 1
+ * select) */
+KRHPR_INLINE void krhpr_subleg_ups3_gram_lanes(
+    const krhpr_subleg_ups3_geometry *g, int i, const krhpr_lanes_at w[9], const krhpr_lanes_at b[3],
+    krhpr_lanes characteristic_length, const krhpr_lanes_at N[6], krhpr_lanes_at *KRHPR_RESTRICT gram,
+    krhpr_lanes_at *KRHPR_RESTRICT cofactors, krhpr_lanes_at *KRHPR_RESTRICT square,
+    krhpr_lanes_at *KRHPR_RESTRICT reach, krhpr_lanes_at *KRHPR_RESTRICT regularity)
+{
+    const krhpr_lanes g_k_9 = krhpr_of_leg(g->k[9], i);
+    const krhpr_lanes t1 = w[4] * w[8] - w[5] * w[7];
+    const krhpr_lanes t2 = w[5] * w[6] - w[3] * w[8];
+    const krhpr_lanes t3 = w[3] * w[7] - w[4] * w[6];
+    const krhpr_lanes volume = w[0] * t1 + w[1] * t2 + w[2] * t3; /* det [w_1 ...] */
+    const krhpr_lanes t4 = 1.0 / volume;
+    const krhpr_lanes m_00 = b[0] * t1 * t4; /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_01 = t4 * (b[1] * (w[2] * w[7] - w[1] * w[8]));
+    const krhpr_lanes m_02 = t4 * (b[2] * (w[1] * w[5] - w[2] * w[4]));
+    const krhpr_lanes m_10 = t4 * (b[0] * t2);
+    const krhpr_lanes m_11 = t4 * (b[1] * (w[0] * w[8] - w[2] * w[6]));
+    const krhpr_lanes m_12 = t4 * (b[2] * (w[2] * w[3] - w[0] * w[5]));
+    const krhpr_lanes m_20 = t4 * (b[0] * t3);
+    const krhpr_lanes m_21 = t4 * (b[1] * (w[1] * w[6] - w[0] * w[7]));
+    const krhpr_lanes m_22 = t4 * (b[2] * (w[0] * w[4] - w[1] * w[3]));
+    const krhpr_lanes m_l_00 = m_00 * characteristic_length; /* slides over the length */
+    const krhpr_lanes m_l_01 = m_01 * characteristic_length;
+    const krhpr_lanes m_l_02 = m_02 * characteristic_length;
+    const krhpr_lanes m_l_10 = m_10 * characteristic_length;
+    const krhpr_lanes m_l_11 = m_11 * characteristic_length;
+    const krhpr_lanes m_l_12 = m_12 * characteristic_length;
+    const krhpr_lanes m_l_20 = m_20 * characteristic_length;
+    const krhpr_lanes m_l_21 = m_21 * characteristic_length;
+    const krhpr_lanes m_l_22 = m_22 * characteristic_length;
+    const krhpr_lanes g_00 = m_l_00 * m_l_00 + m_l_01 * m_l_01 + m_l_02 * m_l_02; /* M M^T */
+    const krhpr_lanes g_01 = m_l_00 * m_l_10 + m_l_01 * m_l_11 + m_l_02 * m_l_12;
+    const krhpr_lanes g_02 = m_l_00 * m_l_20 + m_l_01 * m_l_21 + m_l_02 * m_l_22;
+    const krhpr_lanes g_11 = m_l_10 * m_l_10 + m_l_11 * m_l_11 + m_l_12 * m_l_12;
+    const krhpr_lanes g_12 = m_l_10 * m_l_20 + m_l_11 * m_l_21 + m_l_12 * m_l_22;
+    const krhpr_lanes g_22 = m_l_20 * m_l_20 + m_l_21 * m_l_21 + m_l_22 * m_l_22;
+    const krhpr_lanes k_00 = m_l_00 * N[0] + m_l_10 * N[1] + m_l_20 * N[2]; /* the leg's block of K */
+    const krhpr_lanes k_01 = m_l_01 * N[0] + m_l_11 * N[1] + m_l_21 * N[2];
+    const krhpr_lanes k_02 = m_l_02 * N[0] + m_l_12 * N[1] + m_l_22 * N[2];
+    const krhpr_lanes k_10 = m_l_00 * N[3] + m_l_10 * N[4] + m_l_20 * N[5];
+    const krhpr_lanes k_11 = m_l_01 * N[3] + m_l_11 * N[4] + m_l_21 * N[5];
+    const krhpr_lanes k_12 = m_l_02 * N[3] + m_l_12 * N[4] + m_l_22 * N[5];
+    const krhpr_lanes c_00 = m_l_11 * m_l_22 - m_l_12 * m_l_21; /* cofactors of M */
+    const krhpr_lanes c_01 = m_l_12 * m_l_20 - m_l_10 * m_l_22;
+    const krhpr_lanes c_02 = m_l_10 * m_l_21 - m_l_11 * m_l_20;
+    const krhpr_lanes c_10 = m_l_02 * m_l_21 - m_l_01 * m_l_22;
+    const krhpr_lanes c_11 = m_l_00 * m_l_22 - m_l_02 * m_l_20;
+    const krhpr_lanes c_12 = m_l_01 * m_l_20 - m_l_00 * m_l_21;
+    const krhpr_lanes c_20 = m_l_01 * m_l_12 - m_l_02 * m_l_11;
+    const krhpr_lanes c_21 = m_l_02 * m_l_10 - m_l_00 * m_l_12;
+    const krhpr_lanes c_22 = m_l_00 * m_l_11 - m_l_01 * m_l_10;
+    const krhpr_lanes det_M = m_l_00 * c_00 + m_l_01 * c_01 + m_l_02 * c_02;
+    const krhpr_lanes cofactors_01 = c_00 * c_10 + c_01 * c_11 + c_02 * c_12;
+    const krhpr_lanes cofactors_02 = c_00 * c_20 + c_01 * c_21 + c_02 * c_22;
+    const krhpr_lanes cofactors_12 = c_10 * c_20 + c_11 * c_21 + c_12 * c_22;
+    gram[0] = g_00;
+    gram[1] = g_01;
+    gram[2] = g_02;
+    gram[3] = g_01;
+    gram[4] = g_11;
+    gram[5] = g_12;
+    gram[6] = g_02;
+    gram[7] = g_12;
+    gram[8] = g_22;
+    cofactors[0] = c_00 * c_00 + c_01 * c_01 + c_02 * c_02;
+    cofactors[1] = cofactors_01;
+    cofactors[2] = cofactors_02;
+    cofactors[3] = cofactors_01;
+    cofactors[4] = c_10 * c_10 + c_11 * c_11 + c_12 * c_12;
+    cofactors[5] = cofactors_12;
+    cofactors[6] = cofactors_02;
+    cofactors[7] = cofactors_12;
+    cofactors[8] = c_20 * c_20 + c_21 * c_21 + c_22 * c_22;
+    *square = det_M * det_M;
+    reach[0] = k_00 * k_00 + k_01 * k_01 + k_02 * k_02;
+    reach[1] = k_00 * k_10 + k_01 * k_11 + k_02 * k_12;
+    reach[2] = k_10 * k_10 + k_11 * k_11 + k_12 * k_12;
+    *regularity = krhpr_lanes_fabs(volume * g_k_9);
+}
+
 /* Passive joints of the (3-UPS) sub-leg and the orientation of its last link.  (28 add, 54 multiply, 2
  * divide, 5 square root) */
 KRHPR_INLINE void krhpr_subleg_ups3_passive_lanes(

@@ -719,6 +719,93 @@ def type_2_of_redundant(geometry: Any) -> Any:
     return call.function({"type_2": type_2, "margins": margins})
 
 
+def indices(geometry: Any) -> Any:
+    """The performance indices: 2-norms of both parts of U = J^-1 K, and condition numbers.  They have
+    a kink where a largest singular value is a double one."""
+    call = rt.Call(
+        "indices",
+        (
+            rt.Port("p", (2,), "shared"),
+            rt.Port("phi", (), "shared"),
+            rt.Port("s", (3, 2), "stacked"),
+            rt.Port("theta", (3, 2), "stacked"),
+        ),
+        (
+            rt.Port("eta_1", (), "shared"),
+            rt.Port("eta_2", (), "shared"),
+            rt.Port("eta_3", (), "shared"),
+            rt.Port("condition", (3,), "stacked"),
+        ),
+        geometry,
+    )
+    Q = algebra.rotation(call.whole("phi"))
+    line: list[Any] = []
+    point: list[Any] = []
+    reach: list[Any] = []
+    largest: list[Any] = []
+    smallest: list[Any] = []
+    condition: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        line_i, point_i, N_i, _scale = platform.line(
+            platform.prepare(fields), call.leg("p", i), Q, call.leg("s", i))
+        d_i, u_1_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        gram_i, cofactors_i, square_i, reach_i, _regularity = subleg.gram(
+            subleg.prepare(fields), d_i, u_1_i, u_2_i, N_i)
+        largest_i, smallest_i, condition_i = algebra.spread(gram_i, cofactors_i, square_i)
+        line += line_i
+        point += point_i
+        reach += reach_i
+        largest += largest_i
+        smallest += smallest_i
+        condition += condition_i
+    position_gram, rotation_gram, _det_regularity = platform.sensitivity(line, point, reach)
+    eta_1, eta_2, eta_3 = algebra.norms(position_gram, rotation_gram, largest, smallest)
+    return call.function({"eta_1": eta_1, "eta_2": eta_2, "eta_3": eta_3, "condition": condition})
+
+
+def index_bounds(geometry: Any) -> Any:
+    """Upper bounds of the performance indices with all derivatives: Schatten norms of order 16, at
+    most 7.2 % above eta_1 and eta_2, and 32 % above eta_3."""
+    call = rt.Call(
+        "index_bounds",
+        (
+            rt.Port("p", (2,), "shared"),
+            rt.Port("phi", (), "shared"),
+            rt.Port("s", (3, 2), "stacked"),
+            rt.Port("theta", (3, 2), "stacked"),
+        ),
+        (
+            rt.Port("eta_1", (), "shared"),
+            rt.Port("eta_2", (), "shared"),
+            rt.Port("eta_3", (), "shared"),
+        ),
+        geometry,
+    )
+    Q = algebra.rotation(call.whole("phi"))
+    line: list[Any] = []
+    point: list[Any] = []
+    reach: list[Any] = []
+    largest: list[Any] = []
+    smallest: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        line_i, point_i, N_i, _scale = platform.line(
+            platform.prepare(fields), call.leg("p", i), Q, call.leg("s", i))
+        d_i, u_1_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        gram_i, cofactors_i, square_i, reach_i, _regularity = subleg.gram(
+            subleg.prepare(fields), d_i, u_1_i, u_2_i, N_i)
+        largest_i, smallest_i = algebra.spread_bound(gram_i, cofactors_i, square_i)
+        line += line_i
+        point += point_i
+        reach += reach_i
+        largest += largest_i
+        smallest += smallest_i
+    position_gram, rotation_gram, _det_regularity = platform.sensitivity(line, point, reach)
+    eta_1, eta_2, eta_3 = algebra.norm_bounds(position_gram, rotation_gram, largest, smallest)
+    return call.function({"eta_1": eta_1, "eta_2": eta_2, "eta_3": eta_3})
+
+
 def forward_all(geometry: Any) -> Any:
     """Every pose of the platform that holds the end points of the sub-legs, with its redundant
     coordinates: two, in closed form, with opposite det J, first the one whose first margin is
@@ -861,6 +948,8 @@ FUNCTIONS = {
     "link_points": link_points,
     "singularity": singularity,
     "type_2_of_redundant": type_2_of_redundant,
+    "indices": indices,
+    "index_bounds": index_bounds,
     "forward_all": forward_all,
     "forward": forward,
     "forward_encoders_2": forward_encoders_2,

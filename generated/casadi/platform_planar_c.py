@@ -300,6 +300,57 @@ def type_2(line: Any, point: Any, scale: Any) -> tuple[Any, ...]:
     )
 
 
+def sensitivity(line: Any, point: Any, reach: Any) -> tuple[Any, ...]:
+    """Squares of the position and the rotation part of U = J^-1 K, in the platform frame.  Thesis:
+    1.8, 4.2.2.  (27 add, 70 multiply, 2 divide)"""
+    line_00, line_01, line_02, line_10, line_11, line_12, line_20, line_21, line_22 = line
+    point_00, point_01, point_10, point_11, point_20, point_21 = point
+    reach_00, reach_10, reach_20 = reach
+    adj_a_00 = line_11 * line_22 - line_12 * line_21
+    adj_a_01 = line_12 * line_20 - line_10 * line_22
+    adj_a_02 = line_10 * line_21 - line_11 * line_20
+    adj_a_10 = line_02 * line_21 - line_01 * line_22
+    adj_a_11 = line_00 * line_22 - line_02 * line_20
+    adj_a_12 = line_01 * line_20 - line_00 * line_21
+    adj_a_20 = line_01 * line_12 - line_02 * line_11
+    adj_a_21 = line_02 * line_10 - line_00 * line_12
+    adj_a_22 = line_00 * line_11 - line_01 * line_10
+    det_a = line_00 * adj_a_00 + line_01 * adj_a_01 + line_02 * adj_a_02
+    one_a = 1 / det_a
+    inv_a_00 = adj_a_00 * one_a
+    inv_a_01 = adj_a_10 * one_a
+    inv_a_02 = adj_a_20 * one_a
+    inv_a_10 = adj_a_01 * one_a
+    inv_a_11 = adj_a_11 * one_a
+    inv_a_12 = adj_a_21 * one_a
+    inv_a_20 = adj_a_02 * one_a
+    inv_a_21 = adj_a_12 * one_a
+    inv_a_22 = adj_a_22 * one_a
+    position_gram_00 = reach_00 * (inv_a_00 * inv_a_00) + reach_10 * (inv_a_01 * inv_a_01) + reach_20 * (inv_a_02 * inv_a_02)
+    position_gram_01 = reach_00 * (inv_a_00 * inv_a_10) + reach_10 * (inv_a_01 * inv_a_11) + reach_20 * (inv_a_02 * inv_a_12)
+    position_gram_11 = reach_00 * (inv_a_10 * inv_a_10) + reach_10 * (inv_a_11 * inv_a_11) + reach_20 * (inv_a_12 * inv_a_12)
+    rotation_gram_00 = reach_00 * (inv_a_20 * inv_a_20) + reach_10 * (inv_a_21 * inv_a_21) + reach_20 * (inv_a_22 * inv_a_22)
+    d2_0 = line_00 * line_00 + line_01 * line_01
+    d2_1 = line_10 * line_10 + line_11 * line_11
+    d2_2 = line_20 * line_20 + line_21 * line_21
+    t1 = point_00 * point_00 + point_01 * point_01 + point_10 * point_10 + point_11 * point_11
+    size = t1 + point_20 * point_20 + point_21 * point_21  # sum of |S_i - O'|^2
+    return (
+        (  # position_gram
+            position_gram_00,
+            position_gram_01,
+            position_gram_01,
+            position_gram_11,
+        ),
+        (  # rotation_gram
+            rotation_gram_00,
+        ),
+        (  # regularity
+            det_a * det_a / (size * (d2_2 * (d2_0 * d2_1))),
+        ),
+    )
+
+
 def tie(g: Any) -> tuple[Any, ...]:
     """How the leg holds the platform, for the forward kinematics.  (no operations)"""
     return (

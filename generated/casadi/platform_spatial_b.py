@@ -420,6 +420,131 @@ def type_2(line: Any, point: Any, scale: Any) -> tuple[Any, ...]:
     )
 
 
+def sensitivity(line: Any, point: Any, reach: Any) -> tuple[Any, ...]:
+    """Squares of the position and the rotation part of U = J^-1 K, in the platform frame.  Thesis:
+    1.8, 4.2.2.  (126 add, 233 multiply, 4 divide)"""
+    line_00, line_01, line_02, line_03, line_04, line_05, line_10, line_11, line_12, line_13, line_14, line_15, line_20, line_21, line_22, line_23, line_24, line_25 = line
+    point_00, point_01, point_10, point_11, point_20, point_21 = point
+    reach_00, reach_01, reach_02, reach_10, reach_11, reach_12, reach_20, reach_21, reach_22 = reach
+    adj_n_00 = point_10 * point_21 - point_11 * point_20
+    adj_n_01 = point_20 - point_10
+    adj_n_02 = point_21 - point_11
+    adj_n_10 = point_01 * point_20 - point_00 * point_21
+    adj_n_11 = point_00 - point_20
+    adj_n_12 = point_01 - point_21
+    adj_n_20 = point_00 * point_11 - point_01 * point_10
+    adj_n_21 = point_10 - point_00
+    adj_n_22 = point_11 - point_01
+    det_n = adj_n_00 + point_01 * adj_n_01 - point_00 * adj_n_02
+    one_n = 1 / det_n
+    inv_n_00 = adj_n_00 * one_n
+    inv_n_01 = adj_n_10 * one_n
+    inv_n_02 = adj_n_20 * one_n
+    inv_n_10 = adj_n_01 * one_n
+    inv_n_11 = adj_n_11 * one_n
+    inv_n_12 = adj_n_21 * one_n
+    inv_n_20 = adj_n_02 * one_n
+    inv_n_21 = adj_n_12 * one_n
+    inv_n_22 = adj_n_22 * one_n
+    adj_a_00 = line_11 * line_25 - line_15 * line_21
+    adj_a_01 = line_15 * line_20 - line_10 * line_25
+    adj_a_02 = line_10 * line_21 - line_11 * line_20
+    adj_a_10 = line_05 * line_21 - line_01 * line_25
+    adj_a_11 = line_00 * line_25 - line_05 * line_20
+    adj_a_12 = line_01 * line_20 - line_00 * line_21
+    adj_a_20 = line_01 * line_15 - line_05 * line_11
+    adj_a_21 = line_05 * line_10 - line_00 * line_15
+    adj_a_22 = line_00 * line_11 - line_01 * line_10
+    det_a = line_00 * adj_a_00 + line_01 * adj_a_01 + line_05 * adj_a_02
+    one_a = 1 / det_a
+    inv_a_00 = adj_a_00 * one_a
+    inv_a_01 = adj_a_10 * one_a
+    inv_a_02 = adj_a_20 * one_a
+    inv_a_10 = adj_a_01 * one_a
+    inv_a_11 = adj_a_11 * one_a
+    inv_a_12 = adj_a_21 * one_a
+    inv_a_20 = adj_a_02 * one_a
+    inv_a_21 = adj_a_12 * one_a
+    inv_a_22 = adj_a_22 * one_a
+    c_00 = line_02 * inv_n_00 + line_03 * inv_n_10 + line_04 * inv_n_20
+    c_01 = line_02 * inv_n_01 + line_03 * inv_n_11 + line_04 * inv_n_21
+    c_02 = line_02 * inv_n_02 + line_03 * inv_n_12 + line_04 * inv_n_22
+    c_10 = line_12 * inv_n_00 + line_13 * inv_n_10 + line_14 * inv_n_20
+    c_11 = line_12 * inv_n_01 + line_13 * inv_n_11 + line_14 * inv_n_21
+    c_12 = line_12 * inv_n_02 + line_13 * inv_n_12 + line_14 * inv_n_22
+    c_20 = line_22 * inv_n_00 + line_23 * inv_n_10 + line_24 * inv_n_20
+    c_21 = line_22 * inv_n_01 + line_23 * inv_n_11 + line_24 * inv_n_21
+    c_22 = line_22 * inv_n_02 + line_23 * inv_n_12 + line_24 * inv_n_22
+    t1 = inv_a_00 * c_00 + inv_a_01 * c_10 + inv_a_02 * c_20
+    t2 = inv_a_00 * c_01 + inv_a_01 * c_11 + inv_a_02 * c_21
+    t3 = inv_a_00 * c_02 + inv_a_01 * c_12 + inv_a_02 * c_22
+    t4 = inv_a_10 * c_00 + inv_a_11 * c_10 + inv_a_12 * c_20
+    t5 = inv_a_10 * c_01 + inv_a_11 * c_11 + inv_a_12 * c_21
+    t6 = inv_a_10 * c_02 + inv_a_11 * c_12 + inv_a_12 * c_22
+    t7 = inv_a_20 * c_00 + inv_a_21 * c_10 + inv_a_22 * c_20
+    t8 = inv_a_20 * c_01 + inv_a_21 * c_11 + inv_a_22 * c_21
+    t9 = inv_a_20 * c_02 + inv_a_21 * c_12 + inv_a_22 * c_22
+    t10 = reach_00 * inv_a_00 - reach_01 * t1
+    t11 = reach_10 * inv_a_01 - reach_11 * t2
+    t12 = reach_20 * inv_a_02 - reach_21 * t3
+    t13 = reach_01 * inv_a_00 - reach_02 * t1
+    t14 = reach_11 * inv_a_01 - reach_12 * t2
+    t15 = reach_21 * inv_a_02 - reach_22 * t3
+    position_gram_00 = inv_a_00 * t10 + inv_a_01 * t11 + inv_a_02 * t12 - t1 * t13 - t2 * t14 - t3 * t15
+    position_gram_01 = inv_a_10 * t10 + inv_a_11 * t11 + inv_a_12 * t12 - t4 * t13 - t5 * t14 - t6 * t15
+    position_gram_02 = inv_n_00 * t13 + inv_n_01 * t14 + inv_n_02 * t15
+    t16 = inv_a_10 * (reach_00 * inv_a_10 - reach_01 * t4) + inv_a_11 * (reach_10 * inv_a_11 - reach_11 * t5)
+    t17 = reach_01 * inv_a_10 - reach_02 * t4
+    t18 = reach_11 * inv_a_11 - reach_12 * t5
+    t19 = reach_21 * inv_a_12 - reach_22 * t6
+    position_gram_11 = t16 + inv_a_12 * (reach_20 * inv_a_12 - reach_21 * t6) - t4 * t17 - t5 * t18 - t6 * t19
+    position_gram_12 = inv_n_00 * t17 + inv_n_01 * t18 + inv_n_02 * t19
+    position_gram_22 = reach_02 * (inv_n_00 * inv_n_00) + reach_12 * (inv_n_01 * inv_n_01) + reach_22 * (inv_n_02 * inv_n_02)
+    rotation_gram_00 = reach_02 * (inv_n_10 * inv_n_10) + reach_12 * (inv_n_11 * inv_n_11) + reach_22 * (inv_n_12 * inv_n_12)
+    rotation_gram_01 = reach_02 * (inv_n_10 * inv_n_20) + reach_12 * (inv_n_11 * inv_n_21) + reach_22 * (inv_n_12 * inv_n_22)
+    t20 = reach_01 * (inv_n_10 * inv_a_20) + reach_11 * (inv_n_11 * inv_a_21) + reach_21 * (inv_n_12 * inv_a_22)
+    rotation_gram_02 = t20 - t7 * (reach_02 * inv_n_10) - t8 * (reach_12 * inv_n_11) - t9 * (reach_22 * inv_n_12)
+    rotation_gram_11 = reach_02 * (inv_n_20 * inv_n_20) + reach_12 * (inv_n_21 * inv_n_21) + reach_22 * (inv_n_22 * inv_n_22)
+    t21 = reach_01 * (inv_n_20 * inv_a_20) + reach_11 * (inv_n_21 * inv_a_21) + reach_21 * (inv_n_22 * inv_a_22)
+    rotation_gram_12 = t21 - t7 * (reach_02 * inv_n_20) - t8 * (reach_12 * inv_n_21) - t9 * (reach_22 * inv_n_22)
+    t22 = inv_a_20 * (reach_00 * inv_a_20 - reach_01 * t7) + inv_a_21 * (reach_10 * inv_a_21 - reach_11 * t8)
+    t23 = t22 + inv_a_22 * (reach_20 * inv_a_22 - reach_21 * t9) - t7 * (reach_01 * inv_a_20 - reach_02 * t7)
+    rotation_gram_22 = t23 - t8 * (reach_11 * inv_a_21 - reach_12 * t8) - t9 * (reach_21 * inv_a_22 - reach_22 * t9)
+    d2_0 = line_00 * line_00 + line_01 * line_01
+    d2_1 = line_10 * line_10 + line_11 * line_11
+    d2_2 = line_20 * line_20 + line_21 * line_21
+    t24 = point_00 * point_00 + point_01 * point_01 + point_10 * point_10 + point_11 * point_11
+    size = t24 + point_20 * point_20 + point_21 * point_21  # sum of |S_i - O'|^2
+    return (
+        (  # position_gram
+            position_gram_00,
+            position_gram_01,
+            position_gram_02,
+            position_gram_01,
+            position_gram_11,
+            position_gram_12,
+            position_gram_02,
+            position_gram_12,
+            position_gram_22,
+        ),
+        (  # rotation_gram
+            rotation_gram_00,
+            rotation_gram_01,
+            rotation_gram_02,
+            rotation_gram_01,
+            rotation_gram_11,
+            rotation_gram_12,
+            rotation_gram_02,
+            rotation_gram_12,
+            rotation_gram_22,
+        ),
+        (  # regularity
+            det_a * det_a / (size * (d2_2 * (d2_0 * d2_1))),
+            det_n * det_n / (size * size),
+        ),
+    )
+
+
 def tie(g: Any) -> tuple[Any, ...]:
     """How the leg holds the platform, for the forward kinematics.  (no operations)"""
     return (

@@ -621,6 +621,93 @@ def determinant(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
     )
 
 
+def gram(g: Any, d: Any, u_1: Any, u_2: Any, characteristic_length: Any, N: Any) -> tuple[Any, ...]:
+    """Squares of M_i of the P(RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide
+    count by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (42 add, 83
+    multiply, 1 divide, 1 select)"""
+    d_0, d_1 = d
+    u_1_0, u_1_1 = u_1
+    u_2_0, u_2_1 = u_2
+    characteristic_length, = characteristic_length
+    N_00, N_01, N_02, N_10, N_11, N_12 = N
+    v_1_0 = d_0 - u_1_0  # (1.14)
+    v_1_1 = d_1 - u_1_1
+    t1 = v_1_0 * g.k[7]
+    v_2_0 = u_1_0 + t1 - u_2_0  # (1.15)
+    t2 = v_1_1 * g.k[7]
+    v_2_1 = u_1_1 + t2 - u_2_1  # (1.15)
+    b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
+    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    t3 = u_2_0 * v_2_1
+    t4 = u_2_1 * v_2_0
+    b_33 = t3 - t4  # v_2^T (e_3 x u_2)
+    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
+    t5 = g.k[7] * b_22
+    t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
+    m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
+    m_02 = t6 * (v_1_1 * (t4 - t3))
+    m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5)
+    m_12 = t6 * (v_1_0 * b_33)
+    g_00 = m_01 * m_01 + m_02 * m_02  # M M^T
+    g_01 = m_01 * m_11 + m_02 * m_12
+    g_11 = m_11 * m_11 + m_12 * m_12
+    g_22 = characteristic_length * characteristic_length
+    n_00 = g.e_x[0] * N_00 + g.e_x[1] * N_01 + g.e_x[2] * N_02  # N in the leg's frame
+    n_01 = g.e_1[0] * N_00 + g.e_1[1] * N_01 + g.e_1[2] * N_02
+    n_02 = g.e_t[0] * N_00 + g.e_t[1] * N_01
+    n_10 = g.e_x[0] * N_10 + g.e_x[1] * N_11 + g.e_x[2] * N_12
+    n_11 = g.e_1[0] * N_10 + g.e_1[1] * N_11 + g.e_1[2] * N_12
+    n_12 = g.e_t[0] * N_10 + g.e_t[1] * N_11
+    k_00 = characteristic_length * n_02  # the leg's block of K
+    k_01 = m_01 * n_00 + m_11 * n_01
+    k_02 = m_02 * n_00 + m_12 * n_01
+    k_10 = characteristic_length * n_12
+    k_11 = m_01 * n_10 + m_11 * n_11
+    k_12 = m_02 * n_10 + m_12 * n_11
+    c_01 = m_12 * characteristic_length  # cofactors of M
+    t7 = m_11 * characteristic_length
+    t8 = m_02 * characteristic_length
+    c_12 = m_01 * characteristic_length  # cofactors of M
+    c_20 = m_01 * m_12 - m_02 * m_11
+    det_M = m_01 * c_01 - m_02 * t7
+    cofactors_01 = -(c_01 * t8 + t7 * c_12)
+    return (
+        (  # gram
+            g_00,
+            g_01,
+            0,
+            g_01,
+            g_11,
+            0,
+            0,
+            0,
+            g_22,
+        ),
+        (  # cofactors
+            c_01 * c_01 + t7 * t7,
+            cofactors_01,
+            0,
+            cofactors_01,
+            t8 * t8 + c_12 * c_12,
+            0,
+            0,
+            0,
+            c_20 * c_20,
+        ),
+        (  # square
+            det_M * det_M,
+        ),
+        (  # reach
+            k_00 * k_00 + k_01 * k_01 + k_02 * k_02,
+            k_00 * k_10 + k_01 * k_11 + k_02 * k_12,
+            k_10 * k_10 + k_11 * k_11 + k_12 * k_12,
+        ),
+        (  # regularity
+            ca.fabs(delta * g.k[14]),
+        ),
+    )
+
+
 def passive(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
     """Passive joints of the P(RR-RRR) sub-leg and the orientation of its last link.  (18 add, 28
     multiply, 3 arctangent)"""

@@ -554,6 +554,64 @@ def determinant(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
     )
 
 
+def gram(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
+    """Squares of M_i of the (RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide
+    count by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (23 add, 40
+    multiply, 1 divide, 1 select)"""
+    d_0, d_1 = d
+    u_1_0, u_1_1 = u_1
+    u_2_0, u_2_1 = u_2
+    N_00, N_01 = N
+    v_1_0 = d_0 - u_1_0  # (1.14)
+    v_1_1 = d_1 - u_1_1
+    t1 = v_1_0 * g.k[7]
+    v_2_0 = u_1_0 + t1 - g.o_12[0] - u_2_0  # (1.15)
+    t2 = v_1_1 * g.k[7]
+    v_2_1 = u_1_1 + t2 - g.o_12[1] - u_2_1  # (1.15)
+    b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
+    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    t3 = u_2_0 * v_2_1
+    t4 = u_2_1 * v_2_0
+    b_33 = t3 - t4  # v_2^T (e_3 x u_2)
+    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
+    t5 = g.k[7] * b_22
+    t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
+    m_00 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
+    m_01 = t6 * (v_1_1 * (t4 - t3))
+    m_10 = t6 * (v_1_0 * b_32 - v_2_0 * t5)
+    m_11 = t6 * (v_1_0 * b_33)
+    g_00 = m_00 * m_00 + m_01 * m_01  # M M^T
+    g_01 = m_00 * m_10 + m_01 * m_11
+    g_11 = m_10 * m_10 + m_11 * m_11
+    k_00 = m_00 * N_00 + m_10 * N_01  # the leg's block of K
+    k_01 = m_01 * N_00 + m_11 * N_01
+    det_M = m_00 * m_11 - m_01 * m_10
+    cofactors_01 = -g_01
+    return (
+        (  # gram
+            g_00,
+            g_01,
+            g_01,
+            g_11,
+        ),
+        (  # cofactors
+            g_11,
+            cofactors_01,
+            cofactors_01,
+            g_00,
+        ),
+        (  # square
+            det_M * det_M,
+        ),
+        (  # reach
+            k_00 * k_00 + k_01 * k_01,
+        ),
+        (  # regularity
+            ca.fabs(delta * g.k[14]),
+        ),
+    )
+
+
 def passive(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
     """Passive joints of the (RR-RRR) sub-leg and the orientation of its last link.  (14 add, 16
     multiply, 3 arctangent)"""

@@ -198,6 +198,44 @@ def determinant(g: Any) -> tuple[Any, ...]:
     )
 
 
+def gram(g: Any, characteristic_length: Any, N: Any) -> tuple[Any, ...]:
+    """Squares of M_i of the PP sub-leg, in its own frame, for the indices: actuators that slide count
+    by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (7 add, 19 multiply)"""
+    characteristic_length, = characteristic_length
+    N_00, N_01 = N
+    m_l_00 = g.e_1[0] * characteristic_length  # slides over the length
+    m_l_01 = g.e_2[0] * characteristic_length
+    m_l_10 = g.e_1[1] * characteristic_length
+    m_l_11 = g.e_2[1] * characteristic_length
+    g_00 = m_l_00 * m_l_00 + m_l_01 * m_l_01  # M M^T
+    g_01 = m_l_00 * m_l_10 + m_l_01 * m_l_11
+    g_11 = m_l_10 * m_l_10 + m_l_11 * m_l_11
+    k_00 = m_l_00 * N_00 + m_l_10 * N_01  # the leg's block of K
+    k_01 = m_l_01 * N_00 + m_l_11 * N_01
+    det_M = m_l_00 * m_l_11 - m_l_01 * m_l_10
+    cofactors_01 = -g_01
+    return (
+        (  # gram
+            g_00,
+            g_01,
+            g_01,
+            g_11,
+        ),
+        (  # cofactors
+            g_11,
+            cofactors_01,
+            cofactors_01,
+            g_00,
+        ),
+        (  # square
+            det_M * det_M,
+        ),
+        (  # reach
+            k_00 * k_00 + k_01 * k_01,
+        ),
+    )
+
+
 def passive(g: Any) -> tuple[Any, ...]:
     """Passive joints of the PP sub-leg and the orientation of its last link.  (no operations)"""
     return (

@@ -416,6 +416,54 @@ def determinant(g: Any, w: Any, b: Any) -> tuple[Any, ...]:
     )
 
 
+def gram(g: Any, w: Any, b: Any, characteristic_length: Any, N: Any) -> tuple[Any, ...]:
+    """Squares of M_i of the (2-PRR) sub-leg, in its own frame, for the indices: actuators that slide
+    count by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (8 add, 30
+    multiply, 1 divide, 1 select)"""
+    w_00, w_01, w_10, w_11 = w
+    b_0, b_1 = b
+    characteristic_length, = characteristic_length
+    N_00, N_01 = N
+    volume = w_00 * w_11 - w_01 * w_10  # det [w_1 ...]
+    t1 = 1 / volume
+    m_00 = w_11 * b_0 * t1  # A^-1 B in the leg's frame
+    m_11 = t1 * (w_00 * b_1)
+    m_l_00 = m_00 * characteristic_length  # slides over the length
+    c_10 = t1 * (w_01 * b_1) * characteristic_length  # cofactors of M
+    c_01 = t1 * (w_10 * b_0) * characteristic_length
+    m_l_11 = m_11 * characteristic_length  # slides over the length
+    g_00 = m_l_00 * m_l_00 + c_10 * c_10  # M M^T
+    cofactors_01 = m_l_00 * c_01 + c_10 * m_l_11
+    g_01 = -cofactors_01  # M M^T
+    g_11 = c_01 * c_01 + m_l_11 * m_l_11
+    k_00 = m_l_00 * N_00 - c_01 * N_01  # the leg's block of K
+    k_01 = m_l_11 * N_01 - c_10 * N_00
+    det_M = m_l_00 * m_l_11 - c_10 * c_01
+    return (
+        (  # gram
+            g_00,
+            g_01,
+            g_01,
+            g_11,
+        ),
+        (  # cofactors
+            g_11,
+            cofactors_01,
+            cofactors_01,
+            g_00,
+        ),
+        (  # square
+            det_M * det_M,
+        ),
+        (  # reach
+            k_00 * k_00 + k_01 * k_01,
+        ),
+        (  # regularity
+            ca.fabs(volume * g.k[4]),
+        ),
+    )
+
+
 def passive(g: Any, w: Any) -> tuple[Any, ...]:
     """Passive joints of the (2-PRR) sub-leg and the orientation of its last link.  (7 add, 16
     multiply, 1 divide, 1 square root, 3 arctangent)"""

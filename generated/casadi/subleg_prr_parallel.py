@@ -338,6 +338,70 @@ def determinant(g: Any, d: Any, v_1: Any) -> tuple[Any, ...]:
     )
 
 
+def gram(g: Any, d: Any, v_1: Any, characteristic_length: Any, N: Any) -> tuple[Any, ...]:
+    """Squares of M_i of the PRR sub-leg, in its own frame, for the indices: actuators that slide count
+    by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (28 add, 58 multiply)"""
+    d_0, d_1 = d
+    v_1_0, v_1_1 = v_1
+    characteristic_length, = characteristic_length
+    N_00, N_01, N_02, N_10, N_11, N_12 = N
+    elbow = d_0 * v_1_1 - d_1 * v_1_0  # a b sin(t_2)
+    g_00 = d_1 * d_1 + v_1_1 * v_1_1  # M M^T
+    g_01 = -(d_0 * d_1 + v_1_0 * v_1_1)
+    g_11 = d_0 * d_0 + v_1_0 * v_1_0
+    g_22 = characteristic_length * characteristic_length
+    n_00 = g.e_x[0] * N_00 + g.e_x[1] * N_01 + g.e_x[2] * N_02  # N in the leg's frame
+    n_01 = g.e_1[0] * N_00 + g.e_1[1] * N_01 + g.e_1[2] * N_02
+    n_02 = g.e_t[0] * N_00 + g.e_t[1] * N_01
+    n_10 = g.e_x[0] * N_10 + g.e_x[1] * N_11 + g.e_x[2] * N_12
+    n_11 = g.e_1[0] * N_10 + g.e_1[1] * N_11 + g.e_1[2] * N_12
+    n_12 = g.e_t[0] * N_10 + g.e_t[1] * N_11
+    k_00 = characteristic_length * n_02  # the leg's block of K
+    k_01 = d_0 * n_01 - d_1 * n_00
+    k_02 = v_1_0 * n_01 - v_1_1 * n_00
+    k_10 = characteristic_length * n_12
+    k_11 = d_0 * n_11 - d_1 * n_10
+    k_12 = v_1_0 * n_11 - v_1_1 * n_10
+    c_01 = v_1_0 * characteristic_length  # cofactors of M
+    t1 = d_0 * characteristic_length
+    c_11 = v_1_1 * characteristic_length  # cofactors of M
+    t2 = d_1 * characteristic_length
+    det_M = v_1_1 * t1 - d_1 * c_01
+    cofactors_01 = c_01 * c_11 + t1 * t2
+    return (
+        (  # gram
+            g_00,
+            g_01,
+            0,
+            g_01,
+            g_11,
+            0,
+            0,
+            0,
+            g_22,
+        ),
+        (  # cofactors
+            c_01 * c_01 + t1 * t1,
+            cofactors_01,
+            0,
+            cofactors_01,
+            c_11 * c_11 + t2 * t2,
+            0,
+            0,
+            0,
+            elbow * elbow,
+        ),
+        (  # square
+            det_M * det_M,
+        ),
+        (  # reach
+            k_00 * k_00 + k_01 * k_01 + k_02 * k_02,
+            k_00 * k_10 + k_01 * k_11 + k_02 * k_12,
+            k_10 * k_10 + k_11 * k_11 + k_12 * k_12,
+        ),
+    )
+
+
 def passive(g: Any, v_1: Any) -> tuple[Any, ...]:
     """Passive joints of the PRR sub-leg and the orientation of its last link.  (6 add, 14 multiply)"""
     v_1_0, v_1_1 = v_1

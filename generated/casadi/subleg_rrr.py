@@ -414,6 +414,70 @@ def determinant(g: Any, d: Any, v_1: Any) -> tuple[Any, ...]:
     )
 
 
+def gram(g: Any, x: Any, e_2: Any, d: Any, v_1: Any, N: Any) -> tuple[Any, ...]:
+    """Squares of M_i of the RRR sub-leg, in its own frame, for the indices: actuators that slide count
+    by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (30 add, 56 multiply)"""
+    x_0, x_1, x_2 = x
+    e_2_0, e_2_1, e_2_2 = e_2
+    d_0, d_1 = d
+    v_1_0, v_1_1 = v_1
+    N_00, N_01, N_02, N_10, N_11, N_12 = N
+    t1 = d_0 * v_1_1
+    elbow = t1 - d_1 * v_1_0  # a b sin(t_2)
+    g_00 = d_1 * d_1 + v_1_1 * v_1_1  # M M^T
+    c_12 = d_0 * d_1  # cofactors of M
+    g_01 = -(c_12 + v_1_0 * v_1_1)  # M M^T
+    g_22 = d_0 * d_0
+    g_11 = g_22 + v_1_0 * v_1_0
+    n_00 = x_0 * N_00 + x_1 * N_01 + x_2 * N_02  # N in the leg's frame
+    n_01 = g.e_1[0] * N_00 + g.e_1[1] * N_01 + g.e_1[2] * N_02
+    n_02 = e_2_0 * N_00 + e_2_1 * N_01 + e_2_2 * N_02
+    n_10 = x_0 * N_10 + x_1 * N_11 + x_2 * N_12
+    n_11 = g.e_1[0] * N_10 + g.e_1[1] * N_11 + g.e_1[2] * N_12
+    n_12 = e_2_0 * N_10 + e_2_1 * N_11 + e_2_2 * N_12
+    t2 = d_0 * n_02
+    k_01 = d_0 * n_01 - d_1 * n_00  # the leg's block of K
+    k_02 = v_1_0 * n_01 - v_1_1 * n_00
+    t3 = d_0 * n_12
+    k_11 = d_0 * n_11 - d_1 * n_10  # the leg's block of K
+    k_12 = v_1_0 * n_11 - v_1_1 * n_10
+    t4 = d_0 * v_1_0
+    det_M = d_1 * t4 - v_1_1 * g_22
+    cofactors_01 = t1 * t4 + c_12 * g_22
+    return (
+        (  # gram
+            g_00,
+            g_01,
+            0,
+            g_01,
+            g_11,
+            0,
+            0,
+            0,
+            g_22,
+        ),
+        (  # cofactors
+            t4 * t4 + g_22 * g_22,
+            cofactors_01,
+            0,
+            cofactors_01,
+            t1 * t1 + c_12 * c_12,
+            0,
+            0,
+            0,
+            elbow * elbow,
+        ),
+        (  # square
+            det_M * det_M,
+        ),
+        (  # reach
+            t2 * t2 + k_01 * k_01 + k_02 * k_02,
+            t2 * t3 + k_01 * k_11 + k_02 * k_12,
+            t3 * t3 + k_11 * k_11 + k_12 * k_12,
+        ),
+    )
+
+
 def passive(g: Any, x: Any, e_2: Any, v_1: Any) -> tuple[Any, ...]:
     """Passive joints of the RRR sub-leg and the orientation of its last link.  (6 add, 14 multiply)"""
     x_0, x_1, x_2 = x

@@ -76,6 +76,158 @@ def rotation(phi: Any) -> tuple[Any, ...]:
     )
 
 
+def spread(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
+    """Largest and smallest singular value of M, squared, and its condition number.  Thesis: 1.8.  (8
+    add, 8 multiply, 2 divide, 3 square root)"""
+    gram_00, gram_01, _gram_10, gram_11 = gram
+    cofactors_00, cofactors_01, _cofactors_10, cofactors_11 = cofactors
+    square, = square
+    t1 = gram_00 * 0.5
+    t2 = gram_11 * 0.5
+    g_h = t1 - t2
+    largest_a = t2 + (t1 + np.sqrt(g_h * g_h + gram_01 * gram_01))
+    t3 = cofactors_00 * 0.5
+    t4 = cofactors_11 * 0.5
+    h_h = t3 - t4
+    smallest_a = square / (t4 + (t3 + np.sqrt(cofactors_01 * cofactors_01 + h_h * h_h)))
+    return (
+        (  # largest
+            largest_a,
+        ),
+        (  # smallest
+            smallest_a,
+        ),
+        (  # condition
+            np.sqrt(largest_a / smallest_a),
+        ),
+    )
+
+
+def spread_bound(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
+    """Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (22 add,
+    36 multiply, 1 divide, 6 square root)"""
+    gram_00, gram_01, gram_10, gram_11 = gram
+    cofactors_00, cofactors_01, cofactors_10, cofactors_11 = cofactors
+    square, = square
+    t1 = gram_01 * gram_10
+    g_r2_00 = gram_00 * gram_00 + t1
+    g_r2_01 = gram_00 * gram_01 + gram_01 * gram_11
+    g_r2_10 = gram_00 * gram_10 + gram_10 * gram_11
+    g_r2_11 = t1 + gram_11 * gram_11
+    t2 = g_r2_01 * g_r2_10
+    g_r4_00 = g_r2_00 * g_r2_00 + t2
+    g_r4_01 = g_r2_00 * g_r2_01 + g_r2_01 * g_r2_11
+    g_r4_10 = g_r2_00 * g_r2_10 + g_r2_10 * g_r2_11
+    g_r4_11 = t2 + g_r2_11 * g_r2_11
+    g_8 = g_r4_00 * g_r4_00 + g_r4_01 * g_r4_01 + g_r4_10 * g_r4_10 + g_r4_11 * g_r4_11
+    g_4 = np.sqrt(g_8)
+    g_2 = np.sqrt(g_4)
+    g_1 = np.sqrt(g_2)
+    t3 = cofactors_01 * cofactors_10
+    h_r2_00 = cofactors_00 * cofactors_00 + t3
+    h_r2_01 = cofactors_00 * cofactors_01 + cofactors_01 * cofactors_11
+    h_r2_10 = cofactors_00 * cofactors_10 + cofactors_10 * cofactors_11
+    h_r2_11 = t3 + cofactors_11 * cofactors_11
+    t4 = h_r2_01 * h_r2_10
+    h_r4_00 = h_r2_00 * h_r2_00 + t4
+    h_r4_01 = h_r2_00 * h_r2_01 + h_r2_01 * h_r2_11
+    h_r4_10 = h_r2_00 * h_r2_10 + h_r2_10 * h_r2_11
+    h_r4_11 = t4 + h_r2_11 * h_r2_11
+    h_8 = h_r4_00 * h_r4_00 + h_r4_01 * h_r4_01 + h_r4_10 * h_r4_10 + h_r4_11 * h_r4_11
+    h_4 = np.sqrt(h_8)
+    h_2 = np.sqrt(h_4)
+    h_1 = np.sqrt(h_2)
+    return (
+        (  # largest
+            g_1,
+        ),
+        (  # smallest
+            square / h_1,
+        ),
+    )
+
+
+def norms(position_gram: Any, rotation_gram: Any, largest: Any, smallest: Any) -> tuple[Any, ...]:
+    """The indices: 2-norms of both parts of U = J^-1 K, condition number of J_1.  Thesis: 1.8, 4.2.2.
+    (4 add, 4 multiply, 1 divide, 4 square root, 4 select)"""
+    position_gram_00, position_gram_01, _position_gram_10, position_gram_11 = position_gram
+    rotation_gram_00, = rotation_gram
+    largest_0, largest_1, largest_2 = largest
+    smallest_0, smallest_1, smallest_2 = smallest
+    t1 = position_gram_00 * 0.5
+    t2 = position_gram_11 * 0.5
+    p_h = t1 - t2
+    t3 = np.fmax(np.fmax(largest_0, largest_1), largest_2) / np.fmin(np.fmin(smallest_0, smallest_1), smallest_2)
+    return (
+        (  # eta_1
+            np.sqrt(t2 + (t1 + np.sqrt(p_h * p_h + position_gram_01 * position_gram_01))),
+        ),
+        (  # eta_2
+            np.sqrt(rotation_gram_00),
+        ),
+        (  # eta_3
+            np.sqrt(t3),
+        ),
+    )
+
+
+def norm_bounds(position_gram: Any, rotation_gram: Any, largest: Any, smallest: Any) -> tuple[Any, ...]:
+    """Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (15 add, 37
+    multiply, 3 divide, 12 square root)"""
+    position_gram_00, position_gram_01, position_gram_10, position_gram_11 = position_gram
+    rotation_gram_00, = rotation_gram
+    largest_0, largest_1, largest_2 = largest
+    smallest_0, smallest_1, smallest_2 = smallest
+    t1 = position_gram_01 * position_gram_10
+    p_r2_00 = position_gram_00 * position_gram_00 + t1
+    p_r2_01 = position_gram_00 * position_gram_01 + position_gram_01 * position_gram_11
+    p_r2_10 = position_gram_00 * position_gram_10 + position_gram_10 * position_gram_11
+    p_r2_11 = t1 + position_gram_11 * position_gram_11
+    t2 = p_r2_01 * p_r2_10
+    p_r4_00 = p_r2_00 * p_r2_00 + t2
+    p_r4_01 = p_r2_00 * p_r2_01 + p_r2_01 * p_r2_11
+    p_r4_10 = p_r2_00 * p_r2_10 + p_r2_10 * p_r2_11
+    p_r4_11 = t2 + p_r2_11 * p_r2_11
+    p_8 = p_r4_00 * p_r4_00 + p_r4_01 * p_r4_01 + p_r4_10 * p_r4_10 + p_r4_11 * p_r4_11
+    p_4 = np.sqrt(p_8)
+    p_2 = np.sqrt(p_4)
+    p_1 = np.sqrt(p_2)
+    t3 = largest_0 * largest_0
+    t4 = t3 * t3
+    t5 = largest_1 * largest_1
+    t6 = t5 * t5
+    t7 = largest_2 * largest_2
+    t8 = t7 * t7
+    l_8 = t4 * t4 + t6 * t6 + t8 * t8
+    l_4 = np.sqrt(l_8)
+    l_2 = np.sqrt(l_4)
+    l_1 = np.sqrt(l_2)
+    inv_s = 1 / smallest_0
+    inv_s_a = 1 / smallest_1
+    inv_s_b = 1 / smallest_2
+    t9 = inv_s * inv_s
+    t10 = t9 * t9
+    t11 = inv_s_a * inv_s_a
+    t12 = t11 * t11
+    t13 = inv_s_b * inv_s_b
+    t14 = t13 * t13
+    s_8 = t10 * t10 + t12 * t12 + t14 * t14
+    s_4 = np.sqrt(s_8)
+    s_2 = np.sqrt(s_4)
+    s_1 = np.sqrt(s_2)
+    return (
+        (  # eta_1
+            np.sqrt(p_1),
+        ),
+        (  # eta_2
+            np.sqrt(rotation_gram_00),
+        ),
+        (  # eta_3
+            np.sqrt(l_1 * s_1),
+        ),
+    )
+
+
 def total(end_force: Any, moment: Any) -> tuple[Any, ...]:
     """The wrench of three forces: their sum, and that of their moments.  Thesis: (5.36).  (6 add)"""
     end_force_00, end_force_01, end_force_10, end_force_11, end_force_20, end_force_21 = end_force

@@ -95,6 +95,416 @@ def rotation_error(Q: Any) -> tuple[Any, ...]:
     )
 
 
+def spread(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
+    """Largest and smallest singular value of M, squared, and its condition number.  Thesis: 1.8.  (128
+    add, 208 multiply, 2 divide, 5 square root, 2 sine cosine, 2 arctangent)"""
+    gram_00, gram_01, gram_02, gram_10, gram_11, gram_12, gram_20, gram_21, gram_22 = gram
+    cofactors_00, cofactors_01, cofactors_02, cofactors_10, cofactors_11, cofactors_12, cofactors_20, cofactors_21, cofactors_22 = cofactors
+    square, = square
+    g_m = gram_00 * (1 / 3) + gram_11 * (1 / 3) + gram_22 * (1 / 3)
+    g_f = g_m * g_m
+    g_d_00 = gram_00 - g_m  # without its mean
+    g_d_11 = gram_11 - g_m
+    g_d_22 = gram_22 - g_m
+    t1 = g_d_00 * g_d_00
+    t2 = g_d_11 * g_d_11
+    t3 = g_d_22 * g_d_22
+    t4 = (1 / 6) * t1 + (1 / 6) * t2 + (1 / 6) * t3 + (1 / 6) * (gram_01 * gram_01) + (1 / 6) * (gram_02 * gram_02)
+    t5 = t4 + (1 / 6) * (gram_10 * gram_10) + (1 / 6) * (gram_12 * gram_12) + (1 / 6) * (gram_20 * gram_20)
+    g_p = t5 + (1 / 6) * (gram_21 * gram_21) + g_f * (1 / 1000000000000000000000000000000000000000000000000)
+    t6 = gram_12 * gram_21
+    t7 = g_d_00 * 0.5 * (g_d_11 * g_d_22 - t6) + gram_01 * 0.5 * (gram_12 * gram_20 - gram_10 * g_d_22)
+    g_q = t7 + gram_02 * 0.5 * (gram_10 * gram_21 - gram_20 * g_d_11)
+    t8 = gram_01 * gram_10
+    t9 = gram_02 * gram_20
+    g_a2_00 = t1 + t8 + t9
+    g_a2_01 = gram_01 * g_d_00 + gram_01 * g_d_11 + gram_02 * gram_21
+    g_a2_02 = gram_02 * g_d_00 + gram_02 * g_d_22 + gram_01 * gram_12
+    g_a2_11 = t6 + (t2 + t8)
+    g_a2_12 = gram_12 * g_d_11 + gram_12 * g_d_22 + gram_02 * gram_10
+    g_a2_22 = t6 + (t3 + t9)
+    g_w01 = g_d_11 - g_d_00
+    g_v01 = g_a2_11 - g_a2_00
+    g_w02 = g_d_22 - g_d_00
+    g_v02 = g_a2_22 - g_a2_00
+    g_w12 = g_d_22 - g_d_11
+    g_v12 = g_a2_22 - g_a2_11
+    t10 = gram_01 * g_a2_02 - gram_02 * g_a2_01
+    t11 = gram_01 * g_a2_12 - gram_12 * g_a2_01
+    t12 = gram_02 * g_a2_12 - gram_12 * g_a2_02
+    t13 = g_a2_01 * g_w01 - gram_01 * g_v01
+    t14 = (1 / 9) * (t10 * t10) + (1 / 9) * (t11 * t11) + (1 / 9) * (t12 * t12) + (1 / 54) * (t13 * t13)
+    t15 = g_a2_01 * g_w02 - gram_01 * g_v02
+    t16 = g_a2_01 * g_w12 - gram_01 * g_v12
+    t17 = g_a2_02 * g_w01 - gram_02 * g_v01
+    t18 = g_a2_02 * g_w02 - gram_02 * g_v02
+    t19 = t14 + (1 / 54) * (t15 * t15) + (1 / 54) * (t16 * t16) + (1 / 54) * (t17 * t17) + (1 / 54) * (t18 * t18)
+    t20 = g_a2_02 * g_w12 - gram_02 * g_v12
+    t21 = g_a2_12 * g_w01 - gram_12 * g_v01
+    t22 = g_a2_12 * g_w02 - gram_12 * g_v02
+    t23 = g_a2_12 * g_w12 - gram_12 * g_v12
+    t24 = t19 + (1 / 54) * (t20 * t20) + (1 / 54) * (t21 * t21) + (1 / 54) * (t22 * t22) + (1 / 54) * (t23 * t23)
+    t25 = g_w01 * g_v02 - g_v01 * g_w02
+    t26 = (1 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000) * (g_f * (g_f * g_f))
+    g_s = t24 + (1 / 108) * (t25 * t25) + t26
+    g_t = (1 / 3) * np.arctan2(np.sqrt(g_s), g_q)
+    largest_a = g_m + 2 * np.sqrt(g_p) * np.cos(g_t)
+    h_m = cofactors_00 * (1 / 3) + cofactors_11 * (1 / 3) + cofactors_22 * (1 / 3)
+    h_f = h_m * h_m
+    h_d_00 = cofactors_00 - h_m  # without its mean
+    h_d_11 = cofactors_11 - h_m
+    h_d_22 = cofactors_22 - h_m
+    t27 = (1 / 6) * (cofactors_01 * cofactors_01) + (1 / 6) * (cofactors_02 * cofactors_02)
+    t28 = t27 + (1 / 6) * (cofactors_10 * cofactors_10) + (1 / 6) * (cofactors_12 * cofactors_12)
+    t29 = t28 + (1 / 6) * (cofactors_20 * cofactors_20) + (1 / 6) * (cofactors_21 * cofactors_21)
+    t30 = h_d_00 * h_d_00
+    t31 = h_d_11 * h_d_11
+    t32 = h_d_22 * h_d_22
+    h_p = t29 + (1 / 6) * t30 + (1 / 6) * t31 + (1 / 6) * t32 + (1 / 1000000000000000000000000000000000000000000000000) * h_f
+    t33 = cofactors_01 * 0.5 * (cofactors_12 * cofactors_20 - cofactors_10 * h_d_22) + cofactors_02 * 0.5 * (cofactors_10 * cofactors_21 - cofactors_20 * h_d_11)
+    t34 = cofactors_12 * cofactors_21
+    h_q = t33 + 0.5 * h_d_00 * (h_d_11 * h_d_22 - t34)
+    t35 = cofactors_01 * cofactors_10
+    t36 = cofactors_02 * cofactors_20
+    h_a2_00 = t30 + t35 + t36
+    h_a2_01 = cofactors_01 * h_d_00 + cofactors_01 * h_d_11 + cofactors_02 * cofactors_21
+    h_a2_02 = cofactors_01 * cofactors_12 + cofactors_02 * h_d_00 + cofactors_02 * h_d_22
+    h_a2_11 = t34 + (t31 + t35)
+    h_a2_12 = cofactors_02 * cofactors_10 + cofactors_12 * h_d_11 + cofactors_12 * h_d_22
+    h_a2_22 = t34 + (t32 + t36)
+    h_w01 = h_d_11 - h_d_00
+    h_v01 = h_a2_11 - h_a2_00
+    h_w02 = h_d_22 - h_d_00
+    h_v02 = h_a2_22 - h_a2_00
+    h_w12 = h_d_22 - h_d_11
+    h_v12 = h_a2_22 - h_a2_11
+    t37 = cofactors_01 * h_a2_02 - cofactors_02 * h_a2_01
+    t38 = cofactors_01 * h_a2_12 - cofactors_12 * h_a2_01
+    t39 = cofactors_02 * h_a2_12 - cofactors_12 * h_a2_02
+    t40 = h_a2_01 * h_w01 - cofactors_01 * h_v01
+    t41 = (1 / 9) * (t37 * t37) + (1 / 9) * (t38 * t38) + (1 / 9) * (t39 * t39) + (1 / 54) * (t40 * t40)
+    t42 = h_a2_01 * h_w02 - cofactors_01 * h_v02
+    t43 = h_a2_01 * h_w12 - cofactors_01 * h_v12
+    t44 = h_a2_02 * h_w01 - cofactors_02 * h_v01
+    t45 = h_a2_02 * h_w02 - cofactors_02 * h_v02
+    t46 = t41 + (1 / 54) * (t42 * t42) + (1 / 54) * (t43 * t43) + (1 / 54) * (t44 * t44) + (1 / 54) * (t45 * t45)
+    t47 = h_a2_02 * h_w12 - cofactors_02 * h_v12
+    t48 = h_a2_12 * h_w01 - cofactors_12 * h_v01
+    t49 = h_a2_12 * h_w02 - cofactors_12 * h_v02
+    t50 = h_a2_12 * h_w12 - cofactors_12 * h_v12
+    t51 = t46 + (1 / 54) * (t47 * t47) + (1 / 54) * (t48 * t48) + (1 / 54) * (t49 * t49) + (1 / 54) * (t50 * t50)
+    t52 = h_w01 * h_v02 - h_v01 * h_w02
+    t53 = (1 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000) * (h_f * (h_f * h_f))
+    h_s = t51 + (1 / 108) * (t52 * t52) + t53
+    h_t = (1 / 3) * np.arctan2(np.sqrt(h_s), h_q)
+    smallest_a = square / (h_m + 2 * np.sqrt(h_p) * np.cos(h_t))
+    return (
+        (  # largest
+            largest_a,
+        ),
+        (  # smallest
+            smallest_a,
+        ),
+        (  # condition
+            np.sqrt(largest_a / smallest_a),
+        ),
+    )
+
+
+def spread_bound(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
+    """Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (88 add,
+    114 multiply, 1 divide, 6 square root)"""
+    gram_00, gram_01, gram_02, gram_10, gram_11, gram_12, gram_20, gram_21, gram_22 = gram
+    cofactors_00, cofactors_01, cofactors_02, cofactors_10, cofactors_11, cofactors_12, cofactors_20, cofactors_21, cofactors_22 = cofactors
+    square, = square
+    t1 = gram_01 * gram_10
+    t2 = gram_02 * gram_20
+    g_r2_00 = gram_00 * gram_00 + t1 + t2
+    g_r2_01 = gram_00 * gram_01 + gram_01 * gram_11 + gram_02 * gram_21
+    g_r2_02 = gram_00 * gram_02 + gram_01 * gram_12 + gram_02 * gram_22
+    g_r2_10 = gram_00 * gram_10 + gram_10 * gram_11 + gram_12 * gram_20
+    t3 = gram_12 * gram_21
+    g_r2_11 = t1 + gram_11 * gram_11 + t3
+    g_r2_12 = gram_02 * gram_10 + gram_11 * gram_12 + gram_12 * gram_22
+    g_r2_20 = gram_00 * gram_20 + gram_10 * gram_21 + gram_20 * gram_22
+    g_r2_21 = gram_01 * gram_20 + gram_11 * gram_21 + gram_21 * gram_22
+    g_r2_22 = t3 + (t2 + gram_22 * gram_22)
+    t4 = g_r2_01 * g_r2_10
+    t5 = g_r2_02 * g_r2_20
+    g_r4_00 = g_r2_00 * g_r2_00 + t4 + t5
+    g_r4_01 = g_r2_00 * g_r2_01 + g_r2_01 * g_r2_11 + g_r2_02 * g_r2_21
+    g_r4_02 = g_r2_00 * g_r2_02 + g_r2_01 * g_r2_12 + g_r2_02 * g_r2_22
+    g_r4_10 = g_r2_00 * g_r2_10 + g_r2_10 * g_r2_11 + g_r2_12 * g_r2_20
+    t6 = g_r2_12 * g_r2_21
+    g_r4_11 = t4 + g_r2_11 * g_r2_11 + t6
+    g_r4_12 = g_r2_02 * g_r2_10 + g_r2_11 * g_r2_12 + g_r2_12 * g_r2_22
+    g_r4_20 = g_r2_00 * g_r2_20 + g_r2_10 * g_r2_21 + g_r2_20 * g_r2_22
+    g_r4_21 = g_r2_01 * g_r2_20 + g_r2_11 * g_r2_21 + g_r2_21 * g_r2_22
+    g_r4_22 = t6 + (t5 + g_r2_22 * g_r2_22)
+    t7 = g_r4_00 * g_r4_00 + g_r4_01 * g_r4_01 + g_r4_02 * g_r4_02 + g_r4_10 * g_r4_10 + g_r4_11 * g_r4_11
+    g_8 = t7 + g_r4_12 * g_r4_12 + g_r4_20 * g_r4_20 + g_r4_21 * g_r4_21 + g_r4_22 * g_r4_22
+    g_4 = np.sqrt(g_8)
+    g_2 = np.sqrt(g_4)
+    g_1 = np.sqrt(g_2)
+    t8 = cofactors_01 * cofactors_10
+    t9 = cofactors_02 * cofactors_20
+    h_r2_00 = cofactors_00 * cofactors_00 + t8 + t9
+    h_r2_01 = cofactors_00 * cofactors_01 + cofactors_01 * cofactors_11 + cofactors_02 * cofactors_21
+    h_r2_02 = cofactors_00 * cofactors_02 + cofactors_01 * cofactors_12 + cofactors_02 * cofactors_22
+    h_r2_10 = cofactors_00 * cofactors_10 + cofactors_10 * cofactors_11 + cofactors_12 * cofactors_20
+    t10 = cofactors_12 * cofactors_21
+    h_r2_11 = t8 + cofactors_11 * cofactors_11 + t10
+    h_r2_12 = cofactors_02 * cofactors_10 + cofactors_11 * cofactors_12 + cofactors_12 * cofactors_22
+    h_r2_20 = cofactors_00 * cofactors_20 + cofactors_10 * cofactors_21 + cofactors_20 * cofactors_22
+    h_r2_21 = cofactors_01 * cofactors_20 + cofactors_11 * cofactors_21 + cofactors_21 * cofactors_22
+    h_r2_22 = t10 + (t9 + cofactors_22 * cofactors_22)
+    t11 = h_r2_01 * h_r2_10
+    t12 = h_r2_02 * h_r2_20
+    h_r4_00 = h_r2_00 * h_r2_00 + t11 + t12
+    h_r4_01 = h_r2_00 * h_r2_01 + h_r2_01 * h_r2_11 + h_r2_02 * h_r2_21
+    h_r4_02 = h_r2_00 * h_r2_02 + h_r2_01 * h_r2_12 + h_r2_02 * h_r2_22
+    h_r4_10 = h_r2_00 * h_r2_10 + h_r2_10 * h_r2_11 + h_r2_12 * h_r2_20
+    t13 = h_r2_12 * h_r2_21
+    h_r4_11 = t11 + h_r2_11 * h_r2_11 + t13
+    h_r4_12 = h_r2_02 * h_r2_10 + h_r2_11 * h_r2_12 + h_r2_12 * h_r2_22
+    h_r4_20 = h_r2_00 * h_r2_20 + h_r2_10 * h_r2_21 + h_r2_20 * h_r2_22
+    h_r4_21 = h_r2_01 * h_r2_20 + h_r2_11 * h_r2_21 + h_r2_21 * h_r2_22
+    h_r4_22 = t13 + (t12 + h_r2_22 * h_r2_22)
+    t14 = h_r4_00 * h_r4_00 + h_r4_01 * h_r4_01 + h_r4_02 * h_r4_02 + h_r4_10 * h_r4_10 + h_r4_11 * h_r4_11
+    h_8 = t14 + h_r4_12 * h_r4_12 + h_r4_20 * h_r4_20 + h_r4_21 * h_r4_21 + h_r4_22 * h_r4_22
+    h_4 = np.sqrt(h_8)
+    h_2 = np.sqrt(h_4)
+    h_1 = np.sqrt(h_2)
+    return (
+        (  # largest
+            g_1,
+        ),
+        (  # smallest
+            square / h_1,
+        ),
+    )
+
+
+def norms(position_gram: Any, rotation_gram: Any, largest: Any, smallest: Any) -> tuple[Any, ...]:
+    """The indices: 2-norms of both parts of U = J^-1 K, condition number of J_1.  Thesis: 1.8, 4.2.2.
+    (128 add, 208 multiply, 1 divide, 7 square root, 2 sine cosine, 2 arctangent, 4 select)"""
+    position_gram_00, position_gram_01, position_gram_02, position_gram_10, position_gram_11, position_gram_12, position_gram_20, position_gram_21, position_gram_22 = position_gram
+    rotation_gram_00, rotation_gram_01, rotation_gram_02, rotation_gram_10, rotation_gram_11, rotation_gram_12, rotation_gram_20, rotation_gram_21, rotation_gram_22 = rotation_gram
+    largest_0, largest_1, largest_2 = largest
+    smallest_0, smallest_1, smallest_2 = smallest
+    p_m = position_gram_00 * (1 / 3) + position_gram_11 * (1 / 3) + position_gram_22 * (1 / 3)
+    p_f = p_m * p_m
+    p_d_00 = position_gram_00 - p_m  # without its mean
+    p_d_11 = position_gram_11 - p_m
+    p_d_22 = position_gram_22 - p_m
+    t1 = p_d_00 * p_d_00
+    t2 = p_d_11 * p_d_11
+    t3 = p_d_22 * p_d_22
+    t4 = (1 / 6) * t1 + (1 / 6) * t2 + (1 / 6) * t3 + (1 / 6) * (position_gram_01 * position_gram_01)
+    t5 = t4 + (1 / 6) * (position_gram_02 * position_gram_02) + (1 / 6) * (position_gram_10 * position_gram_10)
+    t6 = t5 + (1 / 6) * (position_gram_12 * position_gram_12) + (1 / 6) * (position_gram_20 * position_gram_20)
+    p_p = t6 + (1 / 6) * (position_gram_21 * position_gram_21) + p_f * (1 / 1000000000000000000000000000000000000000000000000)
+    t7 = position_gram_12 * position_gram_21
+    t8 = position_gram_01 * 0.5 * (position_gram_12 * position_gram_20 - position_gram_10 * p_d_22)
+    t9 = position_gram_02 * 0.5 * (position_gram_10 * position_gram_21 - position_gram_20 * p_d_11)
+    p_q = p_d_00 * 0.5 * (p_d_11 * p_d_22 - t7) + t8 + t9
+    t10 = position_gram_01 * position_gram_10
+    t11 = position_gram_02 * position_gram_20
+    p_a2_00 = t1 + t10 + t11
+    p_a2_01 = position_gram_01 * p_d_00 + position_gram_01 * p_d_11 + position_gram_02 * position_gram_21
+    p_a2_02 = position_gram_02 * p_d_00 + position_gram_02 * p_d_22 + position_gram_01 * position_gram_12
+    p_a2_11 = t7 + (t2 + t10)
+    p_a2_12 = position_gram_12 * p_d_11 + position_gram_12 * p_d_22 + position_gram_02 * position_gram_10
+    p_a2_22 = t7 + (t3 + t11)
+    p_w01 = p_d_11 - p_d_00
+    p_v01 = p_a2_11 - p_a2_00
+    p_w02 = p_d_22 - p_d_00
+    p_v02 = p_a2_22 - p_a2_00
+    p_w12 = p_d_22 - p_d_11
+    p_v12 = p_a2_22 - p_a2_11
+    t12 = position_gram_01 * p_a2_02 - position_gram_02 * p_a2_01
+    t13 = position_gram_01 * p_a2_12 - position_gram_12 * p_a2_01
+    t14 = position_gram_02 * p_a2_12 - position_gram_12 * p_a2_02
+    t15 = p_a2_01 * p_w01 - position_gram_01 * p_v01
+    t16 = (1 / 9) * (t12 * t12) + (1 / 9) * (t13 * t13) + (1 / 9) * (t14 * t14) + (1 / 54) * (t15 * t15)
+    t17 = p_a2_01 * p_w02 - position_gram_01 * p_v02
+    t18 = p_a2_01 * p_w12 - position_gram_01 * p_v12
+    t19 = p_a2_02 * p_w01 - position_gram_02 * p_v01
+    t20 = p_a2_02 * p_w02 - position_gram_02 * p_v02
+    t21 = t16 + (1 / 54) * (t17 * t17) + (1 / 54) * (t18 * t18) + (1 / 54) * (t19 * t19) + (1 / 54) * (t20 * t20)
+    t22 = p_a2_02 * p_w12 - position_gram_02 * p_v12
+    t23 = p_a2_12 * p_w01 - position_gram_12 * p_v01
+    t24 = p_a2_12 * p_w02 - position_gram_12 * p_v02
+    t25 = p_a2_12 * p_w12 - position_gram_12 * p_v12
+    t26 = t21 + (1 / 54) * (t22 * t22) + (1 / 54) * (t23 * t23) + (1 / 54) * (t24 * t24) + (1 / 54) * (t25 * t25)
+    t27 = p_w01 * p_v02 - p_v01 * p_w02
+    t28 = (1 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000) * (p_f * (p_f * p_f))
+    p_s = t26 + (1 / 108) * (t27 * t27) + t28
+    p_t = (1 / 3) * np.arctan2(np.sqrt(p_s), p_q)
+    r_m = rotation_gram_00 * (1 / 3) + rotation_gram_11 * (1 / 3) + rotation_gram_22 * (1 / 3)
+    r_f = r_m * r_m
+    r_d_00 = rotation_gram_00 - r_m  # without its mean
+    r_d_11 = rotation_gram_11 - r_m
+    r_d_22 = rotation_gram_22 - r_m
+    t29 = r_d_00 * r_d_00
+    t30 = r_d_11 * r_d_11
+    t31 = r_d_22 * r_d_22
+    t32 = (1 / 6) * t29 + (1 / 6) * t30 + (1 / 6) * t31 + (1 / 6) * (rotation_gram_01 * rotation_gram_01)
+    t33 = t32 + (1 / 6) * (rotation_gram_02 * rotation_gram_02) + (1 / 6) * (rotation_gram_10 * rotation_gram_10)
+    t34 = t33 + (1 / 6) * (rotation_gram_12 * rotation_gram_12) + (1 / 6) * (rotation_gram_20 * rotation_gram_20)
+    r_p = t34 + (1 / 6) * (rotation_gram_21 * rotation_gram_21) + (1 / 1000000000000000000000000000000000000000000000000) * r_f
+    t35 = rotation_gram_12 * rotation_gram_21
+    t36 = rotation_gram_01 * 0.5 * (rotation_gram_12 * rotation_gram_20 - rotation_gram_10 * r_d_22)
+    t37 = rotation_gram_02 * 0.5 * (rotation_gram_10 * rotation_gram_21 - rotation_gram_20 * r_d_11)
+    r_q = 0.5 * r_d_00 * (r_d_11 * r_d_22 - t35) + t36 + t37
+    t38 = rotation_gram_01 * rotation_gram_10
+    t39 = rotation_gram_02 * rotation_gram_20
+    r_a2_00 = t29 + t38 + t39
+    r_a2_01 = rotation_gram_01 * r_d_00 + rotation_gram_01 * r_d_11 + rotation_gram_02 * rotation_gram_21
+    r_a2_02 = rotation_gram_02 * r_d_00 + rotation_gram_02 * r_d_22 + rotation_gram_01 * rotation_gram_12
+    r_a2_11 = t35 + (t30 + t38)
+    r_a2_12 = rotation_gram_12 * r_d_11 + rotation_gram_12 * r_d_22 + rotation_gram_02 * rotation_gram_10
+    r_a2_22 = t35 + (t31 + t39)
+    r_w01 = r_d_11 - r_d_00
+    r_v01 = r_a2_11 - r_a2_00
+    r_w02 = r_d_22 - r_d_00
+    r_v02 = r_a2_22 - r_a2_00
+    r_w12 = r_d_22 - r_d_11
+    r_v12 = r_a2_22 - r_a2_11
+    t40 = rotation_gram_01 * r_a2_02 - rotation_gram_02 * r_a2_01
+    t41 = rotation_gram_01 * r_a2_12 - rotation_gram_12 * r_a2_01
+    t42 = rotation_gram_02 * r_a2_12 - rotation_gram_12 * r_a2_02
+    t43 = r_a2_01 * r_w01 - rotation_gram_01 * r_v01
+    t44 = (1 / 9) * (t40 * t40) + (1 / 9) * (t41 * t41) + (1 / 9) * (t42 * t42) + (1 / 54) * (t43 * t43)
+    t45 = r_a2_01 * r_w02 - rotation_gram_01 * r_v02
+    t46 = r_a2_01 * r_w12 - rotation_gram_01 * r_v12
+    t47 = r_a2_02 * r_w01 - rotation_gram_02 * r_v01
+    t48 = r_a2_02 * r_w02 - rotation_gram_02 * r_v02
+    t49 = t44 + (1 / 54) * (t45 * t45) + (1 / 54) * (t46 * t46) + (1 / 54) * (t47 * t47) + (1 / 54) * (t48 * t48)
+    t50 = r_a2_02 * r_w12 - rotation_gram_02 * r_v12
+    t51 = r_a2_12 * r_w01 - rotation_gram_12 * r_v01
+    t52 = r_a2_12 * r_w02 - rotation_gram_12 * r_v02
+    t53 = r_a2_12 * r_w12 - rotation_gram_12 * r_v12
+    t54 = t49 + (1 / 54) * (t50 * t50) + (1 / 54) * (t51 * t51) + (1 / 54) * (t52 * t52) + (1 / 54) * (t53 * t53)
+    t55 = r_w01 * r_v02 - r_v01 * r_w02
+    t56 = (1 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000) * (r_f * (r_f * r_f))
+    r_s = t54 + (1 / 108) * (t55 * t55) + t56
+    r_t = (1 / 3) * np.arctan2(np.sqrt(r_s), r_q)
+    t57 = np.fmax(np.fmax(largest_0, largest_1), largest_2) / np.fmin(np.fmin(smallest_0, smallest_1), smallest_2)
+    return (
+        (  # eta_1
+            np.sqrt(p_m + 2 * np.sqrt(p_p) * np.cos(p_t)),
+        ),
+        (  # eta_2
+            np.sqrt(r_m + 2 * np.sqrt(r_p) * np.cos(r_t)),
+        ),
+        (  # eta_3
+            np.sqrt(t57),
+        ),
+    )
+
+
+def norm_bounds(position_gram: Any, rotation_gram: Any, largest: Any, smallest: Any) -> tuple[Any, ...]:
+    """Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (92 add, 133
+    multiply, 3 divide, 15 square root)"""
+    position_gram_00, position_gram_01, position_gram_02, position_gram_10, position_gram_11, position_gram_12, position_gram_20, position_gram_21, position_gram_22 = position_gram
+    rotation_gram_00, rotation_gram_01, rotation_gram_02, rotation_gram_10, rotation_gram_11, rotation_gram_12, rotation_gram_20, rotation_gram_21, rotation_gram_22 = rotation_gram
+    largest_0, largest_1, largest_2 = largest
+    smallest_0, smallest_1, smallest_2 = smallest
+    t1 = position_gram_01 * position_gram_10
+    t2 = position_gram_02 * position_gram_20
+    p_r2_00 = position_gram_00 * position_gram_00 + t1 + t2
+    p_r2_01 = position_gram_00 * position_gram_01 + position_gram_01 * position_gram_11 + position_gram_02 * position_gram_21
+    p_r2_02 = position_gram_00 * position_gram_02 + position_gram_01 * position_gram_12 + position_gram_02 * position_gram_22
+    p_r2_10 = position_gram_00 * position_gram_10 + position_gram_10 * position_gram_11 + position_gram_12 * position_gram_20
+    t3 = position_gram_12 * position_gram_21
+    p_r2_11 = t1 + position_gram_11 * position_gram_11 + t3
+    p_r2_12 = position_gram_02 * position_gram_10 + position_gram_11 * position_gram_12 + position_gram_12 * position_gram_22
+    p_r2_20 = position_gram_00 * position_gram_20 + position_gram_10 * position_gram_21 + position_gram_20 * position_gram_22
+    p_r2_21 = position_gram_01 * position_gram_20 + position_gram_11 * position_gram_21 + position_gram_21 * position_gram_22
+    p_r2_22 = t3 + (t2 + position_gram_22 * position_gram_22)
+    t4 = p_r2_01 * p_r2_10
+    t5 = p_r2_02 * p_r2_20
+    p_r4_00 = p_r2_00 * p_r2_00 + t4 + t5
+    p_r4_01 = p_r2_00 * p_r2_01 + p_r2_01 * p_r2_11 + p_r2_02 * p_r2_21
+    p_r4_02 = p_r2_00 * p_r2_02 + p_r2_01 * p_r2_12 + p_r2_02 * p_r2_22
+    p_r4_10 = p_r2_00 * p_r2_10 + p_r2_10 * p_r2_11 + p_r2_12 * p_r2_20
+    t6 = p_r2_12 * p_r2_21
+    p_r4_11 = t4 + p_r2_11 * p_r2_11 + t6
+    p_r4_12 = p_r2_02 * p_r2_10 + p_r2_11 * p_r2_12 + p_r2_12 * p_r2_22
+    p_r4_20 = p_r2_00 * p_r2_20 + p_r2_10 * p_r2_21 + p_r2_20 * p_r2_22
+    p_r4_21 = p_r2_01 * p_r2_20 + p_r2_11 * p_r2_21 + p_r2_21 * p_r2_22
+    p_r4_22 = t6 + (t5 + p_r2_22 * p_r2_22)
+    t7 = p_r4_00 * p_r4_00 + p_r4_01 * p_r4_01 + p_r4_02 * p_r4_02 + p_r4_10 * p_r4_10 + p_r4_11 * p_r4_11
+    p_8 = t7 + p_r4_12 * p_r4_12 + p_r4_20 * p_r4_20 + p_r4_21 * p_r4_21 + p_r4_22 * p_r4_22
+    p_4 = np.sqrt(p_8)
+    p_2 = np.sqrt(p_4)
+    p_1 = np.sqrt(p_2)
+    t8 = rotation_gram_01 * rotation_gram_10
+    t9 = rotation_gram_02 * rotation_gram_20
+    r_r2_00 = rotation_gram_00 * rotation_gram_00 + t8 + t9
+    r_r2_01 = rotation_gram_00 * rotation_gram_01 + rotation_gram_01 * rotation_gram_11 + rotation_gram_02 * rotation_gram_21
+    r_r2_02 = rotation_gram_00 * rotation_gram_02 + rotation_gram_01 * rotation_gram_12 + rotation_gram_02 * rotation_gram_22
+    r_r2_10 = rotation_gram_00 * rotation_gram_10 + rotation_gram_10 * rotation_gram_11 + rotation_gram_12 * rotation_gram_20
+    t10 = rotation_gram_12 * rotation_gram_21
+    r_r2_11 = t8 + rotation_gram_11 * rotation_gram_11 + t10
+    r_r2_12 = rotation_gram_02 * rotation_gram_10 + rotation_gram_11 * rotation_gram_12 + rotation_gram_12 * rotation_gram_22
+    r_r2_20 = rotation_gram_00 * rotation_gram_20 + rotation_gram_10 * rotation_gram_21 + rotation_gram_20 * rotation_gram_22
+    r_r2_21 = rotation_gram_01 * rotation_gram_20 + rotation_gram_11 * rotation_gram_21 + rotation_gram_21 * rotation_gram_22
+    r_r2_22 = t10 + (t9 + rotation_gram_22 * rotation_gram_22)
+    t11 = r_r2_01 * r_r2_10
+    t12 = r_r2_02 * r_r2_20
+    r_r4_00 = r_r2_00 * r_r2_00 + t11 + t12
+    r_r4_01 = r_r2_00 * r_r2_01 + r_r2_01 * r_r2_11 + r_r2_02 * r_r2_21
+    r_r4_02 = r_r2_00 * r_r2_02 + r_r2_01 * r_r2_12 + r_r2_02 * r_r2_22
+    r_r4_10 = r_r2_00 * r_r2_10 + r_r2_10 * r_r2_11 + r_r2_12 * r_r2_20
+    t13 = r_r2_12 * r_r2_21
+    r_r4_11 = t11 + r_r2_11 * r_r2_11 + t13
+    r_r4_12 = r_r2_02 * r_r2_10 + r_r2_11 * r_r2_12 + r_r2_12 * r_r2_22
+    r_r4_20 = r_r2_00 * r_r2_20 + r_r2_10 * r_r2_21 + r_r2_20 * r_r2_22
+    r_r4_21 = r_r2_01 * r_r2_20 + r_r2_11 * r_r2_21 + r_r2_21 * r_r2_22
+    r_r4_22 = t13 + (t12 + r_r2_22 * r_r2_22)
+    t14 = r_r4_00 * r_r4_00 + r_r4_01 * r_r4_01 + r_r4_02 * r_r4_02 + r_r4_10 * r_r4_10 + r_r4_11 * r_r4_11
+    r_8 = t14 + r_r4_12 * r_r4_12 + r_r4_20 * r_r4_20 + r_r4_21 * r_r4_21 + r_r4_22 * r_r4_22
+    r_4 = np.sqrt(r_8)
+    r_2 = np.sqrt(r_4)
+    r_1 = np.sqrt(r_2)
+    t15 = largest_0 * largest_0
+    t16 = t15 * t15
+    t17 = largest_1 * largest_1
+    t18 = t17 * t17
+    t19 = largest_2 * largest_2
+    t20 = t19 * t19
+    l_8 = t16 * t16 + t18 * t18 + t20 * t20
+    l_4 = np.sqrt(l_8)
+    l_2 = np.sqrt(l_4)
+    l_1 = np.sqrt(l_2)
+    inv_s = 1 / smallest_0
+    inv_s_a = 1 / smallest_1
+    inv_s_b = 1 / smallest_2
+    t21 = inv_s * inv_s
+    t22 = t21 * t21
+    t23 = inv_s_a * inv_s_a
+    t24 = t23 * t23
+    t25 = inv_s_b * inv_s_b
+    t26 = t25 * t25
+    s_8 = t22 * t22 + t24 * t24 + t26 * t26
+    s_4 = np.sqrt(s_8)
+    s_2 = np.sqrt(s_4)
+    s_1 = np.sqrt(s_2)
+    return (
+        (  # eta_1
+            np.sqrt(p_1),
+        ),
+        (  # eta_2
+            np.sqrt(r_1),
+        ),
+        (  # eta_3
+            np.sqrt(l_1 * s_1),
+        ),
+    )
+
+
 def total(end_force: Any, moment: Any) -> tuple[Any, ...]:
     """The wrench of three forces: their sum, and that of their moments.  Thesis: (5.36).  (12 add)"""
     end_force_00, end_force_01, end_force_02, end_force_10, end_force_11, end_force_12, end_force_20, end_force_21, end_force_22 = end_force

@@ -122,10 +122,10 @@ class Arguments:
         return len(self.batch)
 
     def leg(self, name: str) -> tuple[Any, ...]:
-        """Components for leg kernels: arrays of shape (3, batch...), or (batch...) for what the legs share."""
+        """Components for leg kernels: arrays of shape (3, batch...), or (1, batch...) for what the legs share."""
         port = self.ports[name]
         if port.layout == "shared":
-            return self.whole(name)
+            return tuple(self._components(name)[:, None])
         parts = self._components(name)
         size = len(parts) // LEGS
         own = parts.shape[1:]

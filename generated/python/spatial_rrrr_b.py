@@ -38,6 +38,8 @@ __all__ = [
     "forward_gauss_newton_2",
     "forward_gauss_newton_3",
     "forward_statics",
+    "index_bounds",
+    "indices",
     "inverse",
     "inverse_all",
     "inverse_near",
@@ -585,6 +587,41 @@ SIGNATURES = {
         ),
         "(3)->(2),(2),()",
     ),
+    "indices": rt.Signature(
+        "indices",
+        "The performance indices: 2-norms of both parts of U = J^-1 K, and condition numbers.  They have a kink where a largest singular value is a double one.",
+        "1.8, 4.2.2, (1.50) to (1.52)",
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("theta", (3, 4), "rad or m", "joint", "actuated joints", "stacked", ("theta_1", "theta_2", "theta_3", "theta_4", )),
+        ),
+        (
+            rt.Port("eta_1", (), "m", "-", "2-norm of the position part of U: displacement per radian, or `characteristic_length`, of the actuators", "shared", ()),
+            rt.Port("eta_2", (), "1", "-", "2-norm of the rotation part of U: rotation for the same", "shared", ()),
+            rt.Port("eta_3", (), "1", "-", "condition number of J_1 = diag(M_1, M_2, M_3), (1.52)", "shared", ()),
+            rt.Port("condition", (3,), "1", "-", "condition numbers of M_i", "stacked", ()),
+        ),
+        "(3),(3,3),(3,3),(3,4)->(),(),(),(3),()",
+    ),
+    "index_bounds": rt.Signature(
+        "index_bounds",
+        "Upper bounds of the performance indices with all derivatives: Schatten norms of order 16, at most 7.2 % above eta_1 and eta_2, and 32 % above eta_3.",
+        "1.8, 4.2.2, (1.50) to (1.52)",
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("theta", (3, 4), "rad or m", "joint", "actuated joints", "stacked", ("theta_1", "theta_2", "theta_3", "theta_4", )),
+        ),
+        (
+            rt.Port("eta_1", (), "m", "-", "bound of the 2-norm of the position part of U: displacement per radian, or `characteristic_length`, of the actuators", "shared", ()),
+            rt.Port("eta_2", (), "1", "-", "bound of the 2-norm of the rotation part of U: rotation for the same", "shared", ()),
+            rt.Port("eta_3", (), "1", "-", "bound of the condition number of J_1 = diag(M_1, M_2, M_3), (1.52)", "shared", ()),
+        ),
+        "(3),(3,3),(3,3),(3,4)->(),(),(),()",
+    ),
     "forward_all": rt.Signature(
         "forward_all",
         "Every pose of the platform that holds the end points of the sub-legs, with its redundant coordinates: two, in closed form, with opposite det J, first the one whose first margin is positive.",
@@ -767,6 +804,23 @@ class Type2OfRedundant(NamedTuple):
 
     type_2: Any
     margins: Any
+
+
+class Indices(NamedTuple):
+    """Results of `indices`."""
+
+    eta_1: Any
+    eta_2: Any
+    eta_3: Any
+    condition: Any
+
+
+class IndexBounds(NamedTuple):
+    """Results of `index_bounds`."""
+
+    eta_1: Any
+    eta_2: Any
+    eta_3: Any
 
 
 class ForwardAll(NamedTuple):
@@ -1819,6 +1873,105 @@ def type_2_of_redundant(
             },
         )
     answer = Type2OfRedundant(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def indices(
+    p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
+    """The performance indices: 2-norms of both parts of U = J^-1 K, and condition numbers.  They have
+    a kink where a largest singular value is a double one.
+
+    Thesis: 1.8, 4.2.2, (1.50) to (1.52).
+
+    Args:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
+        theta (..., 3, 4) [rad or m]: actuated joints [theta_1, theta_2, theta_3, theta_4]
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        eta_1 (...) [m]: 2-norm of the position part of U: displacement per radian, or
+            `characteristic_length`, of the actuators
+        eta_2 (...): 2-norm of the rotation part of U: rotation for the same
+        eta_3 (...): condition number of J_1 = diag(M_1, M_2, M_3), (1.52)
+        condition (..., 3): condition numbers of M_i
+    """
+    arguments = rt.Arguments(SIGNATURES["indices"], (p, Q, s, theta,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        line, point, N, _scale = platform.line(
+            g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
+        x, e_2, d, v, e_4 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        gram, cofactors, square, reach = subleg.gram(g.subleg, x, e_2, d, v, e_4, N)
+        largest, smallest, condition = algebra.spread(gram, cofactors, square)
+        position_gram, rotation_gram, det_regularity = platform.sensitivity(
+            rt.legs(line), rt.legs(point), rt.legs(reach))
+        eta_1, eta_2, eta_3 = algebra.norms(position_gram, rotation_gram, rt.legs(largest), rt.legs(smallest))
+        results = arguments.finish(
+            {
+                "eta_1": eta_1,
+                "eta_2": eta_2,
+                "eta_3": eta_3,
+                "condition": condition,
+            },
+            (
+                rt.Guard(det_regularity[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("eta_1", "eta_2", )),
+                rt.Guard(det_regularity[1], True, 1e-24, Status.SINGULAR_NORMAL, False, ("eta_1", "eta_2", )),
+            ),
+        )
+    answer = Indices(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def index_bounds(
+    p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
+    """Upper bounds of the performance indices with all derivatives: Schatten norms of order 16, at
+    most 7.2 % above eta_1 and eta_2, and 32 % above eta_3.
+
+    Thesis: 1.8, 4.2.2, (1.50) to (1.52).
+
+    Args:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
+        theta (..., 3, 4) [rad or m]: actuated joints [theta_1, theta_2, theta_3, theta_4]
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        eta_1 (...) [m]: bound of the 2-norm of the position part of U: displacement per radian,
+            or `characteristic_length`, of the actuators
+        eta_2 (...): bound of the 2-norm of the rotation part of U: rotation for the same
+        eta_3 (...): bound of the condition number of J_1 = diag(M_1, M_2, M_3), (1.52)
+    """
+    arguments = rt.Arguments(SIGNATURES["index_bounds"], (p, Q, s, theta,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        line, point, N, _scale = platform.line(
+            g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
+        x, e_2, d, v, e_4 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        gram, cofactors, square, reach = subleg.gram(g.subleg, x, e_2, d, v, e_4, N)
+        largest, smallest = algebra.spread_bound(gram, cofactors, square)
+        position_gram, rotation_gram, det_regularity = platform.sensitivity(
+            rt.legs(line), rt.legs(point), rt.legs(reach))
+        eta_1, eta_2, eta_3 = algebra.norm_bounds(
+            position_gram, rotation_gram, rt.legs(largest), rt.legs(smallest))
+        results = arguments.finish(
+            {
+                "eta_1": eta_1,
+                "eta_2": eta_2,
+                "eta_3": eta_3,
+            },
+            (
+                rt.Guard(det_regularity[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("eta_1", "eta_2", )),
+                rt.Guard(det_regularity[1], True, 1e-24, Status.SINGULAR_NORMAL, False, ("eta_1", "eta_2", )),
+            ),
+        )
+    answer = IndexBounds(*results[:-1])
     return (answer, results[-1]) if status else answer
 
 

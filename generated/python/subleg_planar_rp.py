@@ -244,6 +244,46 @@ def determinant(g: Any, d: Any, u: Any) -> tuple[Any, ...]:
     )
 
 
+def gram(g: Any, d: Any, u: Any, characteristic_length: Any, N: Any) -> tuple[Any, ...]:
+    """Squares of M_i of the RP sub-leg, in its own frame, for the indices: actuators that slide count
+    by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (8 add, 17 multiply)"""
+    d_0, d_1 = d
+    u_0, u_1 = u
+    characteristic_length, = characteristic_length
+    N_00, N_01 = N
+    m_l_01 = u_0 * characteristic_length  # slides over the length
+    m_l_11 = u_1 * characteristic_length
+    g_00 = d_1 * d_1 + m_l_01 * m_l_01  # M M^T
+    t1 = d_0 * d_1
+    t2 = m_l_01 * m_l_11
+    g_01 = t2 - t1  # M M^T
+    g_11 = d_0 * d_0 + m_l_11 * m_l_11
+    k_00 = d_0 * N_01 - d_1 * N_00  # the leg's block of K
+    k_01 = m_l_01 * N_00 + m_l_11 * N_01
+    t3 = d_0 * m_l_01 + d_1 * m_l_11
+    cofactors_01 = t1 - t2
+    return (
+        (  # gram
+            g_00,
+            g_01,
+            g_01,
+            g_11,
+        ),
+        (  # cofactors
+            g_11,
+            cofactors_01,
+            cofactors_01,
+            g_00,
+        ),
+        (  # square
+            t3 * t3,
+        ),
+        (  # reach
+            k_00 * k_00 + k_01 * k_01,
+        ),
+    )
+
+
 def passive(g: Any, u: Any) -> tuple[Any, ...]:
     """Passive joints of the RP sub-leg and the orientation of its last link.  (no operations)"""
     u_0, u_1 = u

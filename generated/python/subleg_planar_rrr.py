@@ -346,6 +346,47 @@ def determinant(g: Any, d: Any, u_2: Any, u_3: Any) -> tuple[Any, ...]:
     )
 
 
+def gram(g: Any, d: Any, u_2: Any, u_3: Any, N: Any) -> tuple[Any, ...]:
+    """Squares of M_i of the RRR sub-leg, in its own frame, for the indices: actuators that slide count
+    by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (18 add, 27 multiply)"""
+    d_0, d_1 = d
+    u_2_0, u_2_1 = u_2
+    u_3_0, u_3_1 = u_3
+    N_00, N_01 = N
+    t1 = u_2_1 + u_3_1
+    m_11 = u_2_0 + u_3_0  # A^-1 B in the leg's frame
+    g_00 = d_1 * d_1 + t1 * t1 + u_3_1 * u_3_1  # M M^T
+    cofactors_01 = d_0 * d_1 + t1 * m_11 + u_3_0 * u_3_1
+    g_01 = -cofactors_01  # M M^T
+    g_11 = d_0 * d_0 + m_11 * m_11 + u_3_0 * u_3_0
+    k_00 = d_0 * N_01 - d_1 * N_00  # the leg's block of K
+    k_01 = m_11 * N_01 - t1 * N_00
+    k_02 = u_3_0 * N_01 - u_3_1 * N_00
+    t2 = d_0 * t1 - d_1 * m_11
+    t3 = d_0 * u_3_1 - d_1 * u_3_0
+    t4 = u_3_1 * m_11 - u_3_0 * t1
+    return (
+        (  # gram
+            g_00,
+            g_01,
+            g_01,
+            g_11,
+        ),
+        (  # cofactors
+            g_11,
+            cofactors_01,
+            cofactors_01,
+            g_00,
+        ),
+        (  # square
+            t2 * t2 + t3 * t3 + t4 * t4,
+        ),
+        (  # reach
+            k_00 * k_00 + k_01 * k_01 + k_02 * k_02,
+        ),
+    )
+
+
 def passive(g: Any, u_3: Any) -> tuple[Any, ...]:
     """Passive joints of the RRR sub-leg and the orientation of its last link.  (2 multiply)"""
     u_3_0, u_3_1 = u_3

@@ -288,6 +288,61 @@ def determinant(g: Any, rho: Any) -> tuple[Any, ...]:
     )
 
 
+def gram(g: Any, characteristic_length: Any, N: Any) -> tuple[Any, ...]:
+    """Squares of M_i of the (Tripteron) sub-leg, in its own frame, for the indices: actuators that
+    slide count by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (16 add,
+    35 multiply)"""
+    characteristic_length, = characteristic_length
+    N_00, N_01, N_02, N_10, N_11, N_12 = N
+    g_00 = characteristic_length * characteristic_length  # M M^T
+    n_00 = g.e_x[0] * N_00 + g.e_x[1] * N_01 + g.e_x[2] * N_02  # N in the leg's frame
+    n_01 = g.e_1[0] * N_00 + g.e_1[1] * N_01 + g.e_1[2] * N_02
+    n_02 = g.e_t[0] * N_00 + g.e_t[1] * N_01
+    n_10 = g.e_x[0] * N_10 + g.e_x[1] * N_11 + g.e_x[2] * N_12
+    n_11 = g.e_1[0] * N_10 + g.e_1[1] * N_11 + g.e_1[2] * N_12
+    n_12 = g.e_t[0] * N_10 + g.e_t[1] * N_11
+    k_00 = characteristic_length * n_00  # the leg's block of K
+    k_01 = characteristic_length * n_01
+    k_02 = characteristic_length * n_02
+    k_10 = characteristic_length * n_10
+    k_11 = characteristic_length * n_11
+    k_12 = characteristic_length * n_12
+    det_M = characteristic_length * g_00
+    cofactors_00 = g_00 * g_00
+    return (
+        (  # gram
+            g_00,
+            0,
+            0,
+            0,
+            g_00,
+            0,
+            0,
+            0,
+            g_00,
+        ),
+        (  # cofactors
+            cofactors_00,
+            0,
+            0,
+            0,
+            cofactors_00,
+            0,
+            0,
+            0,
+            cofactors_00,
+        ),
+        (  # square
+            det_M * det_M,
+        ),
+        (  # reach
+            k_00 * k_00 + k_01 * k_01 + k_02 * k_02,
+            k_00 * k_10 + k_01 * k_11 + k_02 * k_12,
+            k_10 * k_10 + k_11 * k_11 + k_12 * k_12,
+        ),
+    )
+
+
 def passive(g: Any, rho: Any) -> tuple[Any, ...]:
     """Passive joints of the (Tripteron) sub-leg and the orientation of its last link.  (32 add, 24
     multiply, 3 square root, 6 arctangent, 4 select)"""

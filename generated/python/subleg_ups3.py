@@ -513,6 +513,99 @@ def determinant(g: Any, w: Any, b: Any) -> tuple[Any, ...]:
     )
 
 
+def gram(g: Any, w: Any, b: Any, characteristic_length: Any, N: Any) -> tuple[Any, ...]:
+    """Squares of M_i of the (3-UPS) sub-leg, in its own frame, for the indices: actuators that slide
+    count by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (64 add, 134
+    multiply, 1 divide, 1 select)"""
+    w_00, w_01, w_02, w_10, w_11, w_12, w_20, w_21, w_22 = w
+    b_0, b_1, b_2 = b
+    characteristic_length, = characteristic_length
+    N_00, N_01, N_02, N_10, N_11, N_12 = N
+    t1 = w_11 * w_22 - w_12 * w_21
+    t2 = w_12 * w_20 - w_10 * w_22
+    t3 = w_10 * w_21 - w_11 * w_20
+    volume = w_00 * t1 + w_01 * t2 + w_02 * t3  # det [w_1 ...]
+    t4 = 1 / volume
+    m_00 = b_0 * t1 * t4  # A^-1 B in the leg's frame
+    m_01 = t4 * (b_1 * (w_02 * w_21 - w_01 * w_22))
+    m_02 = t4 * (b_2 * (w_01 * w_12 - w_02 * w_11))
+    m_10 = t4 * (b_0 * t2)
+    m_11 = t4 * (b_1 * (w_00 * w_22 - w_02 * w_20))
+    m_12 = t4 * (b_2 * (w_02 * w_10 - w_00 * w_12))
+    m_20 = t4 * (b_0 * t3)
+    m_21 = t4 * (b_1 * (w_01 * w_20 - w_00 * w_21))
+    m_22 = t4 * (b_2 * (w_00 * w_11 - w_01 * w_10))
+    m_l_00 = m_00 * characteristic_length  # slides over the length
+    m_l_01 = m_01 * characteristic_length
+    m_l_02 = m_02 * characteristic_length
+    m_l_10 = m_10 * characteristic_length
+    m_l_11 = m_11 * characteristic_length
+    m_l_12 = m_12 * characteristic_length
+    m_l_20 = m_20 * characteristic_length
+    m_l_21 = m_21 * characteristic_length
+    m_l_22 = m_22 * characteristic_length
+    g_00 = m_l_00 * m_l_00 + m_l_01 * m_l_01 + m_l_02 * m_l_02  # M M^T
+    g_01 = m_l_00 * m_l_10 + m_l_01 * m_l_11 + m_l_02 * m_l_12
+    g_02 = m_l_00 * m_l_20 + m_l_01 * m_l_21 + m_l_02 * m_l_22
+    g_11 = m_l_10 * m_l_10 + m_l_11 * m_l_11 + m_l_12 * m_l_12
+    g_12 = m_l_10 * m_l_20 + m_l_11 * m_l_21 + m_l_12 * m_l_22
+    g_22 = m_l_20 * m_l_20 + m_l_21 * m_l_21 + m_l_22 * m_l_22
+    k_00 = m_l_00 * N_00 + m_l_10 * N_01 + m_l_20 * N_02  # the leg's block of K
+    k_01 = m_l_01 * N_00 + m_l_11 * N_01 + m_l_21 * N_02
+    k_02 = m_l_02 * N_00 + m_l_12 * N_01 + m_l_22 * N_02
+    k_10 = m_l_00 * N_10 + m_l_10 * N_11 + m_l_20 * N_12
+    k_11 = m_l_01 * N_10 + m_l_11 * N_11 + m_l_21 * N_12
+    k_12 = m_l_02 * N_10 + m_l_12 * N_11 + m_l_22 * N_12
+    c_00 = m_l_11 * m_l_22 - m_l_12 * m_l_21  # cofactors of M
+    c_01 = m_l_12 * m_l_20 - m_l_10 * m_l_22
+    c_02 = m_l_10 * m_l_21 - m_l_11 * m_l_20
+    c_10 = m_l_02 * m_l_21 - m_l_01 * m_l_22
+    c_11 = m_l_00 * m_l_22 - m_l_02 * m_l_20
+    c_12 = m_l_01 * m_l_20 - m_l_00 * m_l_21
+    c_20 = m_l_01 * m_l_12 - m_l_02 * m_l_11
+    c_21 = m_l_02 * m_l_10 - m_l_00 * m_l_12
+    c_22 = m_l_00 * m_l_11 - m_l_01 * m_l_10
+    det_M = m_l_00 * c_00 + m_l_01 * c_01 + m_l_02 * c_02
+    cofactors_01 = c_00 * c_10 + c_01 * c_11 + c_02 * c_12
+    cofactors_02 = c_00 * c_20 + c_01 * c_21 + c_02 * c_22
+    cofactors_12 = c_10 * c_20 + c_11 * c_21 + c_12 * c_22
+    return (
+        (  # gram
+            g_00,
+            g_01,
+            g_02,
+            g_01,
+            g_11,
+            g_12,
+            g_02,
+            g_12,
+            g_22,
+        ),
+        (  # cofactors
+            c_00 * c_00 + c_01 * c_01 + c_02 * c_02,
+            cofactors_01,
+            cofactors_02,
+            cofactors_01,
+            c_10 * c_10 + c_11 * c_11 + c_12 * c_12,
+            cofactors_12,
+            cofactors_02,
+            cofactors_12,
+            c_20 * c_20 + c_21 * c_21 + c_22 * c_22,
+        ),
+        (  # square
+            det_M * det_M,
+        ),
+        (  # reach
+            k_00 * k_00 + k_01 * k_01 + k_02 * k_02,
+            k_00 * k_10 + k_01 * k_11 + k_02 * k_12,
+            k_10 * k_10 + k_11 * k_11 + k_12 * k_12,
+        ),
+        (  # regularity
+            np.abs(volume * g.k[9]),
+        ),
+    )
+
+
 def passive(g: Any, w: Any) -> tuple[Any, ...]:
     """Passive joints of the (3-UPS) sub-leg and the orientation of its last link.  (28 add, 54
     multiply, 2 divide, 5 square root, 6 arctangent)"""

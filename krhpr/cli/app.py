@@ -20,12 +20,20 @@ from krhpr.cli import (
     generate,
     info,
     list_command,
+    optimise_command,
     schema_command,
     study_command,
     validate,
 )
 from krhpr.cli.common import Command, Exit, WrongUse, first_words
-from krhpr.errors import InvalidInput, KrhprError, PluginError, UnknownBranch, UnknownRobot
+from krhpr.errors import (
+    InvalidInput,
+    KrhprError,
+    PluginError,
+    TrajectoryError,
+    UnknownBranch,
+    UnknownRobot,
+)
 from krhpr.robot_files.problems import RobotFileError
 
 COMMANDS: tuple[Command, ...] = (
@@ -37,6 +45,7 @@ COMMANDS: tuple[Command, ...] = (
     compile_command.COMMAND,
     validate.COMMAND,
     study_command.COMMAND,
+    optimise_command.COMMAND,
     schema_command.COMMAND,
 )
 
@@ -51,6 +60,7 @@ examples:
   krhpr info spatial_rrr_a --function inverse   arguments and results of one function
   krhpr eval spatial_rrr_a inverse --input poses.json
   krhpr certify spatial_rrr_a --low 30 --high 150 --degrees --open
+  krhpr optimise examples/translation.yaml spatial_rrr_a --out build/best --plot
   krhpr generate --check                        what `krhpr generate` would change, and why
   krhpr generate spatial_rrr_a --out arm        one robot's code in a folder that stands alone
   krhpr generate arm.yaml --out arm             the same for a robot file, with sizes of your own
@@ -59,8 +69,8 @@ exit codes:
   0    success
   1    failure: the message says of what; --debug shows where
   2    wrong use: an unknown robot, function or option, or input that cannot be read
-  3    a difference found (generate --check), a check failed (validate), or a box
-       that is not free of singularities (certify)
+  3    a difference found (generate --check), a check failed (validate), a box that
+       is not free of singularities (certify), or limits that are not met (optimise)
   130  interrupted; files are as they were
 
 environment:
@@ -99,11 +109,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return Exit.FAILED
 
 
+_WRONG_USE = (
+    WrongUse,
+    UnknownRobot,
+    UnknownBranch,
+    InvalidInput,
+    RobotFileError,
+    PluginError,
+    TrajectoryError,
+)
+
+
 def _explain(error: Exception) -> tuple[str, Exit] | None:
     """The message and the exit code for an error; None where it is one that nobody expects."""
     from krhpr.native import CompilationError, NoCompiler
 
-    if isinstance(error, (WrongUse, UnknownRobot, UnknownBranch, InvalidInput, RobotFileError, PluginError)):
+    if isinstance(error, _WRONG_USE):
         return str(error), Exit.WRONG_USE
     if isinstance(error, (KrhprError, NoCompiler, CompilationError)):
         return str(error), Exit.FAILED
@@ -120,6 +141,7 @@ def _explain(error: Exception) -> tuple[str, Exit] | None:
 
 _EXTRAS = {
     "files": ("yaml",),
+    "trajectory": ("scipy",),
     "generate": ("sympy", "jinja2", "rich"),
     "validate": ("flint", "pycparser", "mpmath", "casadi"),
 }

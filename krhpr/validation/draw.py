@@ -82,6 +82,13 @@ class Draw:
         """Rational numbers."""
         return [self.rational() for _ in range(count)]
 
+    def positive(self, shape: tuple[int, ...]) -> list[Any]:
+        """A positive definite matrix, row by row, or positive numbers."""
+        if len(shape) < 2:
+            return [self.length() for _ in range(shape[0] if shape else 1)]
+        rows = [self.vector(shape[1]) for _ in range(shape[0])]
+        return [sum((x * y for x, y in zip(a, b, strict=True)), Exact(0)) for a in rows for b in rows]
+
     # -- arguments ---------------------------------------------------------------------------------
 
     def geometry(self, *kinds: GeometryType) -> dict[str, list[Any]]:

@@ -68,6 +68,10 @@ def optimised(subject: Subject, check: Check, count: int) -> Measured:
     return found
 
 
+SQUARES = ("gram", "cofactors", "square", "position_gram", "rotation_gram", "largest", "smallest")
+"""Inputs of kernels that are squares: positive, or positive definite."""
+
+
 def _reachable(
     subject: Subject, seed: int, ports: tuple[Port, ...], source: Draw
 ) -> tuple[dict[str, list[Any]], dict[str, list[Any]]]:
@@ -91,6 +95,9 @@ def _reachable(
             continue
         if value is None and port.name in ties:
             inputs[port.name] = ties[port.name]
+            continue
+        if port.name in SQUARES:
+            inputs[port.name] = [Ball(x) for x in source.positive(port.shape)]
             continue
         if value is None:
             inputs[port.name] = [Ball(source.nonzero()) for _ in range(port.size)]

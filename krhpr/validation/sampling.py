@@ -223,6 +223,7 @@ def _measurements(subject: Subject, rng: np.random.Generator, values: Values) ->
     else:
         found["Q_near"] = values["Q"] @ rotations(rng.uniform(-0.03, 0.03, (count, 3)))
     found["tolerance"] = np.full(count, 0.05)
+    found["characteristic_length"] = rng.uniform(0.1, 2, count)
     found["weights"] = rng.uniform(300, 3000, (count, 3))
     return found
 

@@ -67,7 +67,7 @@ static inline double *known(struct configuration *c, const char *name)
         {"p", c->p}, {"Q", c->Q}, {"phi", c->phi}, {"redundant", c->redundant}, {"mode", c->mode},
         {"assembly", c->assembly}, {"s", c->s}, {"theta", c->theta}, {"theta_near", c->theta_near},
         {"swivel", c->swivel}, {"s_near", c->s},
-        {"turned", &positive}, {"side", &positive}, {"tolerance", &positive}, {"weights", ones},
+        {"turned", &positive}, {"side", &positive}, {"tolerance", &positive}, {"characteristic_length", &positive}, {"weights", ones},
         {"measured", c->redundant}, {"p_near", c->p}, {"Q_near", c->Q}, {"phi_near", c->phi}, {"box", box},
     };
     for (size_t k = 0; k < sizeof names / sizeof names[0]; ++k) {

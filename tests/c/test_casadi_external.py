@@ -124,6 +124,8 @@ def arguments(identifier: str, function: Any, at: Mapping[str, np.ndarray]) -> l
             value = at["redundant"][: prod(shape)] + 1e-3 * np.arange(1, 1 + prod(shape))
         elif name == "tolerance":
             value = np.full(shape, 0.05)
+        elif name == "characteristic_length":
+            value = np.full(shape, 0.3)
         elif name in SIGNS:
             value = np.ones(shape)
         else:

@@ -45,6 +45,8 @@
 #define krhpr_planar_rp_a_link_points plain_link_points
 #define krhpr_planar_rp_a_singularity plain_singularity
 #define krhpr_planar_rp_a_type_2_of_redundant plain_type_2_of_redundant
+#define krhpr_planar_rp_a_indices plain_indices
+#define krhpr_planar_rp_a_index_bounds plain_index_bounds
 #define krhpr_planar_rp_a_forward_encoders_1 plain_forward_encoders_1
 #define krhpr_planar_rp_a_forward_encoders_2 plain_forward_encoders_2
 #define krhpr_planar_rp_a_forward_encoders_3 plain_forward_encoders_3
@@ -70,6 +72,8 @@
 #undef krhpr_planar_rp_a_link_points
 #undef krhpr_planar_rp_a_singularity
 #undef krhpr_planar_rp_a_type_2_of_redundant
+#undef krhpr_planar_rp_a_indices
+#undef krhpr_planar_rp_a_index_bounds
 #undef krhpr_planar_rp_a_forward_encoders_1
 #undef krhpr_planar_rp_a_forward_encoders_2
 #undef krhpr_planar_rp_a_forward_encoders_3
@@ -178,16 +182,17 @@ static const casadi_int P68[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P69[3] = {1, 6, 1};
 static const casadi_int P70[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P71[3] = {1, 3, 1};
-static const casadi_int P72[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P73[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
-static const casadi_int P74[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P75[4] = {4, 1, 0, 0};
-static const casadi_int P76[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
-static const casadi_int P77[3] = {2, 3, 1};
-static const casadi_int P78[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
-static const casadi_int P79[3] = {4, 3, 1};
-static const casadi_int P80[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
-static const casadi_int P81[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P72[12] = {1, 6, 0, 1, 2, 3, 3, 3, 3, 0, 0, 0};
+static const casadi_int P73[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P74[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
+static const casadi_int P75[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P76[4] = {4, 1, 0, 0};
+static const casadi_int P77[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
+static const casadi_int P78[3] = {2, 3, 1};
+static const casadi_int P79[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
+static const casadi_int P80[3] = {4, 3, 1};
+static const casadi_int P81[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P82[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- end_points -- */
 
@@ -1237,6 +1242,105 @@ static const krhpr_casadi_function function_type_2_of_redundant = {
 KRHPR_CASADI_FUNCTION(NAME(type_2_of_redundant), function_type_2_of_redundant)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(type_2_of_redundant), function_type_2_of_redundant)
 
+/* -- indices -- */
+
+static int value_indices(const double *x, double *y)
+{
+    return plain_indices(&geometry, x, x[2], x + 3, x + 9, x[15], y, y + 1, y + 2, y + 3);
+}
+
+static const krhpr_casadi_slot in_indices[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+    {"out_characteristic_length", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_indices[] = {
+    {"out_eta_1", 1, 1, 1, NULL, P2, P3},
+    {"out_eta_2", 1, 1, 1, NULL, P2, P3},
+    {"out_eta_3", 1, 1, 1, NULL, P2, P3},
+    {"out_condition", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_function function_indices = {
+    5, in_indices, 4, out_indices, value_indices, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(indices), function_indices)
+
+/* -- index_bounds -- */
+
+static int value_index_bounds(const double *x, double *y)
+{
+    return plain_index_bounds(&geometry, x, x[2], x + 3, x + 9, x[15], y, y + 1, y + 2);
+}
+
+static void tangent_index_bounds(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const phi = given + 2;
+    const krhpr_dual *const s = given + 3;
+    const krhpr_dual *const theta = given + 9;
+    const krhpr_dual *const characteristic_length = given + 15;
+    krhpr_dual *const eta_1 = found;
+    krhpr_dual *const eta_2 = found + 1;
+    krhpr_dual *const eta_3 = found + 2;
+    krhpr_dual Q[4];
+    krhpr_dual line[9];
+    krhpr_dual point[6];
+    krhpr_dual reach[3];
+    krhpr_dual largest[3];
+    krhpr_dual smallest[3];
+    krhpr_dual position_gram[4];
+    krhpr_dual rotation_gram[1];
+    krhpr_dual det_regularity[1];
+    krhpr_algebra_planar_rotation_tangent(phi, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[2];
+        krhpr_dual scale[2];
+        krhpr_dual d[2];
+        krhpr_dual u[2];
+        krhpr_dual gram[4];
+        krhpr_dual cofactors[4];
+        krhpr_dual square[1];
+        krhpr_platform_planar_a_line_tangent(
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_subleg_planar_rp_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, d, u);
+        krhpr_subleg_planar_rp_gram_tangent(
+            &geometry.subleg, i, d, u, characteristic_length, N, gram, cofactors, square, reach + i);
+        krhpr_algebra_planar_spread_bound_tangent(gram, cofactors, square, largest + i, smallest + i);
+    }
+    krhpr_platform_planar_a_sensitivity_tangent(
+        line, point, reach, position_gram, rotation_gram, det_regularity);
+    krhpr_algebra_planar_norm_bounds_tangent(
+        position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
+}
+
+static const krhpr_casadi_slot in_index_bounds[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+    {"out_characteristic_length", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_index_bounds[] = {
+    {"out_eta_1", 1, 1, 1, NULL, P2, P3},
+    {"out_eta_2", 1, 1, 1, NULL, P2, P3},
+    {"out_eta_3", 1, 1, 1, NULL, P2, P3},
+};
+static const casadi_int *const structure_index_bounds[] = {
+    P14, P2, P69, P72, P2, P14, P2, P69, P72, P2, P15, P3, P69, P72, P2
+};
+static const char *const names_index_bounds[] = {
+    "jac_eta_1_p", "jac_eta_1_phi", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_1_characteristic_length", "jac_eta_2_p",
+    "jac_eta_2_phi", "jac_eta_2_s", "jac_eta_2_theta", "jac_eta_2_characteristic_length", "jac_eta_3_p",
+    "jac_eta_3_phi", "jac_eta_3_s", "jac_eta_3_theta", "jac_eta_3_characteristic_length"
+};
+static const krhpr_casadi_function function_index_bounds = {
+    5, in_index_bounds, 3, out_index_bounds, value_index_bounds, tangent_index_bounds, structure_index_bounds, names_index_bounds
+};
+KRHPR_CASADI_FUNCTION(NAME(index_bounds), function_index_bounds)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(index_bounds), function_index_bounds)
+
 /* -- forward_encoders_1 -- */
 
 static int value_forward_encoders_1(const double *x, double *y)
@@ -1306,7 +1410,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P72, P8, P1, P73, P14, P3, P74, P46, P75, P73, P14, P3
+    P73, P8, P1, P74, P14, P3, P75, P46, P76, P74, P14, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",
@@ -1365,7 +1469,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P76, P77, P1, P69, P71, P3, P78, P79, P75, P80, P81, P5
+    P77, P78, P1, P69, P71, P3, P79, P80, P76, P81, P82, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",

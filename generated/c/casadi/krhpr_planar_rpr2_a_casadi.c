@@ -46,6 +46,8 @@
 #define krhpr_planar_rpr2_a_link_points plain_link_points
 #define krhpr_planar_rpr2_a_singularity plain_singularity
 #define krhpr_planar_rpr2_a_type_2_of_redundant plain_type_2_of_redundant
+#define krhpr_planar_rpr2_a_indices plain_indices
+#define krhpr_planar_rpr2_a_index_bounds plain_index_bounds
 #define krhpr_planar_rpr2_a_forward_encoders_1 plain_forward_encoders_1
 #define krhpr_planar_rpr2_a_forward_encoders_2 plain_forward_encoders_2
 #define krhpr_planar_rpr2_a_forward_encoders_3 plain_forward_encoders_3
@@ -72,6 +74,8 @@
 #undef krhpr_planar_rpr2_a_link_points
 #undef krhpr_planar_rpr2_a_singularity
 #undef krhpr_planar_rpr2_a_type_2_of_redundant
+#undef krhpr_planar_rpr2_a_indices
+#undef krhpr_planar_rpr2_a_index_bounds
 #undef krhpr_planar_rpr2_a_forward_encoders_1
 #undef krhpr_planar_rpr2_a_forward_encoders_2
 #undef krhpr_planar_rpr2_a_forward_encoders_3
@@ -1251,6 +1255,105 @@ static const krhpr_casadi_function function_type_2_of_redundant = {
 };
 KRHPR_CASADI_FUNCTION(NAME(type_2_of_redundant), function_type_2_of_redundant)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(type_2_of_redundant), function_type_2_of_redundant)
+
+/* -- indices -- */
+
+static int value_indices(const double *x, double *y)
+{
+    return plain_indices(&geometry, x, x[2], x + 3, x + 9, x[15], y, y + 1, y + 2, y + 3);
+}
+
+static const krhpr_casadi_slot in_indices[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+    {"out_characteristic_length", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_indices[] = {
+    {"out_eta_1", 1, 1, 1, NULL, P2, P3},
+    {"out_eta_2", 1, 1, 1, NULL, P2, P3},
+    {"out_eta_3", 1, 1, 1, NULL, P2, P3},
+    {"out_condition", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_function function_indices = {
+    5, in_indices, 4, out_indices, value_indices, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(indices), function_indices)
+
+/* -- index_bounds -- */
+
+static int value_index_bounds(const double *x, double *y)
+{
+    return plain_index_bounds(&geometry, x, x[2], x + 3, x + 9, x[15], y, y + 1, y + 2);
+}
+
+static void tangent_index_bounds(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const phi = given + 2;
+    const krhpr_dual *const s = given + 3;
+    const krhpr_dual *const theta = given + 9;
+    const krhpr_dual *const characteristic_length = given + 15;
+    krhpr_dual *const eta_1 = found;
+    krhpr_dual *const eta_2 = found + 1;
+    krhpr_dual *const eta_3 = found + 2;
+    krhpr_dual Q[4];
+    krhpr_dual line[9];
+    krhpr_dual point[6];
+    krhpr_dual reach[3];
+    krhpr_dual largest[3];
+    krhpr_dual smallest[3];
+    krhpr_dual position_gram[4];
+    krhpr_dual rotation_gram[1];
+    krhpr_dual det_regularity[1];
+    krhpr_algebra_planar_rotation_tangent(phi, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[2];
+        krhpr_dual scale[2];
+        krhpr_dual w[4];
+        krhpr_dual b[2];
+        krhpr_dual gram[4];
+        krhpr_dual cofactors[4];
+        krhpr_dual square[1];
+        krhpr_platform_planar_a_line_tangent(
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_gram_tangent(
+            &geometry.subleg, i, w, b, characteristic_length, N, gram, cofactors, square, reach + i);
+        krhpr_algebra_planar_spread_bound_tangent(gram, cofactors, square, largest + i, smallest + i);
+    }
+    krhpr_platform_planar_a_sensitivity_tangent(
+        line, point, reach, position_gram, rotation_gram, det_regularity);
+    krhpr_algebra_planar_norm_bounds_tangent(
+        position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
+}
+
+static const krhpr_casadi_slot in_index_bounds[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+    {"out_characteristic_length", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_index_bounds[] = {
+    {"out_eta_1", 1, 1, 1, NULL, P2, P3},
+    {"out_eta_2", 1, 1, 1, NULL, P2, P3},
+    {"out_eta_3", 1, 1, 1, NULL, P2, P3},
+};
+static const casadi_int *const structure_index_bounds[] = {
+    P10, P2, P63, P63, P2, P10, P2, P63, P63, P2, P11, P3, P63, P63, P2
+};
+static const char *const names_index_bounds[] = {
+    "jac_eta_1_p", "jac_eta_1_phi", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_1_characteristic_length", "jac_eta_2_p",
+    "jac_eta_2_phi", "jac_eta_2_s", "jac_eta_2_theta", "jac_eta_2_characteristic_length", "jac_eta_3_p",
+    "jac_eta_3_phi", "jac_eta_3_s", "jac_eta_3_theta", "jac_eta_3_characteristic_length"
+};
+static const krhpr_casadi_function function_index_bounds = {
+    5, in_index_bounds, 3, out_index_bounds, value_index_bounds, tangent_index_bounds, structure_index_bounds, names_index_bounds
+};
+KRHPR_CASADI_FUNCTION(NAME(index_bounds), function_index_bounds)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(index_bounds), function_index_bounds)
 
 /* -- forward_encoders_1 -- */
 

@@ -46,6 +46,8 @@
 #define krhpr_planar_rrr_a_link_points plain_link_points
 #define krhpr_planar_rrr_a_singularity plain_singularity
 #define krhpr_planar_rrr_a_type_2_of_redundant plain_type_2_of_redundant
+#define krhpr_planar_rrr_a_indices plain_indices
+#define krhpr_planar_rrr_a_index_bounds plain_index_bounds
 #define krhpr_planar_rrr_a_forward_encoders_1 plain_forward_encoders_1
 #define krhpr_planar_rrr_a_forward_encoders_2 plain_forward_encoders_2
 #define krhpr_planar_rrr_a_forward_encoders_3 plain_forward_encoders_3
@@ -72,6 +74,8 @@
 #undef krhpr_planar_rrr_a_link_points
 #undef krhpr_planar_rrr_a_singularity
 #undef krhpr_planar_rrr_a_type_2_of_redundant
+#undef krhpr_planar_rrr_a_indices
+#undef krhpr_planar_rrr_a_index_bounds
 #undef krhpr_planar_rrr_a_forward_encoders_1
 #undef krhpr_planar_rrr_a_forward_encoders_2
 #undef krhpr_planar_rrr_a_forward_encoders_3
@@ -198,15 +202,17 @@ static const casadi_int P76[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P77[3] = {1, 2, 1};
 static const casadi_int P78[3] = {1, 6, 1};
 static const casadi_int P79[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P80[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P81[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
-static const casadi_int P82[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P83[4] = {4, 1, 0, 0};
-static const casadi_int P84[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
-static const casadi_int P85[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
-static const casadi_int P86[3] = {4, 3, 1};
-static const casadi_int P87[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
-static const casadi_int P88[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P80[18] = {1, 9, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P81[5] = {1, 2, 0, 0, 0};
+static const casadi_int P82[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P83[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
+static const casadi_int P84[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P85[4] = {4, 1, 0, 0};
+static const casadi_int P86[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
+static const casadi_int P87[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
+static const casadi_int P88[3] = {4, 3, 1};
+static const casadi_int P89[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P90[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- end_points -- */
 
@@ -1315,6 +1321,102 @@ static const krhpr_casadi_function function_type_2_of_redundant = {
 KRHPR_CASADI_FUNCTION(NAME(type_2_of_redundant), function_type_2_of_redundant)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(type_2_of_redundant), function_type_2_of_redundant)
 
+/* -- indices -- */
+
+static int value_indices(const double *x, double *y)
+{
+    return plain_indices(&geometry, x, x[2], x + 3, x + 9, y, y + 1, y + 2, y + 3);
+}
+
+static const krhpr_casadi_slot in_indices[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 3, 1, NULL, P8, P9},
+};
+static const krhpr_casadi_slot out_indices[] = {
+    {"out_eta_1", 1, 1, 1, NULL, P2, P3},
+    {"out_eta_2", 1, 1, 1, NULL, P2, P3},
+    {"out_eta_3", 1, 1, 1, NULL, P2, P3},
+    {"out_condition", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_function function_indices = {
+    4, in_indices, 4, out_indices, value_indices, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(indices), function_indices)
+
+/* -- index_bounds -- */
+
+static int value_index_bounds(const double *x, double *y)
+{
+    return plain_index_bounds(&geometry, x, x[2], x + 3, x + 9, y, y + 1, y + 2);
+}
+
+static void tangent_index_bounds(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const phi = given + 2;
+    const krhpr_dual *const s = given + 3;
+    const krhpr_dual *const theta = given + 9;
+    krhpr_dual *const eta_1 = found;
+    krhpr_dual *const eta_2 = found + 1;
+    krhpr_dual *const eta_3 = found + 2;
+    krhpr_dual Q[4];
+    krhpr_dual line[9];
+    krhpr_dual point[6];
+    krhpr_dual reach[3];
+    krhpr_dual largest[3];
+    krhpr_dual smallest[3];
+    krhpr_dual position_gram[4];
+    krhpr_dual rotation_gram[1];
+    krhpr_dual det_regularity[1];
+    krhpr_algebra_planar_rotation_tangent(phi, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[2];
+        krhpr_dual scale[2];
+        krhpr_dual d[2];
+        krhpr_dual u_2[2];
+        krhpr_dual u_3[2];
+        krhpr_dual gram[4];
+        krhpr_dual cofactors[4];
+        krhpr_dual square[1];
+        krhpr_platform_planar_a_line_tangent(
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_gram_tangent(
+            &geometry.subleg, i, d, u_2, u_3, N, gram, cofactors, square, reach + i);
+        krhpr_algebra_planar_spread_bound_tangent(gram, cofactors, square, largest + i, smallest + i);
+    }
+    krhpr_platform_planar_a_sensitivity_tangent(
+        line, point, reach, position_gram, rotation_gram, det_regularity);
+    krhpr_algebra_planar_norm_bounds_tangent(
+        position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
+}
+
+static const krhpr_casadi_slot in_index_bounds[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 3, 1, NULL, P8, P9},
+};
+static const krhpr_casadi_slot out_index_bounds[] = {
+    {"out_eta_1", 1, 1, 1, NULL, P2, P3},
+    {"out_eta_2", 1, 1, 1, NULL, P2, P3},
+    {"out_eta_3", 1, 1, 1, NULL, P2, P3},
+};
+static const casadi_int *const structure_index_bounds[] = {
+    P77, P2, P78, P80, P77, P2, P78, P80, P81, P3, P78, P80
+};
+static const char *const names_index_bounds[] = {
+    "jac_eta_1_p", "jac_eta_1_phi", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_2_p", "jac_eta_2_phi", "jac_eta_2_s",
+    "jac_eta_2_theta", "jac_eta_3_p", "jac_eta_3_phi", "jac_eta_3_s", "jac_eta_3_theta"
+};
+static const krhpr_casadi_function function_index_bounds = {
+    4, in_index_bounds, 3, out_index_bounds, value_index_bounds, tangent_index_bounds, structure_index_bounds, names_index_bounds
+};
+KRHPR_CASADI_FUNCTION(NAME(index_bounds), function_index_bounds)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(index_bounds), function_index_bounds)
+
 /* -- forward_encoders_1 -- */
 
 static int value_forward_encoders_1(const double *x, double *y)
@@ -1384,7 +1486,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P80, P18, P1, P81, P77, P3, P82, P16, P83, P81, P77, P3
+    P82, P18, P1, P83, P77, P3, P84, P16, P85, P83, P77, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",
@@ -1443,7 +1545,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P84, P10, P1, P78, P14, P3, P85, P86, P83, P87, P88, P5
+    P86, P10, P1, P78, P14, P3, P87, P88, P85, P89, P90, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",

@@ -48,6 +48,8 @@
 #define krhpr_planar_rrr_c_link_points plain_link_points
 #define krhpr_planar_rrr_c_singularity plain_singularity
 #define krhpr_planar_rrr_c_type_2_of_redundant plain_type_2_of_redundant
+#define krhpr_planar_rrr_c_indices plain_indices
+#define krhpr_planar_rrr_c_index_bounds plain_index_bounds
 #define krhpr_planar_rrr_c_forward_all plain_forward_all
 #define krhpr_planar_rrr_c_forward plain_forward
 #define krhpr_planar_rrr_c_forward_encoders_2 plain_forward_encoders_2
@@ -77,6 +79,8 @@
 #undef krhpr_planar_rrr_c_link_points
 #undef krhpr_planar_rrr_c_singularity
 #undef krhpr_planar_rrr_c_type_2_of_redundant
+#undef krhpr_planar_rrr_c_indices
+#undef krhpr_planar_rrr_c_index_bounds
 #undef krhpr_planar_rrr_c_forward_all
 #undef krhpr_planar_rrr_c_forward
 #undef krhpr_planar_rrr_c_forward_encoders_2
@@ -202,21 +206,23 @@ static const casadi_int P79[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P80[3] = {1, 2, 1};
 static const casadi_int P81[3] = {1, 6, 1};
 static const casadi_int P82[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P83[3] = {4, 6, 1};
-static const casadi_int P84[3] = {2, 6, 1};
-static const casadi_int P85[3] = {6, 6, 1};
-static const casadi_int P86[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P87[3] = {2, 9, 1};
-static const casadi_int P88[3] = {1, 9, 1};
-static const casadi_int P89[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P90[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
-static const casadi_int P91[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P92[4] = {4, 1, 0, 0};
-static const casadi_int P93[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
-static const casadi_int P94[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
-static const casadi_int P95[3] = {4, 3, 1};
-static const casadi_int P96[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
-static const casadi_int P97[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P83[18] = {1, 9, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P84[5] = {1, 2, 0, 0, 0};
+static const casadi_int P85[3] = {4, 6, 1};
+static const casadi_int P86[3] = {2, 6, 1};
+static const casadi_int P87[3] = {6, 6, 1};
+static const casadi_int P88[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P89[3] = {2, 9, 1};
+static const casadi_int P90[3] = {1, 9, 1};
+static const casadi_int P91[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P92[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
+static const casadi_int P93[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P94[4] = {4, 1, 0, 0};
+static const casadi_int P95[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
+static const casadi_int P96[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
+static const casadi_int P97[3] = {4, 3, 1};
+static const casadi_int P98[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P99[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- end_points -- */
 
@@ -1403,6 +1409,102 @@ static const krhpr_casadi_function function_type_2_of_redundant = {
 KRHPR_CASADI_FUNCTION(NAME(type_2_of_redundant), function_type_2_of_redundant)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(type_2_of_redundant), function_type_2_of_redundant)
 
+/* -- indices -- */
+
+static int value_indices(const double *x, double *y)
+{
+    return plain_indices(&geometry, x, x[2], x + 3, x + 9, y, y + 1, y + 2, y + 3);
+}
+
+static const krhpr_casadi_slot in_indices[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 3, 1, NULL, P8, P9},
+};
+static const krhpr_casadi_slot out_indices[] = {
+    {"out_eta_1", 1, 1, 1, NULL, P2, P3},
+    {"out_eta_2", 1, 1, 1, NULL, P2, P3},
+    {"out_eta_3", 1, 1, 1, NULL, P2, P3},
+    {"out_condition", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_function function_indices = {
+    4, in_indices, 4, out_indices, value_indices, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(indices), function_indices)
+
+/* -- index_bounds -- */
+
+static int value_index_bounds(const double *x, double *y)
+{
+    return plain_index_bounds(&geometry, x, x[2], x + 3, x + 9, y, y + 1, y + 2);
+}
+
+static void tangent_index_bounds(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const phi = given + 2;
+    const krhpr_dual *const s = given + 3;
+    const krhpr_dual *const theta = given + 9;
+    krhpr_dual *const eta_1 = found;
+    krhpr_dual *const eta_2 = found + 1;
+    krhpr_dual *const eta_3 = found + 2;
+    krhpr_dual Q[4];
+    krhpr_dual line[9];
+    krhpr_dual point[6];
+    krhpr_dual reach[3];
+    krhpr_dual largest[3];
+    krhpr_dual smallest[3];
+    krhpr_dual position_gram[4];
+    krhpr_dual rotation_gram[1];
+    krhpr_dual det_regularity[1];
+    krhpr_algebra_planar_rotation_tangent(phi, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[2];
+        krhpr_dual scale[2];
+        krhpr_dual d[2];
+        krhpr_dual u_2[2];
+        krhpr_dual u_3[2];
+        krhpr_dual gram[4];
+        krhpr_dual cofactors[4];
+        krhpr_dual square[1];
+        krhpr_platform_planar_c_line_tangent(
+            &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_gram_tangent(
+            &geometry.subleg, i, d, u_2, u_3, N, gram, cofactors, square, reach + i);
+        krhpr_algebra_planar_spread_bound_tangent(gram, cofactors, square, largest + i, smallest + i);
+    }
+    krhpr_platform_planar_c_sensitivity_tangent(
+        line, point, reach, position_gram, rotation_gram, det_regularity);
+    krhpr_algebra_planar_norm_bounds_tangent(
+        position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
+}
+
+static const krhpr_casadi_slot in_index_bounds[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 3, 1, NULL, P8, P9},
+};
+static const krhpr_casadi_slot out_index_bounds[] = {
+    {"out_eta_1", 1, 1, 1, NULL, P2, P3},
+    {"out_eta_2", 1, 1, 1, NULL, P2, P3},
+    {"out_eta_3", 1, 1, 1, NULL, P2, P3},
+};
+static const casadi_int *const structure_index_bounds[] = {
+    P80, P2, P81, P83, P80, P2, P81, P83, P84, P3, P81, P83
+};
+static const char *const names_index_bounds[] = {
+    "jac_eta_1_p", "jac_eta_1_phi", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_2_p", "jac_eta_2_phi", "jac_eta_2_s",
+    "jac_eta_2_theta", "jac_eta_3_p", "jac_eta_3_phi", "jac_eta_3_s", "jac_eta_3_theta"
+};
+static const krhpr_casadi_function function_index_bounds = {
+    4, in_index_bounds, 3, out_index_bounds, value_index_bounds, tangent_index_bounds, structure_index_bounds, names_index_bounds
+};
+KRHPR_CASADI_FUNCTION(NAME(index_bounds), function_index_bounds)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(index_bounds), function_index_bounds)
+
 /* -- forward_all -- */
 
 static int value_forward_all(const double *x, double *y)
@@ -1439,7 +1541,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P83, P84, P85, P84, P86
+    P85, P86, P87, P86, P88
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_phi_s", "jac_redundant_s", "jac_det_J_s", "jac_count_s"
@@ -1491,7 +1593,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P87, P0, P88, P2, P58, P4, P82, P3, P82, P3
+    P89, P0, P90, P2, P58, P4, P82, P3, P82, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_side", "jac_phi_theta", "jac_phi_side", "jac_redundant_theta", "jac_redundant_side",
@@ -1545,7 +1647,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P89, P18, P1, P90, P80, P3, P91, P16, P92, P90, P80, P3
+    P91, P18, P1, P92, P80, P3, P93, P16, P94, P92, P80, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",
@@ -1599,7 +1701,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P93, P10, P1, P81, P14, P3, P94, P95, P92, P96, P97, P5
+    P95, P10, P1, P81, P14, P3, P96, P97, P94, P98, P99, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",

@@ -455,6 +455,119 @@ KRHPR_STATIC void krhpr_platform_planar_a_type_2_tangent(
     }
 }
 
+/* `sensitivity` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.
+ * (125 add, 192 multiply, 3 divide) */
+KRHPR_STATIC void krhpr_platform_planar_a_sensitivity_tangent(
+    const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *reach,
+    krhpr_dual *KRHPR_RESTRICT position_gram, krhpr_dual *KRHPR_RESTRICT rotation_gram,
+    krhpr_dual *KRHPR_RESTRICT regularity)
+{
+    const double adj_a_00 = line[4].v * line[8].v - line[5].v * line[7].v;
+    const double adj_a_01 = line[5].v * line[6].v - line[3].v * line[8].v;
+    const double adj_a_02 = line[3].v * line[7].v - line[4].v * line[6].v;
+    const double adj_a_10 = line[2].v * line[7].v - line[1].v * line[8].v;
+    const double adj_a_11 = line[0].v * line[8].v - line[2].v * line[6].v;
+    const double adj_a_12 = line[1].v * line[6].v - line[0].v * line[7].v;
+    const double adj_a_20 = line[1].v * line[5].v - line[2].v * line[4].v;
+    const double adj_a_21 = line[2].v * line[3].v - line[0].v * line[5].v;
+    const double adj_a_22 = line[0].v * line[4].v - line[1].v * line[3].v;
+    const double det_a = line[0].v * adj_a_00 + line[1].v * adj_a_01 + line[2].v * adj_a_02;
+    const double one_a = 1.0 / det_a;
+    const double inv_a_00 = adj_a_00 * one_a;
+    const double inv_a_01 = adj_a_10 * one_a;
+    const double inv_a_02 = adj_a_20 * one_a;
+    const double inv_a_10 = adj_a_01 * one_a;
+    const double inv_a_11 = adj_a_11 * one_a;
+    const double inv_a_12 = adj_a_21 * one_a;
+    const double inv_a_20 = adj_a_02 * one_a;
+    const double inv_a_21 = adj_a_12 * one_a;
+    const double inv_a_22 = adj_a_22 * one_a;
+    const double h1 = inv_a_00 * inv_a_00;
+    const double h2 = inv_a_01 * inv_a_01;
+    const double h3 = inv_a_02 * inv_a_02;
+    const double h4 = inv_a_00 * inv_a_10;
+    const double h5 = inv_a_01 * inv_a_11;
+    const double h6 = inv_a_02 * inv_a_12;
+    const double position_gram_01 = reach[0].v * h4 + reach[1].v * h5 + reach[2].v * h6;
+    const double h7 = inv_a_10 * inv_a_10;
+    const double h8 = inv_a_11 * inv_a_11;
+    const double h9 = inv_a_12 * inv_a_12;
+    const double h10 = inv_a_20 * inv_a_20;
+    const double h11 = inv_a_21 * inv_a_21;
+    const double h12 = inv_a_22 * inv_a_22;
+    const double d2_0 = line[0].v * line[0].v + line[1].v * line[1].v;
+    const double d2_1 = line[3].v * line[3].v + line[4].v * line[4].v;
+    const double d2_2 = line[6].v * line[6].v + line[7].v * line[7].v;
+    const double t1 = point[0].v * point[0].v + point[1].v * point[1].v + point[2].v * point[2].v + point[3].v * point[3].v;
+    const double size = t1 + point[4].v * point[4].v + point[5].v * point[5].v;
+    const double h13 = d2_0 * d2_1;
+    const double h14 = d2_2 * h13;
+    const double t2 = size * h14;
+    const double regularity_0 = det_a * det_a / t2;
+    const double h15 = 1.0 / t2;
+    position_gram[0].v = reach[0].v * h1 + reach[1].v * h2 + reach[2].v * h3;
+    position_gram[1].v = position_gram_01;
+    position_gram[2].v = position_gram_01;
+    position_gram[3].v = reach[0].v * h7 + reach[1].v * h8 + reach[2].v * h9;
+    rotation_gram[0].v = reach[0].v * h10 + reach[1].v * h11 + reach[2].v * h12;
+    regularity[0].v = regularity_0;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t3 = line[8].v * line[4].t[k] + line[4].v * line[8].t[k] - (line[7].v * line[5].t[k] + line[5].v * line[7].t[k]);
+        const double t4 = line[6].v * line[5].t[k] + line[5].v * line[6].t[k] - (line[8].v * line[3].t[k] + line[3].v * line[8].t[k]);
+        const double t5 = line[7].v * line[3].t[k] + line[3].v * line[7].t[k] - (line[6].v * line[4].t[k] + line[4].v * line[6].t[k]);
+        const double t6 = line[7].v * line[2].t[k] + line[2].v * line[7].t[k] - (line[8].v * line[1].t[k] + line[1].v * line[8].t[k]);
+        const double t7 = line[8].v * line[0].t[k] + line[0].v * line[8].t[k] - (line[6].v * line[2].t[k] + line[2].v * line[6].t[k]);
+        const double t8 = line[6].v * line[1].t[k] + line[1].v * line[6].t[k] - (line[7].v * line[0].t[k] + line[0].v * line[7].t[k]);
+        const double t9 = line[5].v * line[1].t[k] + line[1].v * line[5].t[k] - (line[4].v * line[2].t[k] + line[2].v * line[4].t[k]);
+        const double t10 = line[3].v * line[2].t[k] + line[2].v * line[3].t[k] - (line[5].v * line[0].t[k] + line[0].v * line[5].t[k]);
+        const double t11 = line[4].v * line[0].t[k] + line[0].v * line[4].t[k] - (line[3].v * line[1].t[k] + line[1].v * line[3].t[k]);
+        const double t12 = adj_a_00 * line[0].t[k] + line[0].v * t3 + (adj_a_01 * line[1].t[k] + line[1].v * t4);
+        const double t13 = t12 + (adj_a_02 * line[2].t[k] + line[2].v * t5);
+        const double t14 = one_a * (one_a * t13);
+        const double t15 = one_a * t3 - adj_a_00 * t14;
+        const double t16 = one_a * t6 - adj_a_10 * t14;
+        const double t17 = one_a * t9 - adj_a_20 * t14;
+        const double t18 = one_a * t4 - adj_a_01 * t14;
+        const double t19 = one_a * t7 - adj_a_11 * t14;
+        const double t20 = one_a * t10 - adj_a_21 * t14;
+        const double t21 = inv_a_00 * t15;
+        const double t22 = inv_a_01 * t16;
+        const double t23 = h1 * reach[0].t[k] + reach[0].v * (t21 + t21) + (h2 * reach[1].t[k] + reach[1].v * (t22 + t22));
+        const double t24 = inv_a_02 * t17;
+        const double t25 = h4 * reach[0].t[k] + reach[0].v * (inv_a_10 * t15 + inv_a_00 * t18) + (h5 * reach[1].t[k] + reach[1].v * (inv_a_11 * t16 + inv_a_01 * t19));
+        const double t26 = t25 + (h6 * reach[2].t[k] + reach[2].v * (inv_a_12 * t17 + inv_a_02 * t20));
+        const double t27 = inv_a_10 * t18;
+        const double t28 = inv_a_11 * t19;
+        const double t29 = h7 * reach[0].t[k] + reach[0].v * (t27 + t27) + (h8 * reach[1].t[k] + reach[1].v * (t28 + t28));
+        const double t30 = inv_a_12 * t20;
+        const double t31 = inv_a_20 * (one_a * t5 - adj_a_02 * t14);
+        const double t32 = inv_a_21 * (one_a * t8 - adj_a_12 * t14);
+        const double t33 = h10 * reach[0].t[k] + reach[0].v * (t31 + t31) + (h11 * reach[1].t[k] + reach[1].v * (t32 + t32));
+        const double t34 = inv_a_22 * (one_a * t11 - adj_a_22 * t14);
+        const double t35 = line[0].v * line[0].t[k];
+        const double t36 = line[1].v * line[1].t[k];
+        const double t37 = line[3].v * line[3].t[k];
+        const double t38 = line[4].v * line[4].t[k];
+        const double t39 = line[6].v * line[6].t[k];
+        const double t40 = line[7].v * line[7].t[k];
+        const double t41 = point[0].v * point[0].t[k];
+        const double t42 = point[1].v * point[1].t[k];
+        const double t43 = point[2].v * point[2].t[k];
+        const double t44 = point[3].v * point[3].t[k];
+        const double t45 = point[4].v * point[4].t[k];
+        const double t46 = point[5].v * point[5].t[k];
+        const double t47 = t41 + t41 + (t42 + t42) + (t43 + t43) + (t44 + t44) + (t45 + t45) + (t46 + t46);
+        const double t48 = det_a * t13;
+        const double t49 = h13 * (t39 + t39 + (t40 + t40)) + d2_2 * (d2_1 * (t35 + t35 + (t36 + t36)) + d2_0 * (t37 + t37 + (t38 + t38)));
+        position_gram[0].t[k] = t23 + (h3 * reach[2].t[k] + reach[2].v * (t24 + t24));
+        position_gram[1].t[k] = t26;
+        position_gram[2].t[k] = t26;
+        position_gram[3].t[k] = t29 + (h9 * reach[2].t[k] + reach[2].v * (t30 + t30));
+        rotation_gram[0].t[k] = t33 + (h12 * reach[2].t[k] + reach[2].v * (t34 + t34));
+        regularity[0].t[k] = h15 * (t48 + t48 - regularity_0 * (h14 * t47 + size * t49));
+    }
+}
+
 /* `tie` with the derivatives of its outputs along directions of its inputs.  (no operations) */
 KRHPR_STATIC void krhpr_platform_planar_a_tie_tangent(
     const krhpr_platform_planar_a_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT anchor,

@@ -48,6 +48,8 @@
 #define krhpr_spatial_prr_parallel_c_link_points plain_link_points
 #define krhpr_spatial_prr_parallel_c_singularity plain_singularity
 #define krhpr_spatial_prr_parallel_c_type_2_of_redundant plain_type_2_of_redundant
+#define krhpr_spatial_prr_parallel_c_indices plain_indices
+#define krhpr_spatial_prr_parallel_c_index_bounds plain_index_bounds
 #define krhpr_spatial_prr_parallel_c_forward_all plain_forward_all
 #define krhpr_spatial_prr_parallel_c_forward plain_forward
 #define krhpr_spatial_prr_parallel_c_forward_encoders_2 plain_forward_encoders_2
@@ -77,6 +79,8 @@
 #undef krhpr_spatial_prr_parallel_c_link_points
 #undef krhpr_spatial_prr_parallel_c_singularity
 #undef krhpr_spatial_prr_parallel_c_type_2_of_redundant
+#undef krhpr_spatial_prr_parallel_c_indices
+#undef krhpr_spatial_prr_parallel_c_index_bounds
 #undef krhpr_spatial_prr_parallel_c_forward_all
 #undef krhpr_spatial_prr_parallel_c_forward
 #undef krhpr_spatial_prr_parallel_c_forward_encoders_2
@@ -254,18 +258,21 @@ static const casadi_int P94[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 
 static const casadi_int P95[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
 static const casadi_int P96[3] = {2, 9, 1};
 static const casadi_int P97[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P98[3] = {9, 1, 1};
-static const casadi_int P99[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P100[3] = {3, 9, 1};
-static const casadi_int P101[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P102[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P103[4] = {9, 1, 0, 0};
-static const casadi_int P104[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P105[3] = {1, 2, 1};
-static const casadi_int P106[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P107[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P98[3] = {1, 9, 1};
+static const casadi_int P99[15] = {1, 9, 0, 0, 0, 0, 1, 2, 3, 3, 3, 3, 0, 0, 0};
+static const casadi_int P100[6] = {1, 3, 0, 0, 0, 0};
+static const casadi_int P101[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P102[3] = {9, 1, 1};
+static const casadi_int P103[3] = {3, 9, 1};
+static const casadi_int P104[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P105[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P106[4] = {9, 1, 0, 0};
+static const casadi_int P107[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P108[3] = {1, 2, 1};
+static const casadi_int P109[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P110[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P108[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P111[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -1364,6 +1371,103 @@ static const krhpr_casadi_function function_type_2_of_redundant = {
 KRHPR_CASADI_FUNCTION(NAME(type_2_of_redundant), function_type_2_of_redundant)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(type_2_of_redundant), function_type_2_of_redundant)
 
+/* -- indices -- */
+
+static int value_indices(const double *x, double *y)
+{
+    return plain_indices(&geometry, x, x + 3, x + 12, x + 21, x[30], y, y + 1, y + 2, y + 3);
+}
+
+static const krhpr_casadi_slot in_indices[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+    {"out_characteristic_length", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_indices[] = {
+    {"out_eta_1", 1, 1, 1, NULL, P2, P3},
+    {"out_eta_2", 1, 1, 1, NULL, P2, P3},
+    {"out_eta_3", 1, 1, 1, NULL, P2, P3},
+    {"out_condition", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_function function_indices = {
+    5, in_indices, 4, out_indices, value_indices, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(indices), function_indices)
+
+/* -- index_bounds -- */
+
+static int value_index_bounds(const double *x, double *y)
+{
+    return plain_index_bounds(&geometry, x, x + 3, x + 12, x + 21, x[30], y, y + 1, y + 2);
+}
+
+static void tangent_index_bounds(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const Q = given + 3;
+    const krhpr_dual *const s = given + 12;
+    const krhpr_dual *const theta = given + 21;
+    const krhpr_dual *const characteristic_length = given + 30;
+    krhpr_dual *const eta_1 = found;
+    krhpr_dual *const eta_2 = found + 1;
+    krhpr_dual *const eta_3 = found + 2;
+    krhpr_dual line[18];
+    krhpr_dual point[6];
+    krhpr_dual reach[9];
+    krhpr_dual largest[3];
+    krhpr_dual smallest[3];
+    krhpr_dual position_gram[9];
+    krhpr_dual rotation_gram[9];
+    krhpr_dual det_regularity[2];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[6];
+        krhpr_dual scale[2];
+        krhpr_dual d[2];
+        krhpr_dual v_1[2];
+        krhpr_dual gram[9];
+        krhpr_dual cofactors[9];
+        krhpr_dual square[1];
+        krhpr_platform_spatial_c_line_tangent(
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_prr_parallel_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, v_1);
+        krhpr_subleg_prr_parallel_gram_tangent(
+            &geometry.subleg, i, d, v_1, characteristic_length, N, gram, cofactors, square, reach + 3 * i);
+        krhpr_algebra_spatial_spread_bound_tangent(gram, cofactors, square, largest + i, smallest + i);
+    }
+    krhpr_platform_spatial_c_sensitivity_tangent(
+        line, point, reach, position_gram, rotation_gram, det_regularity);
+    krhpr_algebra_spatial_norm_bounds_tangent(
+        position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
+}
+
+static const krhpr_casadi_slot in_index_bounds[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+    {"out_characteristic_length", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_index_bounds[] = {
+    {"out_eta_1", 1, 1, 1, NULL, P2, P3},
+    {"out_eta_2", 1, 1, 1, NULL, P2, P3},
+    {"out_eta_3", 1, 1, 1, NULL, P2, P3},
+};
+static const casadi_int *const structure_index_bounds[] = {
+    P74, P98, P98, P99, P2, P74, P98, P98, P99, P2, P100, P101, P98, P99, P2
+};
+static const char *const names_index_bounds[] = {
+    "jac_eta_1_p", "jac_eta_1_Q", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_1_characteristic_length", "jac_eta_2_p",
+    "jac_eta_2_Q", "jac_eta_2_s", "jac_eta_2_theta", "jac_eta_2_characteristic_length", "jac_eta_3_p", "jac_eta_3_Q",
+    "jac_eta_3_s", "jac_eta_3_theta", "jac_eta_3_characteristic_length"
+};
+static const krhpr_casadi_function function_index_bounds = {
+    5, in_index_bounds, 3, out_index_bounds, value_index_bounds, tangent_index_bounds, structure_index_bounds, names_index_bounds
+};
+KRHPR_CASADI_FUNCTION(NAME(index_bounds), function_index_bounds)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(index_bounds), function_index_bounds)
+
 /* -- forward_all -- */
 
 static int value_forward_all(const double *x, double *y)
@@ -1405,7 +1509,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P60, P8, P69, P98, P69, P98, P60, P8, P96, P14, P99, P3
+    P60, P8, P69, P102, P69, P102, P60, P8, P96, P14, P101, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1459,7 +1563,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P100, P4, P69, P101, P100, P4, P99, P3, P99, P3
+    P103, P4, P69, P104, P103, P4, P101, P3, P101, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_side", "jac_Q_theta", "jac_Q_side", "jac_redundant_theta", "jac_redundant_side",
@@ -1515,7 +1619,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P100, P75, P5, P69, P102, P103, P69, P102, P103, P104, P105, P3
+    P103, P75, P5, P69, P105, P106, P69, P105, P106, P107, P108, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1571,7 +1675,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P100, P0, P5, P69, P106, P103, P69, P106, P103, P107, P108, P5
+    P103, P0, P5, P69, P109, P106, P69, P109, P106, P110, P111, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

@@ -49,6 +49,8 @@
 #define krhpr_spatial_ups3_b_link_points plain_link_points
 #define krhpr_spatial_ups3_b_singularity plain_singularity
 #define krhpr_spatial_ups3_b_type_2_of_redundant plain_type_2_of_redundant
+#define krhpr_spatial_ups3_b_indices plain_indices
+#define krhpr_spatial_ups3_b_index_bounds plain_index_bounds
 #define krhpr_spatial_ups3_b_forward_all plain_forward_all
 #define krhpr_spatial_ups3_b_forward plain_forward
 #define krhpr_spatial_ups3_b_forward_encoders_2 plain_forward_encoders_2
@@ -79,6 +81,8 @@
 #undef krhpr_spatial_ups3_b_link_points
 #undef krhpr_spatial_ups3_b_singularity
 #undef krhpr_spatial_ups3_b_type_2_of_redundant
+#undef krhpr_spatial_ups3_b_indices
+#undef krhpr_spatial_ups3_b_index_bounds
 #undef krhpr_spatial_ups3_b_forward_all
 #undef krhpr_spatial_ups3_b_forward
 #undef krhpr_spatial_ups3_b_forward_encoders_2
@@ -241,17 +245,18 @@ static const casadi_int P83[21] = {12, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2,
 static const casadi_int P84[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
 static const casadi_int P85[3] = {2, 9, 1};
 static const casadi_int P86[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P87[3] = {9, 1, 1};
+static const casadi_int P87[3] = {1, 9, 1};
 static const casadi_int P88[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P89[3] = {3, 9, 1};
-static const casadi_int P90[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P91[4] = {9, 1, 0, 0};
-static const casadi_int P92[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P93[3] = {1, 2, 1};
-static const casadi_int P94[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P95[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P89[3] = {9, 1, 1};
+static const casadi_int P90[3] = {3, 9, 1};
+static const casadi_int P91[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P92[4] = {9, 1, 0, 0};
+static const casadi_int P93[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P94[3] = {1, 2, 1};
+static const casadi_int P95[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P96[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P96[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P97[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -1368,6 +1373,103 @@ static const krhpr_casadi_function function_type_2_of_redundant = {
 KRHPR_CASADI_FUNCTION(NAME(type_2_of_redundant), function_type_2_of_redundant)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(type_2_of_redundant), function_type_2_of_redundant)
 
+/* -- indices -- */
+
+static int value_indices(const double *x, double *y)
+{
+    return plain_indices(&geometry, x, x + 3, x + 12, x + 21, x[30], y, y + 1, y + 2, y + 3);
+}
+
+static const krhpr_casadi_slot in_indices[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+    {"out_characteristic_length", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_indices[] = {
+    {"out_eta_1", 1, 1, 1, NULL, P2, P3},
+    {"out_eta_2", 1, 1, 1, NULL, P2, P3},
+    {"out_eta_3", 1, 1, 1, NULL, P2, P3},
+    {"out_condition", 3, 1, 1, NULL, P4, P5},
+};
+static const krhpr_casadi_function function_indices = {
+    5, in_indices, 4, out_indices, value_indices, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(indices), function_indices)
+
+/* -- index_bounds -- */
+
+static int value_index_bounds(const double *x, double *y)
+{
+    return plain_index_bounds(&geometry, x, x + 3, x + 12, x + 21, x[30], y, y + 1, y + 2);
+}
+
+static void tangent_index_bounds(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const Q = given + 3;
+    const krhpr_dual *const s = given + 12;
+    const krhpr_dual *const theta = given + 21;
+    const krhpr_dual *const characteristic_length = given + 30;
+    krhpr_dual *const eta_1 = found;
+    krhpr_dual *const eta_2 = found + 1;
+    krhpr_dual *const eta_3 = found + 2;
+    krhpr_dual line[18];
+    krhpr_dual point[6];
+    krhpr_dual reach[9];
+    krhpr_dual largest[3];
+    krhpr_dual smallest[3];
+    krhpr_dual position_gram[9];
+    krhpr_dual rotation_gram[9];
+    krhpr_dual det_regularity[2];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[6];
+        krhpr_dual scale[2];
+        krhpr_dual w[9];
+        krhpr_dual b[3];
+        krhpr_dual gram[9];
+        krhpr_dual cofactors[9];
+        krhpr_dual square[1];
+        krhpr_platform_spatial_b_line_tangent(
+            &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
+        krhpr_subleg_ups3_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_ups3_gram_tangent(
+            &geometry.subleg, i, w, b, characteristic_length, N, gram, cofactors, square, reach + 3 * i);
+        krhpr_algebra_spatial_spread_bound_tangent(gram, cofactors, square, largest + i, smallest + i);
+    }
+    krhpr_platform_spatial_b_sensitivity_tangent(
+        line, point, reach, position_gram, rotation_gram, det_regularity);
+    krhpr_algebra_spatial_norm_bounds_tangent(
+        position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
+}
+
+static const krhpr_casadi_slot in_index_bounds[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+    {"out_characteristic_length", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_index_bounds[] = {
+    {"out_eta_1", 1, 1, 1, NULL, P2, P3},
+    {"out_eta_2", 1, 1, 1, NULL, P2, P3},
+    {"out_eta_3", 1, 1, 1, NULL, P2, P3},
+};
+static const casadi_int *const structure_index_bounds[] = {
+    P8, P87, P87, P87, P2, P8, P87, P87, P87, P2, P9, P88, P87, P87, P2
+};
+static const char *const names_index_bounds[] = {
+    "jac_eta_1_p", "jac_eta_1_Q", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_1_characteristic_length", "jac_eta_2_p",
+    "jac_eta_2_Q", "jac_eta_2_s", "jac_eta_2_theta", "jac_eta_2_characteristic_length", "jac_eta_3_p", "jac_eta_3_Q",
+    "jac_eta_3_s", "jac_eta_3_theta", "jac_eta_3_characteristic_length"
+};
+static const krhpr_casadi_function function_index_bounds = {
+    5, in_index_bounds, 3, out_index_bounds, value_index_bounds, tangent_index_bounds, structure_index_bounds, names_index_bounds
+};
+KRHPR_CASADI_FUNCTION(NAME(index_bounds), function_index_bounds)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(index_bounds), function_index_bounds)
+
 /* -- forward_all -- */
 
 static int value_forward_all(const double *x, double *y)
@@ -1411,7 +1513,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P61, P10, P65, P87, P65, P87, P61, P10, P85, P16, P88, P3
+    P61, P10, P65, P89, P65, P89, P61, P10, P85, P16, P88, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1494,7 +1596,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P89, P68, P5, P65, P90, P91, P65, P90, P91, P92, P93, P3
+    P90, P68, P5, P65, P91, P92, P65, P91, P92, P93, P94, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1553,7 +1655,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P89, P0, P5, P65, P94, P91, P65, P94, P91, P95, P96, P5
+    P90, P0, P5, P65, P95, P92, P65, P95, P92, P96, P97, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

@@ -1135,6 +1135,184 @@ KRHPR_STATIC void krhpr_subleg_delta_determinant_tangent(
     }
 }
 
+/* `gram` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.  (252
+ * add, 349 multiply, 1 divide) */
+KRHPR_STATIC void krhpr_subleg_delta_gram_tangent(
+    const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
+    const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT gram, krhpr_dual *KRHPR_RESTRICT cofactors,
+    krhpr_dual *KRHPR_RESTRICT square, krhpr_dual *KRHPR_RESTRICT reach)
+{
+    (void)(g);
+    (void)(i);
+    const double h1 = w[4].v * w[8].v - w[5].v * w[7].v;
+    const double h2 = w[5].v * w[6].v - w[3].v * w[8].v;
+    const double h3 = w[3].v * w[7].v - w[4].v * w[6].v;
+    const double volume = w[0].v * h1 + w[1].v * h2 + w[2].v * h3;
+    const double h5 = b[0].v * h1;
+    const double h4 = 1.0 / volume;
+    const double m_00 = h5 * h4;
+    const double h6 = w[2].v * w[7].v - w[1].v * w[8].v;
+    const double h7 = b[1].v * h6;
+    const double m_01 = h4 * h7;
+    const double h8 = w[1].v * w[5].v - w[2].v * w[4].v;
+    const double h9 = b[2].v * h8;
+    const double m_02 = h4 * h9;
+    const double h10 = b[0].v * h2;
+    const double m_10 = h4 * h10;
+    const double h11 = w[0].v * w[8].v - w[2].v * w[6].v;
+    const double h12 = b[1].v * h11;
+    const double m_11 = h4 * h12;
+    const double h13 = w[2].v * w[3].v - w[0].v * w[5].v;
+    const double h14 = b[2].v * h13;
+    const double m_12 = h4 * h14;
+    const double h15 = b[0].v * h3;
+    const double m_20 = h4 * h15;
+    const double h16 = w[1].v * w[6].v - w[0].v * w[7].v;
+    const double h17 = b[1].v * h16;
+    const double m_21 = h4 * h17;
+    const double h18 = w[0].v * w[4].v - w[1].v * w[3].v;
+    const double h19 = b[2].v * h18;
+    const double m_22 = h4 * h19;
+    const double g_00 = m_00 * m_00 + m_01 * m_01 + m_02 * m_02;
+    const double g_01 = m_00 * m_10 + m_01 * m_11 + m_02 * m_12;
+    const double g_02 = m_00 * m_20 + m_01 * m_21 + m_02 * m_22;
+    const double g_11 = m_10 * m_10 + m_11 * m_11 + m_12 * m_12;
+    const double g_12 = m_10 * m_20 + m_11 * m_21 + m_12 * m_22;
+    const double g_22 = m_20 * m_20 + m_21 * m_21 + m_22 * m_22;
+    const double k_00 = m_00 * N[0].v + m_10 * N[1].v + m_20 * N[2].v;
+    const double k_01 = m_01 * N[0].v + m_11 * N[1].v + m_21 * N[2].v;
+    const double k_02 = m_02 * N[0].v + m_12 * N[1].v + m_22 * N[2].v;
+    const double k_10 = m_00 * N[3].v + m_10 * N[4].v + m_20 * N[5].v;
+    const double k_11 = m_01 * N[3].v + m_11 * N[4].v + m_21 * N[5].v;
+    const double k_12 = m_02 * N[3].v + m_12 * N[4].v + m_22 * N[5].v;
+    const double c_00 = m_11 * m_22 - m_12 * m_21;
+    const double c_01 = m_12 * m_20 - m_10 * m_22;
+    const double c_02 = m_10 * m_21 - m_11 * m_20;
+    const double c_10 = m_02 * m_21 - m_01 * m_22;
+    const double c_11 = m_00 * m_22 - m_02 * m_20;
+    const double c_12 = m_01 * m_20 - m_00 * m_21;
+    const double c_20 = m_01 * m_12 - m_02 * m_11;
+    const double c_21 = m_02 * m_10 - m_00 * m_12;
+    const double c_22 = m_00 * m_11 - m_01 * m_10;
+    const double det_M = m_00 * c_00 + m_01 * c_01 + m_02 * c_02;
+    const double cofactors_01 = c_00 * c_10 + c_01 * c_11 + c_02 * c_12;
+    const double cofactors_02 = c_00 * c_20 + c_01 * c_21 + c_02 * c_22;
+    const double cofactors_12 = c_10 * c_20 + c_11 * c_21 + c_12 * c_22;
+    gram[0].v = g_00;
+    gram[1].v = g_01;
+    gram[2].v = g_02;
+    gram[3].v = g_01;
+    gram[4].v = g_11;
+    gram[5].v = g_12;
+    gram[6].v = g_02;
+    gram[7].v = g_12;
+    gram[8].v = g_22;
+    cofactors[0].v = c_00 * c_00 + c_01 * c_01 + c_02 * c_02;
+    cofactors[1].v = cofactors_01;
+    cofactors[2].v = cofactors_02;
+    cofactors[3].v = cofactors_01;
+    cofactors[4].v = c_10 * c_10 + c_11 * c_11 + c_12 * c_12;
+    cofactors[5].v = cofactors_12;
+    cofactors[6].v = cofactors_02;
+    cofactors[7].v = cofactors_12;
+    cofactors[8].v = c_20 * c_20 + c_21 * c_21 + c_22 * c_22;
+    square[0].v = det_M * det_M;
+    reach[0].v = k_00 * k_00 + k_01 * k_01 + k_02 * k_02;
+    reach[1].v = k_00 * k_10 + k_01 * k_11 + k_02 * k_12;
+    reach[2].v = k_10 * k_10 + k_11 * k_11 + k_12 * k_12;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = w[8].v * w[4].t[k] + w[4].v * w[8].t[k] - (w[7].v * w[5].t[k] + w[5].v * w[7].t[k]);
+        const double t2 = w[6].v * w[5].t[k] + w[5].v * w[6].t[k] - (w[8].v * w[3].t[k] + w[3].v * w[8].t[k]);
+        const double t3 = w[7].v * w[3].t[k] + w[3].v * w[7].t[k] - (w[6].v * w[4].t[k] + w[4].v * w[6].t[k]);
+        const double t4 = h1 * w[0].t[k] + w[0].v * t1 + (h2 * w[1].t[k] + w[1].v * t2) + (h3 * w[2].t[k] + w[2].v * t3);
+        const double t5 = h4 * (h4 * t4);
+        const double t6 = h4 * (h1 * b[0].t[k] + b[0].v * t1) - h5 * t5;
+        const double t7 = w[7].v * w[2].t[k] + w[2].v * w[7].t[k] - (w[8].v * w[1].t[k] + w[1].v * w[8].t[k]);
+        const double t8 = h4 * (h6 * b[1].t[k] + b[1].v * t7) - h7 * t5;
+        const double t9 = w[5].v * w[1].t[k] + w[1].v * w[5].t[k] - (w[4].v * w[2].t[k] + w[2].v * w[4].t[k]);
+        const double t10 = h4 * (h8 * b[2].t[k] + b[2].v * t9) - h9 * t5;
+        const double t11 = h4 * (h2 * b[0].t[k] + b[0].v * t2) - h10 * t5;
+        const double t12 = w[8].v * w[0].t[k] + w[0].v * w[8].t[k] - (w[6].v * w[2].t[k] + w[2].v * w[6].t[k]);
+        const double t13 = h4 * (h11 * b[1].t[k] + b[1].v * t12) - h12 * t5;
+        const double t14 = w[3].v * w[2].t[k] + w[2].v * w[3].t[k] - (w[5].v * w[0].t[k] + w[0].v * w[5].t[k]);
+        const double t15 = h4 * (h13 * b[2].t[k] + b[2].v * t14) - h14 * t5;
+        const double t16 = h4 * (h3 * b[0].t[k] + b[0].v * t3) - h15 * t5;
+        const double t17 = w[6].v * w[1].t[k] + w[1].v * w[6].t[k] - (w[7].v * w[0].t[k] + w[0].v * w[7].t[k]);
+        const double t18 = h4 * (h16 * b[1].t[k] + b[1].v * t17) - h17 * t5;
+        const double t19 = w[4].v * w[0].t[k] + w[0].v * w[4].t[k] - (w[3].v * w[1].t[k] + w[1].v * w[3].t[k]);
+        const double t20 = h4 * (h18 * b[2].t[k] + b[2].v * t19) - h19 * t5;
+        const double t21 = m_00 * t6;
+        const double t22 = m_01 * t8;
+        const double t23 = m_02 * t10;
+        const double t24 = m_10 * t6 + m_00 * t11 + (m_11 * t8 + m_01 * t13) + (m_12 * t10 + m_02 * t15);
+        const double t25 = m_20 * t6 + m_00 * t16 + (m_21 * t8 + m_01 * t18) + (m_22 * t10 + m_02 * t20);
+        const double t26 = m_10 * t11;
+        const double t27 = m_11 * t13;
+        const double t28 = m_12 * t15;
+        const double t29 = m_20 * t11 + m_10 * t16 + (m_21 * t13 + m_11 * t18) + (m_22 * t15 + m_12 * t20);
+        const double t30 = m_20 * t16;
+        const double t31 = m_21 * t18;
+        const double t32 = m_22 * t20;
+        const double t33 = N[0].v * t6 + m_00 * N[0].t[k] + (N[1].v * t11 + m_10 * N[1].t[k]) + (N[2].v * t16 + m_20 * N[2].t[k]);
+        const double t34 = N[0].v * t8 + m_01 * N[0].t[k] + (N[1].v * t13 + m_11 * N[1].t[k]) + (N[2].v * t18 + m_21 * N[2].t[k]);
+        const double t35 = N[0].v * t10 + m_02 * N[0].t[k] + (N[1].v * t15 + m_12 * N[1].t[k]) + (N[2].v * t20 + m_22 * N[2].t[k]);
+        const double t36 = N[3].v * t6 + m_00 * N[3].t[k] + (N[4].v * t11 + m_10 * N[4].t[k]) + (N[5].v * t16 + m_20 * N[5].t[k]);
+        const double t37 = N[3].v * t8 + m_01 * N[3].t[k] + (N[4].v * t13 + m_11 * N[4].t[k]) + (N[5].v * t18 + m_21 * N[5].t[k]);
+        const double t38 = N[3].v * t10 + m_02 * N[3].t[k] + (N[4].v * t15 + m_12 * N[4].t[k]) + (N[5].v * t20 + m_22 * N[5].t[k]);
+        const double t39 = m_22 * t13 + m_11 * t20 - (m_21 * t15 + m_12 * t18);
+        const double t40 = m_20 * t15 + m_12 * t16 - (m_22 * t11 + m_10 * t20);
+        const double t41 = m_21 * t11 + m_10 * t18 - (m_20 * t13 + m_11 * t16);
+        const double t42 = m_21 * t10 + m_02 * t18 - (m_22 * t8 + m_01 * t20);
+        const double t43 = m_22 * t6 + m_00 * t20 - (m_20 * t10 + m_02 * t16);
+        const double t44 = m_20 * t8 + m_01 * t16 - (m_21 * t6 + m_00 * t18);
+        const double t45 = m_12 * t8 + m_01 * t15 - (m_11 * t10 + m_02 * t13);
+        const double t46 = m_10 * t10 + m_02 * t11 - (m_12 * t6 + m_00 * t15);
+        const double t47 = m_11 * t6 + m_00 * t13 - (m_10 * t8 + m_01 * t11);
+        const double t48 = c_00 * t39;
+        const double t49 = c_01 * t40;
+        const double t50 = c_02 * t41;
+        const double t51 = c_10 * t39 + c_00 * t42 + (c_11 * t40 + c_01 * t43) + (c_12 * t41 + c_02 * t44);
+        const double t52 = c_20 * t39 + c_00 * t45 + (c_21 * t40 + c_01 * t46) + (c_22 * t41 + c_02 * t47);
+        const double t53 = c_10 * t42;
+        const double t54 = c_11 * t43;
+        const double t55 = c_12 * t44;
+        const double t56 = c_20 * t42 + c_10 * t45 + (c_21 * t43 + c_11 * t46) + (c_22 * t44 + c_12 * t47);
+        const double t57 = c_20 * t45;
+        const double t58 = c_21 * t46;
+        const double t59 = c_22 * t47;
+        const double t60 = det_M * (c_00 * t6 + m_00 * t39 + (c_01 * t8 + m_01 * t40) + (c_02 * t10 + m_02 * t41));
+        const double t61 = k_00 * t33;
+        const double t62 = k_01 * t34;
+        const double t63 = k_02 * t35;
+        const double t64 = k_10 * t33 + k_00 * t36 + (k_11 * t34 + k_01 * t37) + (k_12 * t35 + k_02 * t38);
+        const double t65 = k_10 * t36;
+        const double t66 = k_11 * t37;
+        const double t67 = k_12 * t38;
+        gram[0].t[k] = t21 + t21 + (t22 + t22) + (t23 + t23);
+        gram[1].t[k] = t24;
+        gram[2].t[k] = t25;
+        gram[3].t[k] = t24;
+        gram[4].t[k] = t26 + t26 + (t27 + t27) + (t28 + t28);
+        gram[5].t[k] = t29;
+        gram[6].t[k] = t25;
+        gram[7].t[k] = t29;
+        gram[8].t[k] = t30 + t30 + (t31 + t31) + (t32 + t32);
+        cofactors[0].t[k] = t48 + t48 + (t49 + t49) + (t50 + t50);
+        cofactors[1].t[k] = t51;
+        cofactors[2].t[k] = t52;
+        cofactors[3].t[k] = t51;
+        cofactors[4].t[k] = t53 + t53 + (t54 + t54) + (t55 + t55);
+        cofactors[5].t[k] = t56;
+        cofactors[6].t[k] = t52;
+        cofactors[7].t[k] = t56;
+        cofactors[8].t[k] = t57 + t57 + (t58 + t58) + (t59 + t59);
+        square[0].t[k] = t60 + t60;
+        reach[0].t[k] = t61 + t61 + (t62 + t62) + (t63 + t63);
+        reach[1].t[k] = t64;
+        reach[2].t[k] = t65 + t65 + (t66 + t66) + (t67 + t67);
+    }
+}
+
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (60 add, 108 multiply, 9
  * divide, 3 square root, 6 arctangent) */
 KRHPR_STATIC void krhpr_subleg_delta_passive_tangent(

@@ -735,6 +735,92 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_determinant_tangent(
     }
 }
 
+/* `gram` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.  (75 add,
+ * 102 multiply, 1 divide) */
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_gram_tangent(
+    const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
+    const krhpr_dual *u_2, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT gram,
+    krhpr_dual *KRHPR_RESTRICT cofactors, krhpr_dual *KRHPR_RESTRICT square, krhpr_dual *KRHPR_RESTRICT reach)
+{
+    const double v_1_0 = d[0].v - u_1[0].v;
+    const double v_1_1 = d[1].v - u_1[1].v;
+    const double h2 = v_1_0 * g->k[7][i];
+    const double v_2_0 = u_1[0].v + h2 - g->o_12[0][i] - u_2[0].v;
+    const double h3 = v_1_1 * g->k[7][i];
+    const double v_2_1 = u_1[1].v + h3 - g->o_12[1][i] - u_2[1].v;
+    const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
+    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double t1 = u_2[0].v * v_2_1;
+    const double t2 = u_2[1].v * v_2_0;
+    const double b_33 = t1 - t2;
+    const double h1 = g->k[7][i] * b_22;
+    const double h5 = v_2_1 * h1 - v_1_1 * b_32;
+    const double h4 = 1.0 / (h2 * v_2_1 - v_2_0 * h3);
+    const double m_00 = h5 * h4;
+    const double h6 = t2 - t1;
+    const double h7 = v_1_1 * h6;
+    const double m_01 = h4 * h7;
+    const double h8 = v_1_0 * b_32 - v_2_0 * h1;
+    const double m_10 = h4 * h8;
+    const double h9 = v_1_0 * b_33;
+    const double m_11 = h4 * h9;
+    const double g_00 = m_00 * m_00 + m_01 * m_01;
+    const double g_01 = m_00 * m_10 + m_01 * m_11;
+    const double g_11 = m_10 * m_10 + m_11 * m_11;
+    const double k_00 = m_00 * N[0].v + m_10 * N[1].v;
+    const double k_01 = m_01 * N[0].v + m_11 * N[1].v;
+    const double det_M = m_00 * m_11 - m_01 * m_10;
+    const double cofactors_01 = -g_01;
+    gram[0].v = g_00;
+    gram[1].v = g_01;
+    gram[2].v = g_01;
+    gram[3].v = g_11;
+    cofactors[0].v = g_11;
+    cofactors[1].v = cofactors_01;
+    cofactors[2].v = cofactors_01;
+    cofactors[3].v = g_00;
+    square[0].v = det_M * det_M;
+    reach[0].v = k_00 * k_00 + k_01 * k_01;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t3 = d[0].t[k] - u_1[0].t[k];
+        const double t4 = d[1].t[k] - u_1[1].t[k];
+        const double t5 = g->k[7][i] * t3;
+        const double t6 = u_1[0].t[k] + t5 - u_2[0].t[k];
+        const double t7 = g->k[7][i] * t4;
+        const double t8 = u_1[1].t[k] + t7 - u_2[1].t[k];
+        const double t9 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
+        const double t10 = v_2_1 * u_2[0].t[k] + u_2[0].v * t8;
+        const double t11 = v_2_0 * u_2[1].t[k] + u_2[1].v * t6;
+        const double t12 = g->k[7][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
+        const double t13 = h4 * (h4 * (v_2_1 * t5 + h2 * t8 - (h3 * t6 + v_2_0 * t7)));
+        const double t14 = h4 * (h1 * t8 + v_2_1 * t12 - (b_32 * t4 + v_1_1 * t9)) - h5 * t13;
+        const double t15 = h4 * (h6 * t4 + v_1_1 * (t11 - t10)) - h7 * t13;
+        const double t16 = h4 * (b_32 * t3 + v_1_0 * t9 - (h1 * t6 + v_2_0 * t12)) - h8 * t13;
+        const double t17 = h4 * (b_33 * t3 + v_1_0 * (t10 - t11)) - h9 * t13;
+        const double t18 = m_00 * t14;
+        const double t19 = m_01 * t15;
+        const double t20 = t18 + t18 + (t19 + t19);
+        const double t21 = m_10 * t14 + m_00 * t16 + (m_11 * t15 + m_01 * t17);
+        const double t22 = m_10 * t16;
+        const double t23 = m_11 * t17;
+        const double t24 = t22 + t22 + (t23 + t23);
+        const double t25 = -t21;
+        const double t26 = det_M * (m_11 * t14 + m_00 * t17 - (m_10 * t15 + m_01 * t16));
+        const double t27 = k_00 * (N[0].v * t14 + m_00 * N[0].t[k] + (N[1].v * t16 + m_10 * N[1].t[k]));
+        const double t28 = k_01 * (N[0].v * t15 + m_01 * N[0].t[k] + (N[1].v * t17 + m_11 * N[1].t[k]));
+        gram[0].t[k] = t20;
+        gram[1].t[k] = t21;
+        gram[2].t[k] = t21;
+        gram[3].t[k] = t24;
+        cofactors[0].t[k] = t24;
+        cofactors[1].t[k] = t25;
+        cofactors[2].t[k] = t25;
+        cofactors[3].t[k] = t20;
+        square[0].t[k] = t26 + t26;
+        reach[0].t[k] = t27 + t27 + (t28 + t28);
+    }
+}
+
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (44 add, 59 multiply, 3
  * divide, 3 arctangent) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_passive_tangent(

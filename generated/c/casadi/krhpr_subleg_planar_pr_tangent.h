@@ -259,6 +259,64 @@ KRHPR_STATIC void krhpr_subleg_planar_pr_determinant_tangent(
     }
 }
 
+/* `gram` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.  (31 add,
+ * 42 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_pr_gram_tangent(
+    const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *u,
+    const krhpr_dual *characteristic_length, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT gram,
+    krhpr_dual *KRHPR_RESTRICT cofactors, krhpr_dual *KRHPR_RESTRICT square, krhpr_dual *KRHPR_RESTRICT reach)
+{
+    const double m_l_00 = g->e_1[0][i] * characteristic_length[0].v;
+    const double m_l_10 = g->e_1[1][i] * characteristic_length[0].v;
+    const double g_00 = u[1].v * u[1].v + m_l_00 * m_l_00;
+    const double t1 = u[0].v * u[1].v;
+    const double t2 = m_l_00 * m_l_10;
+    const double g_01 = t2 - t1;
+    const double g_11 = m_l_10 * m_l_10 + u[0].v * u[0].v;
+    const double k_00 = m_l_00 * N[0].v + m_l_10 * N[1].v;
+    const double k_01 = u[0].v * N[1].v - u[1].v * N[0].v;
+    const double det_M = u[1].v * m_l_10 + u[0].v * m_l_00;
+    const double cofactors_01 = t1 - t2;
+    gram[0].v = g_00;
+    gram[1].v = g_01;
+    gram[2].v = g_01;
+    gram[3].v = g_11;
+    cofactors[0].v = g_11;
+    cofactors[1].v = cofactors_01;
+    cofactors[2].v = cofactors_01;
+    cofactors[3].v = g_00;
+    square[0].v = det_M * det_M;
+    reach[0].v = k_00 * k_00 + k_01 * k_01;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t3 = g->e_1[0][i] * characteristic_length[0].t[k];
+        const double t4 = g->e_1[1][i] * characteristic_length[0].t[k];
+        const double t5 = u[1].v * u[1].t[k];
+        const double t6 = m_l_00 * t3;
+        const double t7 = t5 + t5 + (t6 + t6);
+        const double t8 = u[1].v * u[0].t[k] + u[0].v * u[1].t[k];
+        const double t9 = m_l_10 * t3 + m_l_00 * t4;
+        const double t10 = t9 - t8;
+        const double t11 = m_l_10 * t4;
+        const double t12 = u[0].v * u[0].t[k];
+        const double t13 = t11 + t11 + (t12 + t12);
+        const double t14 = N[1].v * u[0].t[k] + u[0].v * N[1].t[k] - (N[0].v * u[1].t[k] + u[1].v * N[0].t[k]);
+        const double t15 = t8 - t9;
+        const double t16 = det_M * (m_l_10 * u[1].t[k] + u[1].v * t4 + (m_l_00 * u[0].t[k] + u[0].v * t3));
+        const double t17 = k_00 * (N[0].v * t3 + m_l_00 * N[0].t[k] + (N[1].v * t4 + m_l_10 * N[1].t[k]));
+        const double t18 = k_01 * t14;
+        gram[0].t[k] = t7;
+        gram[1].t[k] = t10;
+        gram[2].t[k] = t10;
+        gram[3].t[k] = t13;
+        cofactors[0].t[k] = t13;
+        cofactors[1].t[k] = t15;
+        cofactors[2].t[k] = t15;
+        cofactors[3].t[k] = t7;
+        square[0].t[k] = t16 + t16;
+        reach[0].t[k] = t17 + t17 + (t18 + t18);
+    }
+}
+
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (4 multiply) */
 KRHPR_STATIC void krhpr_subleg_planar_pr_passive_tangent(
     const krhpr_subleg_planar_pr_geometry *g, int i, const krhpr_dual *u, krhpr_dual *KRHPR_RESTRICT link)

@@ -310,6 +310,60 @@ KRHPR_STATIC void krhpr_subleg_planar_rr_determinant_tangent(
     }
 }
 
+/* `gram` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.  (29 add,
+ * 38 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_rr_gram_tangent(
+    const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
+    const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT gram, krhpr_dual *KRHPR_RESTRICT cofactors,
+    krhpr_dual *KRHPR_RESTRICT square, krhpr_dual *KRHPR_RESTRICT reach)
+{
+    (void)(g);
+    (void)(i);
+    const double elbow = d[0].v * v_1[1].v - d[1].v * v_1[0].v;
+    const double g_00 = d[1].v * d[1].v + v_1[1].v * v_1[1].v;
+    const double cofactors_01 = d[0].v * d[1].v + v_1[0].v * v_1[1].v;
+    const double g_01 = -cofactors_01;
+    const double g_11 = d[0].v * d[0].v + v_1[0].v * v_1[0].v;
+    const double k_00 = d[0].v * N[1].v - d[1].v * N[0].v;
+    const double k_01 = v_1[0].v * N[1].v - v_1[1].v * N[0].v;
+    gram[0].v = g_00;
+    gram[1].v = g_01;
+    gram[2].v = g_01;
+    gram[3].v = g_11;
+    cofactors[0].v = g_11;
+    cofactors[1].v = cofactors_01;
+    cofactors[2].v = cofactors_01;
+    cofactors[3].v = g_00;
+    square[0].v = elbow * elbow;
+    reach[0].v = k_00 * k_00 + k_01 * k_01;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = v_1[1].v * d[0].t[k] + d[0].v * v_1[1].t[k] - (v_1[0].v * d[1].t[k] + d[1].v * v_1[0].t[k]);
+        const double t2 = d[1].v * d[1].t[k];
+        const double t3 = v_1[1].v * v_1[1].t[k];
+        const double t4 = t2 + t2 + (t3 + t3);
+        const double t5 = d[1].v * d[0].t[k] + d[0].v * d[1].t[k] + (v_1[1].v * v_1[0].t[k] + v_1[0].v * v_1[1].t[k]);
+        const double t6 = -t5;
+        const double t7 = d[0].v * d[0].t[k];
+        const double t8 = v_1[0].v * v_1[0].t[k];
+        const double t9 = t7 + t7 + (t8 + t8);
+        const double t10 = N[1].v * d[0].t[k] + d[0].v * N[1].t[k] - (N[0].v * d[1].t[k] + d[1].v * N[0].t[k]);
+        const double t11 = N[1].v * v_1[0].t[k] + v_1[0].v * N[1].t[k] - (N[0].v * v_1[1].t[k] + v_1[1].v * N[0].t[k]);
+        const double t12 = elbow * t1;
+        const double t13 = k_00 * t10;
+        const double t14 = k_01 * t11;
+        gram[0].t[k] = t4;
+        gram[1].t[k] = t6;
+        gram[2].t[k] = t6;
+        gram[3].t[k] = t9;
+        cofactors[0].t[k] = t9;
+        cofactors[1].t[k] = t5;
+        cofactors[2].t[k] = t5;
+        cofactors[3].t[k] = t4;
+        square[0].t[k] = t12 + t12;
+        reach[0].t[k] = t13 + t13 + (t14 + t14);
+    }
+}
+
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (4 multiply) */
 KRHPR_STATIC void krhpr_subleg_planar_rr_passive_tangent(
     const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_dual *v_1, krhpr_dual *KRHPR_RESTRICT link)

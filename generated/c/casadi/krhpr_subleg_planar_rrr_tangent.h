@@ -462,6 +462,72 @@ KRHPR_STATIC void krhpr_subleg_planar_rrr_determinant_tangent(
     }
 }
 
+/* `gram` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.  (63 add,
+ * 69 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_rrr_gram_tangent(
+    const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_2,
+    const krhpr_dual *u_3, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT gram,
+    krhpr_dual *KRHPR_RESTRICT cofactors, krhpr_dual *KRHPR_RESTRICT square, krhpr_dual *KRHPR_RESTRICT reach)
+{
+    (void)(g);
+    (void)(i);
+    const double h1 = u_2[1].v + u_3[1].v;
+    const double m_11 = u_2[0].v + u_3[0].v;
+    const double g_00 = d[1].v * d[1].v + h1 * h1 + u_3[1].v * u_3[1].v;
+    const double cofactors_01 = d[0].v * d[1].v + h1 * m_11 + u_3[0].v * u_3[1].v;
+    const double g_01 = -cofactors_01;
+    const double g_11 = d[0].v * d[0].v + m_11 * m_11 + u_3[0].v * u_3[0].v;
+    const double k_00 = d[0].v * N[1].v - d[1].v * N[0].v;
+    const double k_01 = m_11 * N[1].v - h1 * N[0].v;
+    const double k_02 = u_3[0].v * N[1].v - u_3[1].v * N[0].v;
+    const double h2 = d[0].v * h1 - d[1].v * m_11;
+    const double h3 = d[0].v * u_3[1].v - d[1].v * u_3[0].v;
+    const double h4 = u_3[1].v * m_11 - u_3[0].v * h1;
+    gram[0].v = g_00;
+    gram[1].v = g_01;
+    gram[2].v = g_01;
+    gram[3].v = g_11;
+    cofactors[0].v = g_11;
+    cofactors[1].v = cofactors_01;
+    cofactors[2].v = cofactors_01;
+    cofactors[3].v = g_00;
+    square[0].v = h2 * h2 + h3 * h3 + h4 * h4;
+    reach[0].v = k_00 * k_00 + k_01 * k_01 + k_02 * k_02;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = u_2[1].t[k] + u_3[1].t[k];
+        const double t2 = u_2[0].t[k] + u_3[0].t[k];
+        const double t3 = d[1].v * d[1].t[k];
+        const double t4 = h1 * t1;
+        const double t5 = u_3[1].v * u_3[1].t[k];
+        const double t6 = t3 + t3 + (t4 + t4) + (t5 + t5);
+        const double t7 = d[1].v * d[0].t[k] + d[0].v * d[1].t[k] + (m_11 * t1 + h1 * t2) + (u_3[1].v * u_3[0].t[k] + u_3[0].v * u_3[1].t[k]);
+        const double t8 = -t7;
+        const double t9 = d[0].v * d[0].t[k];
+        const double t10 = m_11 * t2;
+        const double t11 = u_3[0].v * u_3[0].t[k];
+        const double t12 = t9 + t9 + (t10 + t10) + (t11 + t11);
+        const double t13 = N[1].v * d[0].t[k] + d[0].v * N[1].t[k] - (N[0].v * d[1].t[k] + d[1].v * N[0].t[k]);
+        const double t14 = N[1].v * u_3[0].t[k] + u_3[0].v * N[1].t[k] - (N[0].v * u_3[1].t[k] + u_3[1].v * N[0].t[k]);
+        const double t15 = h2 * (h1 * d[0].t[k] + d[0].v * t1 - (m_11 * d[1].t[k] + d[1].v * t2));
+        const double t16 = u_3[1].v * d[0].t[k] + d[0].v * u_3[1].t[k] - (u_3[0].v * d[1].t[k] + d[1].v * u_3[0].t[k]);
+        const double t17 = h3 * t16;
+        const double t18 = h4 * (m_11 * u_3[1].t[k] + u_3[1].v * t2 - (h1 * u_3[0].t[k] + u_3[0].v * t1));
+        const double t19 = k_00 * t13;
+        const double t20 = k_01 * (N[1].v * t2 + m_11 * N[1].t[k] - (N[0].v * t1 + h1 * N[0].t[k]));
+        const double t21 = k_02 * t14;
+        gram[0].t[k] = t6;
+        gram[1].t[k] = t8;
+        gram[2].t[k] = t8;
+        gram[3].t[k] = t12;
+        cofactors[0].t[k] = t12;
+        cofactors[1].t[k] = t7;
+        cofactors[2].t[k] = t7;
+        cofactors[3].t[k] = t6;
+        square[0].t[k] = t15 + t15 + (t17 + t17) + (t18 + t18);
+        reach[0].t[k] = t19 + t19 + (t20 + t20) + (t21 + t21);
+    }
+}
+
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (4 multiply) */
 KRHPR_STATIC void krhpr_subleg_planar_rrr_passive_tangent(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *u_3, krhpr_dual *KRHPR_RESTRICT link)

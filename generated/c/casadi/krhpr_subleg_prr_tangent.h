@@ -390,6 +390,122 @@ KRHPR_STATIC void krhpr_subleg_prr_determinant_tangent(
     }
 }
 
+/* `gram` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.  (98 add,
+ * 141 multiply) */
+KRHPR_STATIC void krhpr_subleg_prr_gram_tangent(
+    const krhpr_subleg_prr_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *v_1,
+    const krhpr_dual *characteristic_length, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT gram,
+    krhpr_dual *KRHPR_RESTRICT cofactors, krhpr_dual *KRHPR_RESTRICT square, krhpr_dual *KRHPR_RESTRICT reach)
+{
+    const double elbow = d[0].v * v_1[1].v - d[1].v * v_1[0].v;
+    const double g_00 = d[1].v * d[1].v + v_1[1].v * v_1[1].v;
+    const double g_01 = -(d[0].v * d[1].v + v_1[0].v * v_1[1].v);
+    const double g_11 = d[0].v * d[0].v + v_1[0].v * v_1[0].v;
+    const double g_22 = characteristic_length[0].v * characteristic_length[0].v;
+    const double n_00 = g->e_x[0][i] * N[0].v + g->e_x[1][i] * N[1].v + g->e_x[2][i] * N[2].v;
+    const double n_01 = g->e_1[0][i] * N[0].v + g->e_1[1][i] * N[1].v + g->e_1[2][i] * N[2].v;
+    const double n_02 = g->e_t[0][i] * N[0].v + g->e_t[1][i] * N[1].v;
+    const double n_10 = g->e_x[0][i] * N[3].v + g->e_x[1][i] * N[4].v + g->e_x[2][i] * N[5].v;
+    const double n_11 = g->e_1[0][i] * N[3].v + g->e_1[1][i] * N[4].v + g->e_1[2][i] * N[5].v;
+    const double n_12 = g->e_t[0][i] * N[3].v + g->e_t[1][i] * N[4].v;
+    const double k_00 = characteristic_length[0].v * n_02;
+    const double k_01 = d[0].v * n_01 - d[1].v * n_00;
+    const double k_02 = v_1[0].v * n_01 - v_1[1].v * n_00;
+    const double k_10 = characteristic_length[0].v * n_12;
+    const double k_11 = d[0].v * n_11 - d[1].v * n_10;
+    const double k_12 = v_1[0].v * n_11 - v_1[1].v * n_10;
+    const double c_01 = v_1[0].v * characteristic_length[0].v;
+    const double h1 = d[0].v * characteristic_length[0].v;
+    const double c_11 = v_1[1].v * characteristic_length[0].v;
+    const double h2 = d[1].v * characteristic_length[0].v;
+    const double det_M = v_1[1].v * h1 - d[1].v * c_01;
+    const double cofactors_01 = c_01 * c_11 + h1 * h2;
+    gram[0].v = g_00;
+    gram[1].v = g_01;
+    gram[2].v = 0.0;
+    gram[3].v = g_01;
+    gram[4].v = g_11;
+    gram[5].v = 0.0;
+    gram[6].v = 0.0;
+    gram[7].v = 0.0;
+    gram[8].v = g_22;
+    cofactors[0].v = c_01 * c_01 + h1 * h1;
+    cofactors[1].v = cofactors_01;
+    cofactors[2].v = 0.0;
+    cofactors[3].v = cofactors_01;
+    cofactors[4].v = c_11 * c_11 + h2 * h2;
+    cofactors[5].v = 0.0;
+    cofactors[6].v = 0.0;
+    cofactors[7].v = 0.0;
+    cofactors[8].v = elbow * elbow;
+    square[0].v = det_M * det_M;
+    reach[0].v = k_00 * k_00 + k_01 * k_01 + k_02 * k_02;
+    reach[1].v = k_00 * k_10 + k_01 * k_11 + k_02 * k_12;
+    reach[2].v = k_10 * k_10 + k_11 * k_11 + k_12 * k_12;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = v_1[1].v * d[0].t[k] + d[0].v * v_1[1].t[k] - (v_1[0].v * d[1].t[k] + d[1].v * v_1[0].t[k]);
+        const double t2 = d[1].v * d[1].t[k];
+        const double t3 = v_1[1].v * v_1[1].t[k];
+        const double t4 = d[1].v * d[0].t[k] + d[0].v * d[1].t[k] + (v_1[1].v * v_1[0].t[k] + v_1[0].v * v_1[1].t[k]);
+        const double t5 = -t4;
+        const double t6 = d[0].v * d[0].t[k];
+        const double t7 = v_1[0].v * v_1[0].t[k];
+        const double t8 = characteristic_length[0].v * characteristic_length[0].t[k];
+        const double t9 = g->e_x[0][i] * N[0].t[k] + g->e_x[1][i] * N[1].t[k] + g->e_x[2][i] * N[2].t[k];
+        const double t10 = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k] + g->e_1[2][i] * N[2].t[k];
+        const double t11 = g->e_x[0][i] * N[3].t[k] + g->e_x[1][i] * N[4].t[k] + g->e_x[2][i] * N[5].t[k];
+        const double t12 = g->e_1[0][i] * N[3].t[k] + g->e_1[1][i] * N[4].t[k] + g->e_1[2][i] * N[5].t[k];
+        const double t13 = characteristic_length[0].v * (g->e_t[0][i] * N[0].t[k] + g->e_t[1][i] * N[1].t[k]);
+        const double t14 = n_02 * characteristic_length[0].t[k] + t13;
+        const double t15 = n_01 * d[0].t[k] + d[0].v * t10 - (n_00 * d[1].t[k] + d[1].v * t9);
+        const double t16 = n_01 * v_1[0].t[k] + v_1[0].v * t10 - (n_00 * v_1[1].t[k] + v_1[1].v * t9);
+        const double t17 = characteristic_length[0].v * (g->e_t[0][i] * N[3].t[k] + g->e_t[1][i] * N[4].t[k]);
+        const double t18 = n_12 * characteristic_length[0].t[k] + t17;
+        const double t19 = n_11 * d[0].t[k] + d[0].v * t12 - (n_10 * d[1].t[k] + d[1].v * t11);
+        const double t20 = n_11 * v_1[0].t[k] + v_1[0].v * t12 - (n_10 * v_1[1].t[k] + v_1[1].v * t11);
+        const double t21 = characteristic_length[0].v * v_1[0].t[k] + v_1[0].v * characteristic_length[0].t[k];
+        const double t22 = characteristic_length[0].v * d[0].t[k] + d[0].v * characteristic_length[0].t[k];
+        const double t23 = characteristic_length[0].v * v_1[1].t[k] + v_1[1].v * characteristic_length[0].t[k];
+        const double t24 = characteristic_length[0].v * d[1].t[k] + d[1].v * characteristic_length[0].t[k];
+        const double t25 = c_01 * t21;
+        const double t26 = h1 * t22;
+        const double t27 = c_11 * t21 + c_01 * t23 + (h2 * t22 + h1 * t24);
+        const double t28 = c_11 * t23;
+        const double t29 = h2 * t24;
+        const double t30 = elbow * t1;
+        const double t31 = det_M * (h1 * v_1[1].t[k] + v_1[1].v * t22 - (c_01 * d[1].t[k] + d[1].v * t21));
+        const double t32 = k_00 * t14;
+        const double t33 = k_01 * t15;
+        const double t34 = k_02 * t16;
+        const double t35 = k_10 * t14 + k_00 * t18 + (k_11 * t15 + k_01 * t19) + (k_12 * t16 + k_02 * t20);
+        const double t36 = k_10 * t18;
+        const double t37 = k_11 * t19;
+        const double t38 = k_12 * t20;
+        gram[0].t[k] = t2 + t2 + (t3 + t3);
+        gram[1].t[k] = t5;
+        gram[2].t[k] = 0.0;
+        gram[3].t[k] = t5;
+        gram[4].t[k] = t6 + t6 + (t7 + t7);
+        gram[5].t[k] = 0.0;
+        gram[6].t[k] = 0.0;
+        gram[7].t[k] = 0.0;
+        gram[8].t[k] = t8 + t8;
+        cofactors[0].t[k] = t25 + t25 + (t26 + t26);
+        cofactors[1].t[k] = t27;
+        cofactors[2].t[k] = 0.0;
+        cofactors[3].t[k] = t27;
+        cofactors[4].t[k] = t28 + t28 + (t29 + t29);
+        cofactors[5].t[k] = 0.0;
+        cofactors[6].t[k] = 0.0;
+        cofactors[7].t[k] = 0.0;
+        cofactors[8].t[k] = t30 + t30;
+        square[0].t[k] = t31 + t31;
+        reach[0].t[k] = t32 + t32 + (t33 + t33) + (t34 + t34);
+        reach[1].t[k] = t35;
+        reach[2].t[k] = t36 + t36 + (t37 + t37) + (t38 + t38);
+    }
+}
+
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (12 add, 28 multiply) */
 KRHPR_STATIC void krhpr_subleg_prr_passive_tangent(
     const krhpr_subleg_prr_geometry *g, int i, const krhpr_dual *v_1, krhpr_dual *KRHPR_RESTRICT link)

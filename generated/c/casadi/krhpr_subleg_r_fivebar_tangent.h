@@ -1100,6 +1100,159 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_determinant_tangent(
     }
 }
 
+/* `gram` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.  (158
+ * add, 221 multiply, 1 divide) */
+KRHPR_STATIC void krhpr_subleg_r_fivebar_gram_tangent(
+    const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
+    const krhpr_dual *d, const krhpr_dual *u_1, const krhpr_dual *u_2, const krhpr_dual *N,
+    krhpr_dual *KRHPR_RESTRICT gram, krhpr_dual *KRHPR_RESTRICT cofactors, krhpr_dual *KRHPR_RESTRICT square,
+    krhpr_dual *KRHPR_RESTRICT reach)
+{
+    const double v_1_0 = d[0].v - u_1[0].v;
+    const double v_1_1 = d[1].v - u_1[1].v;
+    const double h2 = v_1_0 * g->k[7][i];
+    const double v_2_0 = u_1[0].v + h2 - u_2[0].v;
+    const double h3 = v_1_1 * g->k[7][i];
+    const double v_2_1 = u_1[1].v + h3 - u_2[1].v;
+    const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
+    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double t1 = u_2[0].v * v_2_1;
+    const double t2 = u_2[1].v * v_2_0;
+    const double b_33 = t1 - t2;
+    const double h1 = g->k[7][i] * b_22;
+    const double h5 = v_2_1 * h1 - v_1_1 * b_32;
+    const double h4 = 1.0 / (h2 * v_2_1 - v_2_0 * h3);
+    const double m_01 = h5 * h4;
+    const double h6 = t2 - t1;
+    const double h7 = v_1_1 * h6;
+    const double m_02 = h4 * h7;
+    const double h8 = v_1_0 * b_32 - v_2_0 * h1;
+    const double m_11 = h4 * h8;
+    const double h9 = v_1_0 * b_33;
+    const double m_12 = h4 * h9;
+    const double g_00 = m_01 * m_01 + m_02 * m_02;
+    const double g_01 = m_01 * m_11 + m_02 * m_12;
+    const double g_11 = m_11 * m_11 + m_12 * m_12;
+    const double g_22 = d[0].v * d[0].v;
+    const double n_00 = x[0].v * N[0].v + x[1].v * N[1].v + x[2].v * N[2].v;
+    const double n_01 = g->e_1[0][i] * N[0].v + g->e_1[1][i] * N[1].v + g->e_1[2][i] * N[2].v;
+    const double n_02 = e_2[0].v * N[0].v + e_2[1].v * N[1].v + e_2[2].v * N[2].v;
+    const double n_10 = x[0].v * N[3].v + x[1].v * N[4].v + x[2].v * N[5].v;
+    const double n_11 = g->e_1[0][i] * N[3].v + g->e_1[1][i] * N[4].v + g->e_1[2][i] * N[5].v;
+    const double n_12 = e_2[0].v * N[3].v + e_2[1].v * N[4].v + e_2[2].v * N[5].v;
+    const double h12 = d[0].v * n_02;
+    const double k_01 = m_01 * n_00 + m_11 * n_01;
+    const double k_02 = m_02 * n_00 + m_12 * n_01;
+    const double h13 = d[0].v * n_12;
+    const double k_11 = m_01 * n_10 + m_11 * n_11;
+    const double k_12 = m_02 * n_10 + m_12 * n_11;
+    const double h10 = d[0].v * m_12;
+    const double c_02 = d[0].v * m_11;
+    const double c_11 = d[0].v * m_02;
+    const double h11 = d[0].v * m_01;
+    const double c_20 = m_01 * m_12 - m_02 * m_11;
+    const double det_M = m_02 * c_02 - m_01 * h10;
+    const double cofactors_01 = -(h10 * c_11 + c_02 * h11);
+    gram[0].v = g_00;
+    gram[1].v = g_01;
+    gram[2].v = 0.0;
+    gram[3].v = g_01;
+    gram[4].v = g_11;
+    gram[5].v = 0.0;
+    gram[6].v = 0.0;
+    gram[7].v = 0.0;
+    gram[8].v = g_22;
+    cofactors[0].v = h10 * h10 + c_02 * c_02;
+    cofactors[1].v = cofactors_01;
+    cofactors[2].v = 0.0;
+    cofactors[3].v = cofactors_01;
+    cofactors[4].v = c_11 * c_11 + h11 * h11;
+    cofactors[5].v = 0.0;
+    cofactors[6].v = 0.0;
+    cofactors[7].v = 0.0;
+    cofactors[8].v = c_20 * c_20;
+    square[0].v = det_M * det_M;
+    reach[0].v = h12 * h12 + k_01 * k_01 + k_02 * k_02;
+    reach[1].v = h12 * h13 + k_01 * k_11 + k_02 * k_12;
+    reach[2].v = h13 * h13 + k_11 * k_11 + k_12 * k_12;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t3 = d[0].t[k] - u_1[0].t[k];
+        const double t4 = d[1].t[k] - u_1[1].t[k];
+        const double t5 = g->k[7][i] * t3;
+        const double t6 = u_1[0].t[k] + t5 - u_2[0].t[k];
+        const double t7 = g->k[7][i] * t4;
+        const double t8 = u_1[1].t[k] + t7 - u_2[1].t[k];
+        const double t9 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
+        const double t10 = v_2_1 * u_2[0].t[k] + u_2[0].v * t8;
+        const double t11 = v_2_0 * u_2[1].t[k] + u_2[1].v * t6;
+        const double t12 = g->k[7][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
+        const double t13 = h4 * (h4 * (v_2_1 * t5 + h2 * t8 - (h3 * t6 + v_2_0 * t7)));
+        const double t14 = h4 * (h1 * t8 + v_2_1 * t12 - (b_32 * t4 + v_1_1 * t9)) - h5 * t13;
+        const double t15 = h4 * (h6 * t4 + v_1_1 * (t11 - t10)) - h7 * t13;
+        const double t16 = h4 * (b_32 * t3 + v_1_0 * t9 - (h1 * t6 + v_2_0 * t12)) - h8 * t13;
+        const double t17 = h4 * (b_33 * t3 + v_1_0 * (t10 - t11)) - h9 * t13;
+        const double t18 = m_01 * t14;
+        const double t19 = m_02 * t15;
+        const double t20 = m_11 * t14 + m_01 * t16 + (m_12 * t15 + m_02 * t17);
+        const double t21 = m_11 * t16;
+        const double t22 = m_12 * t17;
+        const double t23 = d[0].v * d[0].t[k];
+        const double t24 = N[0].v * x[0].t[k] + x[0].v * N[0].t[k] + (N[1].v * x[1].t[k] + x[1].v * N[1].t[k]);
+        const double t25 = t24 + (N[2].v * x[2].t[k] + x[2].v * N[2].t[k]);
+        const double t26 = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k] + g->e_1[2][i] * N[2].t[k];
+        const double t27 = N[0].v * e_2[0].t[k] + e_2[0].v * N[0].t[k] + (N[1].v * e_2[1].t[k] + e_2[1].v * N[1].t[k]);
+        const double t28 = N[3].v * x[0].t[k] + x[0].v * N[3].t[k] + (N[4].v * x[1].t[k] + x[1].v * N[4].t[k]);
+        const double t29 = t28 + (N[5].v * x[2].t[k] + x[2].v * N[5].t[k]);
+        const double t30 = g->e_1[0][i] * N[3].t[k] + g->e_1[1][i] * N[4].t[k] + g->e_1[2][i] * N[5].t[k];
+        const double t31 = N[3].v * e_2[0].t[k] + e_2[0].v * N[3].t[k] + (N[4].v * e_2[1].t[k] + e_2[1].v * N[4].t[k]);
+        const double t32 = n_02 * d[0].t[k] + d[0].v * (t27 + (N[2].v * e_2[2].t[k] + e_2[2].v * N[2].t[k]));
+        const double t33 = n_00 * t14 + m_01 * t25 + (n_01 * t16 + m_11 * t26);
+        const double t34 = n_00 * t15 + m_02 * t25 + (n_01 * t17 + m_12 * t26);
+        const double t35 = n_12 * d[0].t[k] + d[0].v * (t31 + (N[5].v * e_2[2].t[k] + e_2[2].v * N[5].t[k]));
+        const double t36 = n_10 * t14 + m_01 * t29 + (n_11 * t16 + m_11 * t30);
+        const double t37 = n_10 * t15 + m_02 * t29 + (n_11 * t17 + m_12 * t30);
+        const double t38 = m_12 * d[0].t[k] + d[0].v * t17;
+        const double t39 = m_11 * d[0].t[k] + d[0].v * t16;
+        const double t40 = m_02 * d[0].t[k] + d[0].v * t15;
+        const double t41 = m_01 * d[0].t[k] + d[0].v * t14;
+        const double t42 = h10 * t38;
+        const double t43 = c_02 * t39;
+        const double t44 = -(c_11 * t38 + h10 * t40 + (h11 * t39 + c_02 * t41));
+        const double t45 = c_11 * t40;
+        const double t46 = h11 * t41;
+        const double t47 = c_20 * (m_12 * t14 + m_01 * t17 - (m_11 * t15 + m_02 * t16));
+        const double t48 = det_M * (c_02 * t15 + m_02 * t39 - (h10 * t14 + m_01 * t38));
+        const double t49 = h12 * t32;
+        const double t50 = k_01 * t33;
+        const double t51 = k_02 * t34;
+        const double t52 = h13 * t35;
+        const double t53 = k_11 * t36;
+        const double t54 = k_12 * t37;
+        gram[0].t[k] = t18 + t18 + (t19 + t19);
+        gram[1].t[k] = t20;
+        gram[2].t[k] = 0.0;
+        gram[3].t[k] = t20;
+        gram[4].t[k] = t21 + t21 + (t22 + t22);
+        gram[5].t[k] = 0.0;
+        gram[6].t[k] = 0.0;
+        gram[7].t[k] = 0.0;
+        gram[8].t[k] = t23 + t23;
+        cofactors[0].t[k] = t42 + t42 + (t43 + t43);
+        cofactors[1].t[k] = t44;
+        cofactors[2].t[k] = 0.0;
+        cofactors[3].t[k] = t44;
+        cofactors[4].t[k] = t45 + t45 + (t46 + t46);
+        cofactors[5].t[k] = 0.0;
+        cofactors[6].t[k] = 0.0;
+        cofactors[7].t[k] = 0.0;
+        cofactors[8].t[k] = t47 + t47;
+        square[0].t[k] = t48 + t48;
+        reach[0].t[k] = t49 + t49 + (t50 + t50) + (t51 + t51);
+        reach[1].t[k] = h13 * t32 + h12 * t35 + (k_11 * t33 + k_01 * t36) + (k_12 * t34 + k_02 * t37);
+        reach[2].t[k] = t52 + t52 + (t53 + t53) + (t54 + t54);
+    }
+}
+
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (60 add, 89 multiply, 3
  * divide, 3 arctangent) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_passive_tangent(

@@ -539,6 +539,119 @@ KRHPR_STATIC void krhpr_subleg_rrr_determinant_tangent(
     }
 }
 
+/* `gram` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.  (110
+ * add, 146 multiply) */
+KRHPR_STATIC void krhpr_subleg_rrr_gram_tangent(
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
+    const krhpr_dual *d, const krhpr_dual *v_1, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT gram,
+    krhpr_dual *KRHPR_RESTRICT cofactors, krhpr_dual *KRHPR_RESTRICT square, krhpr_dual *KRHPR_RESTRICT reach)
+{
+    const double h2 = d[0].v * v_1[1].v;
+    const double elbow = h2 - d[1].v * v_1[0].v;
+    const double g_00 = d[1].v * d[1].v + v_1[1].v * v_1[1].v;
+    const double c_12 = d[0].v * d[1].v;
+    const double g_01 = -(c_12 + v_1[0].v * v_1[1].v);
+    const double g_22 = d[0].v * d[0].v;
+    const double g_11 = g_22 + v_1[0].v * v_1[0].v;
+    const double n_00 = x[0].v * N[0].v + x[1].v * N[1].v + x[2].v * N[2].v;
+    const double n_01 = g->e_1[0][i] * N[0].v + g->e_1[1][i] * N[1].v + g->e_1[2][i] * N[2].v;
+    const double n_02 = e_2[0].v * N[0].v + e_2[1].v * N[1].v + e_2[2].v * N[2].v;
+    const double n_10 = x[0].v * N[3].v + x[1].v * N[4].v + x[2].v * N[5].v;
+    const double n_11 = g->e_1[0][i] * N[3].v + g->e_1[1][i] * N[4].v + g->e_1[2][i] * N[5].v;
+    const double n_12 = e_2[0].v * N[3].v + e_2[1].v * N[4].v + e_2[2].v * N[5].v;
+    const double h3 = d[0].v * n_02;
+    const double k_01 = d[0].v * n_01 - d[1].v * n_00;
+    const double k_02 = v_1[0].v * n_01 - v_1[1].v * n_00;
+    const double h4 = d[0].v * n_12;
+    const double k_11 = d[0].v * n_11 - d[1].v * n_10;
+    const double k_12 = v_1[0].v * n_11 - v_1[1].v * n_10;
+    const double h1 = d[0].v * v_1[0].v;
+    const double det_M = d[1].v * h1 - v_1[1].v * g_22;
+    const double cofactors_01 = h2 * h1 + c_12 * g_22;
+    gram[0].v = g_00;
+    gram[1].v = g_01;
+    gram[2].v = 0.0;
+    gram[3].v = g_01;
+    gram[4].v = g_11;
+    gram[5].v = 0.0;
+    gram[6].v = 0.0;
+    gram[7].v = 0.0;
+    gram[8].v = g_22;
+    cofactors[0].v = h1 * h1 + g_22 * g_22;
+    cofactors[1].v = cofactors_01;
+    cofactors[2].v = 0.0;
+    cofactors[3].v = cofactors_01;
+    cofactors[4].v = h2 * h2 + c_12 * c_12;
+    cofactors[5].v = 0.0;
+    cofactors[6].v = 0.0;
+    cofactors[7].v = 0.0;
+    cofactors[8].v = elbow * elbow;
+    square[0].v = det_M * det_M;
+    reach[0].v = h3 * h3 + k_01 * k_01 + k_02 * k_02;
+    reach[1].v = h3 * h4 + k_01 * k_11 + k_02 * k_12;
+    reach[2].v = h4 * h4 + k_11 * k_11 + k_12 * k_12;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = v_1[1].v * d[0].t[k] + d[0].v * v_1[1].t[k];
+        const double t2 = d[1].v * d[1].t[k];
+        const double t3 = v_1[1].v * v_1[1].t[k];
+        const double t4 = d[1].v * d[0].t[k] + d[0].v * d[1].t[k];
+        const double t5 = -(t4 + (v_1[1].v * v_1[0].t[k] + v_1[0].v * v_1[1].t[k]));
+        const double t6 = d[0].v * d[0].t[k];
+        const double t7 = t6 + t6;
+        const double t8 = v_1[0].v * v_1[0].t[k];
+        const double t9 = N[0].v * x[0].t[k] + x[0].v * N[0].t[k] + (N[1].v * x[1].t[k] + x[1].v * N[1].t[k]);
+        const double t10 = t9 + (N[2].v * x[2].t[k] + x[2].v * N[2].t[k]);
+        const double t11 = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k] + g->e_1[2][i] * N[2].t[k];
+        const double t12 = N[0].v * e_2[0].t[k] + e_2[0].v * N[0].t[k] + (N[1].v * e_2[1].t[k] + e_2[1].v * N[1].t[k]);
+        const double t13 = N[3].v * x[0].t[k] + x[0].v * N[3].t[k] + (N[4].v * x[1].t[k] + x[1].v * N[4].t[k]);
+        const double t14 = t13 + (N[5].v * x[2].t[k] + x[2].v * N[5].t[k]);
+        const double t15 = g->e_1[0][i] * N[3].t[k] + g->e_1[1][i] * N[4].t[k] + g->e_1[2][i] * N[5].t[k];
+        const double t16 = N[3].v * e_2[0].t[k] + e_2[0].v * N[3].t[k] + (N[4].v * e_2[1].t[k] + e_2[1].v * N[4].t[k]);
+        const double t17 = n_02 * d[0].t[k] + d[0].v * (t12 + (N[2].v * e_2[2].t[k] + e_2[2].v * N[2].t[k]));
+        const double t18 = n_01 * d[0].t[k] + d[0].v * t11 - (n_00 * d[1].t[k] + d[1].v * t10);
+        const double t19 = n_01 * v_1[0].t[k] + v_1[0].v * t11 - (n_00 * v_1[1].t[k] + v_1[1].v * t10);
+        const double t20 = n_12 * d[0].t[k] + d[0].v * (t16 + (N[5].v * e_2[2].t[k] + e_2[2].v * N[5].t[k]));
+        const double t21 = n_11 * d[0].t[k] + d[0].v * t15 - (n_10 * d[1].t[k] + d[1].v * t14);
+        const double t22 = n_11 * v_1[0].t[k] + v_1[0].v * t15 - (n_10 * v_1[1].t[k] + v_1[1].v * t14);
+        const double t23 = v_1[0].v * d[0].t[k] + d[0].v * v_1[0].t[k];
+        const double t24 = h1 * t23;
+        const double t25 = g_22 * t7;
+        const double t26 = h1 * t1 + h2 * t23 + (g_22 * t4 + c_12 * t7);
+        const double t27 = h2 * t1;
+        const double t28 = c_12 * t4;
+        const double t29 = elbow * (t1 - (v_1[0].v * d[1].t[k] + d[1].v * v_1[0].t[k]));
+        const double t30 = det_M * (h1 * d[1].t[k] + d[1].v * t23 - (g_22 * v_1[1].t[k] + v_1[1].v * t7));
+        const double t31 = h3 * t17;
+        const double t32 = k_01 * t18;
+        const double t33 = k_02 * t19;
+        const double t34 = h4 * t20;
+        const double t35 = k_11 * t21;
+        const double t36 = k_12 * t22;
+        gram[0].t[k] = t2 + t2 + (t3 + t3);
+        gram[1].t[k] = t5;
+        gram[2].t[k] = 0.0;
+        gram[3].t[k] = t5;
+        gram[4].t[k] = t7 + (t8 + t8);
+        gram[5].t[k] = 0.0;
+        gram[6].t[k] = 0.0;
+        gram[7].t[k] = 0.0;
+        gram[8].t[k] = t7;
+        cofactors[0].t[k] = t24 + t24 + (t25 + t25);
+        cofactors[1].t[k] = t26;
+        cofactors[2].t[k] = 0.0;
+        cofactors[3].t[k] = t26;
+        cofactors[4].t[k] = t27 + t27 + (t28 + t28);
+        cofactors[5].t[k] = 0.0;
+        cofactors[6].t[k] = 0.0;
+        cofactors[7].t[k] = 0.0;
+        cofactors[8].t[k] = t29 + t29;
+        square[0].t[k] = t30 + t30;
+        reach[0].t[k] = t31 + t31 + (t32 + t32) + (t33 + t33);
+        reach[1].t[k] = h4 * t17 + h3 * t20 + (k_11 * t18 + k_01 * t21) + (k_12 * t19 + k_02 * t22);
+        reach[2].t[k] = t34 + t34 + (t35 + t35) + (t36 + t36);
+    }
+}
+
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (18 add, 34 multiply) */
 KRHPR_STATIC void krhpr_subleg_rrr_passive_tangent(
     const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,

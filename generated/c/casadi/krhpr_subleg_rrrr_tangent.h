@@ -1133,6 +1133,173 @@ KRHPR_STATIC void krhpr_subleg_rrrr_determinant_tangent(
     }
 }
 
+/* `gram` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.  (250
+ * add, 312 multiply) */
+KRHPR_STATIC void krhpr_subleg_rrrr_gram_tangent(
+    const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
+    const krhpr_dual *d, const krhpr_dual *v, const krhpr_dual *e_4, const krhpr_dual *N,
+    krhpr_dual *KRHPR_RESTRICT gram, krhpr_dual *KRHPR_RESTRICT cofactors, krhpr_dual *KRHPR_RESTRICT square,
+    krhpr_dual *KRHPR_RESTRICT reach)
+{
+    const double dir_0 = (d[0].v - v[0].v) * g->k[0][i];
+    const double dir_1 = g->k[0][i] * (d[1].v - v[1].v);
+    const double dir_2 = g->k[0][i] * (d[2].v - v[2].v);
+    const double m_3_0 = v[2].v * dir_1 - v[1].v * dir_2;
+    const double m_3_1 = v[0].v * dir_2 - v[2].v * dir_0;
+    const double m_3_2 = v[1].v * dir_0 - v[0].v * dir_1;
+    const double m_4_0 = v[2].v * e_4[1].v - v[1].v * e_4[2].v;
+    const double m_4_1 = v[0].v * e_4[2].v - v[2].v * e_4[0].v;
+    const double m_4_2 = v[1].v * e_4[0].v - v[0].v * e_4[1].v;
+    const double h9 = d[0].v * d[0].v;
+    const double g_00 = d[2].v * d[2].v + d[1].v * d[1].v + m_3_0 * m_3_0 + m_4_0 * m_4_0;
+    const double h8 = d[0].v * d[1].v;
+    const double g_01 = m_3_0 * m_3_1 - h8 + m_4_0 * m_4_1;
+    const double h7 = d[0].v * d[2].v;
+    const double g_02 = m_3_0 * m_3_2 - h7 + m_4_0 * m_4_2;
+    const double g_11 = h9 + m_3_1 * m_3_1 + m_4_1 * m_4_1;
+    const double g_12 = m_3_1 * m_3_2 + m_4_1 * m_4_2;
+    const double g_22 = h9 + m_3_2 * m_3_2 + m_4_2 * m_4_2;
+    const double n_00 = x[0].v * N[0].v + x[1].v * N[1].v + x[2].v * N[2].v;
+    const double n_01 = g->e_1[0][i] * N[0].v + g->e_1[1][i] * N[1].v + g->e_1[2][i] * N[2].v;
+    const double n_02 = e_2[0].v * N[0].v + e_2[1].v * N[1].v + e_2[2].v * N[2].v;
+    const double n_10 = x[0].v * N[3].v + x[1].v * N[4].v + x[2].v * N[5].v;
+    const double n_11 = g->e_1[0][i] * N[3].v + g->e_1[1][i] * N[4].v + g->e_1[2][i] * N[5].v;
+    const double n_12 = e_2[0].v * N[3].v + e_2[1].v * N[4].v + e_2[2].v * N[5].v;
+    const double k_00 = d[2].v * n_00 - d[0].v * n_02;
+    const double k_01 = d[0].v * n_01 - d[1].v * n_00;
+    const double k_02 = m_3_0 * n_00 + m_3_1 * n_01 + m_3_2 * n_02;
+    const double k_03 = m_4_0 * n_00 + m_4_1 * n_01 + m_4_2 * n_02;
+    const double k_10 = d[2].v * n_10 - d[0].v * n_12;
+    const double k_11 = d[0].v * n_11 - d[1].v * n_10;
+    const double k_12 = m_3_0 * n_10 + m_3_1 * n_11 + m_3_2 * n_12;
+    const double k_13 = m_4_0 * n_10 + m_4_1 * n_11 + m_4_2 * n_12;
+    const double cofactors_01 = g_02 * g_12 - g_01 * g_22;
+    const double cofactors_02 = g_01 * g_12 - g_02 * g_11;
+    const double cofactors_12 = g_01 * g_02 - g_00 * g_12;
+    const double h1 = m_3_1 * m_4_2 - m_3_2 * m_4_1;
+    const double h2 = d[0].v * m_3_0;
+    const double h3 = d[0].v * m_3_1;
+    const double h4 = d[2].v * h1 - m_4_1 * h2 + m_4_0 * h3;
+    const double h5 = d[0].v * m_3_2;
+    const double h6 = m_4_0 * h5 - d[1].v * h1 - m_4_2 * h2;
+    const double h10 = m_3_2 * h7 + m_3_1 * h8 + m_3_0 * h9;
+    const double h11 = m_4_2 * h7 + m_4_1 * h8 + m_4_0 * h9;
+    gram[0].v = g_00;
+    gram[1].v = g_01;
+    gram[2].v = g_02;
+    gram[3].v = g_01;
+    gram[4].v = g_11;
+    gram[5].v = g_12;
+    gram[6].v = g_02;
+    gram[7].v = g_12;
+    gram[8].v = g_22;
+    cofactors[0].v = g_11 * g_22 - g_12 * g_12;
+    cofactors[1].v = cofactors_01;
+    cofactors[2].v = cofactors_02;
+    cofactors[3].v = cofactors_01;
+    cofactors[4].v = g_00 * g_22 - g_02 * g_02;
+    cofactors[5].v = cofactors_12;
+    cofactors[6].v = cofactors_02;
+    cofactors[7].v = cofactors_12;
+    cofactors[8].v = g_00 * g_11 - g_01 * g_01;
+    square[0].v = h4 * h4 + h6 * h6 + h10 * h10 + h11 * h11;
+    reach[0].v = k_00 * k_00 + k_01 * k_01 + k_02 * k_02 + k_03 * k_03;
+    reach[1].v = k_00 * k_10 + k_01 * k_11 + k_02 * k_12 + k_03 * k_13;
+    reach[2].v = k_10 * k_10 + k_11 * k_11 + k_12 * k_12 + k_13 * k_13;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = g->k[0][i] * (d[0].t[k] - v[0].t[k]);
+        const double t2 = g->k[0][i] * (d[1].t[k] - v[1].t[k]);
+        const double t3 = g->k[0][i] * (d[2].t[k] - v[2].t[k]);
+        const double t4 = dir_1 * v[2].t[k] + v[2].v * t2 - (dir_2 * v[1].t[k] + v[1].v * t3);
+        const double t5 = dir_2 * v[0].t[k] + v[0].v * t3 - (dir_0 * v[2].t[k] + v[2].v * t1);
+        const double t6 = dir_0 * v[1].t[k] + v[1].v * t1 - (dir_1 * v[0].t[k] + v[0].v * t2);
+        const double t7 = e_4[1].v * v[2].t[k] + v[2].v * e_4[1].t[k] - (e_4[2].v * v[1].t[k] + v[1].v * e_4[2].t[k]);
+        const double t8 = e_4[2].v * v[0].t[k] + v[0].v * e_4[2].t[k] - (e_4[0].v * v[2].t[k] + v[2].v * e_4[0].t[k]);
+        const double t9 = e_4[0].v * v[1].t[k] + v[1].v * e_4[0].t[k] - (e_4[1].v * v[0].t[k] + v[0].v * e_4[1].t[k]);
+        const double t10 = d[0].v * d[0].t[k];
+        const double t11 = t10 + t10;
+        const double t12 = d[2].v * d[2].t[k];
+        const double t13 = d[1].v * d[1].t[k];
+        const double t14 = m_3_0 * t4;
+        const double t15 = m_4_0 * t7;
+        const double t16 = t12 + t12 + (t13 + t13) + (t14 + t14) + (t15 + t15);
+        const double t17 = d[1].v * d[0].t[k] + d[0].v * d[1].t[k];
+        const double t18 = m_3_1 * t4 + m_3_0 * t5 - t17 + (m_4_1 * t7 + m_4_0 * t8);
+        const double t19 = d[2].v * d[0].t[k] + d[0].v * d[2].t[k];
+        const double t20 = m_3_2 * t4 + m_3_0 * t6 - t19 + (m_4_2 * t7 + m_4_0 * t9);
+        const double t21 = m_3_1 * t5;
+        const double t22 = m_4_1 * t8;
+        const double t23 = t11 + (t21 + t21) + (t22 + t22);
+        const double t24 = m_3_2 * t5 + m_3_1 * t6 + (m_4_2 * t8 + m_4_1 * t9);
+        const double t25 = m_3_2 * t6;
+        const double t26 = m_4_2 * t9;
+        const double t27 = t11 + (t25 + t25) + (t26 + t26);
+        const double t28 = N[0].v * x[0].t[k] + x[0].v * N[0].t[k] + (N[1].v * x[1].t[k] + x[1].v * N[1].t[k]);
+        const double t29 = t28 + (N[2].v * x[2].t[k] + x[2].v * N[2].t[k]);
+        const double t30 = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k] + g->e_1[2][i] * N[2].t[k];
+        const double t31 = N[0].v * e_2[0].t[k] + e_2[0].v * N[0].t[k] + (N[1].v * e_2[1].t[k] + e_2[1].v * N[1].t[k]);
+        const double t32 = t31 + (N[2].v * e_2[2].t[k] + e_2[2].v * N[2].t[k]);
+        const double t33 = N[3].v * x[0].t[k] + x[0].v * N[3].t[k] + (N[4].v * x[1].t[k] + x[1].v * N[4].t[k]);
+        const double t34 = t33 + (N[5].v * x[2].t[k] + x[2].v * N[5].t[k]);
+        const double t35 = g->e_1[0][i] * N[3].t[k] + g->e_1[1][i] * N[4].t[k] + g->e_1[2][i] * N[5].t[k];
+        const double t36 = N[3].v * e_2[0].t[k] + e_2[0].v * N[3].t[k] + (N[4].v * e_2[1].t[k] + e_2[1].v * N[4].t[k]);
+        const double t37 = t36 + (N[5].v * e_2[2].t[k] + e_2[2].v * N[5].t[k]);
+        const double t38 = n_00 * d[2].t[k] + d[2].v * t29 - (n_02 * d[0].t[k] + d[0].v * t32);
+        const double t39 = n_01 * d[0].t[k] + d[0].v * t30 - (n_00 * d[1].t[k] + d[1].v * t29);
+        const double t40 = n_00 * t4 + m_3_0 * t29 + (n_01 * t5 + m_3_1 * t30) + (n_02 * t6 + m_3_2 * t32);
+        const double t41 = n_00 * t7 + m_4_0 * t29 + (n_01 * t8 + m_4_1 * t30) + (n_02 * t9 + m_4_2 * t32);
+        const double t42 = n_10 * d[2].t[k] + d[2].v * t34 - (n_12 * d[0].t[k] + d[0].v * t37);
+        const double t43 = n_11 * d[0].t[k] + d[0].v * t35 - (n_10 * d[1].t[k] + d[1].v * t34);
+        const double t44 = n_10 * t4 + m_3_0 * t34 + (n_11 * t5 + m_3_1 * t35) + (n_12 * t6 + m_3_2 * t37);
+        const double t45 = n_10 * t7 + m_4_0 * t34 + (n_11 * t8 + m_4_1 * t35) + (n_12 * t9 + m_4_2 * t37);
+        const double t46 = g_12 * t24;
+        const double t47 = g_12 * t20 + g_02 * t24 - (g_22 * t18 + g_01 * t27);
+        const double t48 = g_12 * t18 + g_01 * t24 - (g_11 * t20 + g_02 * t23);
+        const double t49 = g_02 * t20;
+        const double t50 = g_02 * t18 + g_01 * t20 - (g_12 * t16 + g_00 * t24);
+        const double t51 = g_01 * t18;
+        const double t52 = m_4_2 * t5 + m_3_1 * t9 - (m_4_1 * t6 + m_3_2 * t8);
+        const double t53 = m_3_0 * d[0].t[k] + d[0].v * t4;
+        const double t54 = h1 * d[2].t[k] + d[2].v * t52 - (h2 * t8 + m_4_1 * t53) + (h3 * t7 + m_4_0 * (m_3_1 * d[0].t[k] + d[0].v * t5));
+        const double t55 = h4 * t54;
+        const double t56 = h5 * t7 + m_4_0 * (m_3_2 * d[0].t[k] + d[0].v * t6) - (h1 * d[1].t[k] + d[1].v * t52);
+        const double t57 = h6 * (t56 - (h2 * t9 + m_4_2 * t53));
+        const double t58 = h10 * (h7 * t6 + m_3_2 * t19 + (h8 * t5 + m_3_1 * t17) + (h9 * t4 + m_3_0 * t11));
+        const double t59 = h11 * (h7 * t9 + m_4_2 * t19 + (h8 * t8 + m_4_1 * t17) + (h9 * t7 + m_4_0 * t11));
+        const double t60 = k_00 * t38;
+        const double t61 = k_01 * t39;
+        const double t62 = k_02 * t40;
+        const double t63 = k_03 * t41;
+        const double t64 = k_10 * t38 + k_00 * t42 + (k_11 * t39 + k_01 * t43) + (k_12 * t40 + k_02 * t44);
+        const double t65 = k_10 * t42;
+        const double t66 = k_11 * t43;
+        const double t67 = k_12 * t44;
+        const double t68 = k_13 * t45;
+        gram[0].t[k] = t16;
+        gram[1].t[k] = t18;
+        gram[2].t[k] = t20;
+        gram[3].t[k] = t18;
+        gram[4].t[k] = t23;
+        gram[5].t[k] = t24;
+        gram[6].t[k] = t20;
+        gram[7].t[k] = t24;
+        gram[8].t[k] = t27;
+        cofactors[0].t[k] = g_22 * t23 + g_11 * t27 - (t46 + t46);
+        cofactors[1].t[k] = t47;
+        cofactors[2].t[k] = t48;
+        cofactors[3].t[k] = t47;
+        cofactors[4].t[k] = g_22 * t16 + g_00 * t27 - (t49 + t49);
+        cofactors[5].t[k] = t50;
+        cofactors[6].t[k] = t48;
+        cofactors[7].t[k] = t50;
+        cofactors[8].t[k] = g_11 * t16 + g_00 * t23 - (t51 + t51);
+        square[0].t[k] = t55 + t55 + (t57 + t57) + (t58 + t58) + (t59 + t59);
+        reach[0].t[k] = t60 + t60 + (t61 + t61) + (t62 + t62) + (t63 + t63);
+        reach[1].t[k] = t64 + (k_13 * t41 + k_03 * t45);
+        reach[2].t[k] = t65 + t65 + (t66 + t66) + (t67 + t67) + (t68 + t68);
+    }
+}
+
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (66 add, 96 multiply) */
 KRHPR_STATIC void krhpr_subleg_rrrr_passive_tangent(
     const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,

@@ -275,6 +275,99 @@ KRHPR_STATIC void krhpr_subleg_tripteron_determinant_tangent(
     }
 }
 
+/* `gram` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.  (51 add,
+ * 80 multiply) */
+KRHPR_STATIC void krhpr_subleg_tripteron_gram_tangent(
+    const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *characteristic_length,
+    const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT gram, krhpr_dual *KRHPR_RESTRICT cofactors,
+    krhpr_dual *KRHPR_RESTRICT square, krhpr_dual *KRHPR_RESTRICT reach)
+{
+    const double g_00 = characteristic_length[0].v * characteristic_length[0].v;
+    const double n_00 = g->e_x[0][i] * N[0].v + g->e_x[1][i] * N[1].v + g->e_x[2][i] * N[2].v;
+    const double n_01 = g->e_1[0][i] * N[0].v + g->e_1[1][i] * N[1].v + g->e_1[2][i] * N[2].v;
+    const double n_02 = g->e_t[0][i] * N[0].v + g->e_t[1][i] * N[1].v;
+    const double n_10 = g->e_x[0][i] * N[3].v + g->e_x[1][i] * N[4].v + g->e_x[2][i] * N[5].v;
+    const double n_11 = g->e_1[0][i] * N[3].v + g->e_1[1][i] * N[4].v + g->e_1[2][i] * N[5].v;
+    const double n_12 = g->e_t[0][i] * N[3].v + g->e_t[1][i] * N[4].v;
+    const double k_00 = characteristic_length[0].v * n_00;
+    const double k_01 = characteristic_length[0].v * n_01;
+    const double k_02 = characteristic_length[0].v * n_02;
+    const double k_10 = characteristic_length[0].v * n_10;
+    const double k_11 = characteristic_length[0].v * n_11;
+    const double k_12 = characteristic_length[0].v * n_12;
+    const double det_M = characteristic_length[0].v * g_00;
+    const double cofactors_00 = g_00 * g_00;
+    gram[0].v = g_00;
+    gram[1].v = 0.0;
+    gram[2].v = 0.0;
+    gram[3].v = 0.0;
+    gram[4].v = g_00;
+    gram[5].v = 0.0;
+    gram[6].v = 0.0;
+    gram[7].v = 0.0;
+    gram[8].v = g_00;
+    cofactors[0].v = cofactors_00;
+    cofactors[1].v = 0.0;
+    cofactors[2].v = 0.0;
+    cofactors[3].v = 0.0;
+    cofactors[4].v = cofactors_00;
+    cofactors[5].v = 0.0;
+    cofactors[6].v = 0.0;
+    cofactors[7].v = 0.0;
+    cofactors[8].v = cofactors_00;
+    square[0].v = det_M * det_M;
+    reach[0].v = k_00 * k_00 + k_01 * k_01 + k_02 * k_02;
+    reach[1].v = k_00 * k_10 + k_01 * k_11 + k_02 * k_12;
+    reach[2].v = k_10 * k_10 + k_11 * k_11 + k_12 * k_12;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = characteristic_length[0].v * characteristic_length[0].t[k];
+        const double t2 = t1 + t1;
+        const double t3 = characteristic_length[0].v * (g->e_x[0][i] * N[0].t[k] + g->e_x[1][i] * N[1].t[k] + g->e_x[2][i] * N[2].t[k]);
+        const double t4 = n_00 * characteristic_length[0].t[k] + t3;
+        const double t5 = characteristic_length[0].v * (g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k] + g->e_1[2][i] * N[2].t[k]);
+        const double t6 = n_01 * characteristic_length[0].t[k] + t5;
+        const double t7 = characteristic_length[0].v * (g->e_t[0][i] * N[0].t[k] + g->e_t[1][i] * N[1].t[k]);
+        const double t8 = n_02 * characteristic_length[0].t[k] + t7;
+        const double t9 = characteristic_length[0].v * (g->e_x[0][i] * N[3].t[k] + g->e_x[1][i] * N[4].t[k] + g->e_x[2][i] * N[5].t[k]);
+        const double t10 = n_10 * characteristic_length[0].t[k] + t9;
+        const double t11 = characteristic_length[0].v * (g->e_1[0][i] * N[3].t[k] + g->e_1[1][i] * N[4].t[k] + g->e_1[2][i] * N[5].t[k]);
+        const double t12 = n_11 * characteristic_length[0].t[k] + t11;
+        const double t13 = characteristic_length[0].v * (g->e_t[0][i] * N[3].t[k] + g->e_t[1][i] * N[4].t[k]);
+        const double t14 = n_12 * characteristic_length[0].t[k] + t13;
+        const double t15 = g_00 * t2;
+        const double t16 = t15 + t15;
+        const double t17 = det_M * (g_00 * characteristic_length[0].t[k] + characteristic_length[0].v * t2);
+        const double t18 = k_00 * t4;
+        const double t19 = k_01 * t6;
+        const double t20 = k_02 * t8;
+        const double t21 = k_10 * t10;
+        const double t22 = k_11 * t12;
+        const double t23 = k_12 * t14;
+        gram[0].t[k] = t2;
+        gram[1].t[k] = 0.0;
+        gram[2].t[k] = 0.0;
+        gram[3].t[k] = 0.0;
+        gram[4].t[k] = t2;
+        gram[5].t[k] = 0.0;
+        gram[6].t[k] = 0.0;
+        gram[7].t[k] = 0.0;
+        gram[8].t[k] = t2;
+        cofactors[0].t[k] = t16;
+        cofactors[1].t[k] = 0.0;
+        cofactors[2].t[k] = 0.0;
+        cofactors[3].t[k] = 0.0;
+        cofactors[4].t[k] = t16;
+        cofactors[5].t[k] = 0.0;
+        cofactors[6].t[k] = 0.0;
+        cofactors[7].t[k] = 0.0;
+        cofactors[8].t[k] = t16;
+        square[0].t[k] = t17 + t17;
+        reach[0].t[k] = t18 + t18 + (t19 + t19) + (t20 + t20);
+        reach[1].t[k] = k_10 * t4 + k_00 * t10 + (k_11 * t6 + k_01 * t12) + (k_12 * t8 + k_02 * t14);
+        reach[2].t[k] = t21 + t21 + (t22 + t22) + (t23 + t23);
+    }
+}
+
 /* `passive` with the derivatives of its outputs along directions of its inputs.  (66 add, 87 multiply, 9
  * divide, 3 square root, 6 arctangent) */
 KRHPR_STATIC void krhpr_subleg_tripteron_passive_tangent(

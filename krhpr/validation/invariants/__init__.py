@@ -6,6 +6,7 @@ functions of one target, at random configurations of a random geometry.
 
 from krhpr.validation.invariants import (
     forward,
+    indices,
     passive,
     position,
     singularities,
@@ -21,6 +22,7 @@ RUNNERS: dict[str, Runner] = {
     **velocity.RUNNERS,
     **statics.RUNNERS,
     **singularities.RUNNERS,
+    **indices.RUNNERS,
     **passive.RUNNERS,
     **forward.RUNNERS,
     **symmetries.RUNNERS,

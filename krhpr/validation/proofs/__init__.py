@@ -6,7 +6,16 @@ one random rational point holds everywhere, but for a chance that the next point
 """
 
 from krhpr.validation.outcome import Runner
-from krhpr.validation.proofs import approaches, assemblies, forward, platforms, robots, statics, sublegs
+from krhpr.validation.proofs import (
+    approaches,
+    assemblies,
+    forward,
+    indices,
+    platforms,
+    robots,
+    statics,
+    sublegs,
+)
 
 RUNNERS: dict[str, Runner] = {
     **sublegs.RUNNERS,
@@ -16,5 +25,6 @@ RUNNERS: dict[str, Runner] = {
     **statics.RUNNERS,
     **forward.RUNNERS,
     **approaches.RUNNERS,
+    **indices.RUNNERS,
 }
 """The code of each proof by its name in the plan."""

@@ -157,6 +157,23 @@ INVARIANTS = (
         ("singularity",),
     ),
     Rule(
+        "indices",
+        "indices",
+        ROUND_TRIP,
+        BATCH,
+        "The indices are singular values, by the SVD, of J^-1 K and of the M_i.",
+        ("jacobians", "subleg_jacobian"),
+    ),
+    Rule(
+        "bounds of the indices",
+        "index_bounds",
+        ROUND_TRIP,
+        BATCH,
+        "The bounds are Schatten norms by the SVD: not below the indices, and above them by less than is "
+        "stated.",
+        ("indices", "jacobians", "subleg_jacobian"),
+    ),
+    Rule(
         "assembly modes of the sub-leg",
         "subleg_forward_all",
         ROUND_TRIP,

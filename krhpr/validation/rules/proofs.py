@@ -77,6 +77,15 @@ SUBLEG_PROOFS = (
         "alone.",
     ),
     Proof(
+        "squares of M",
+        "gram",
+        EXACT,
+        MANY,
+        "M M^T has the characteristic polynomial of M turned anyhow, slides over the length; its inverse and "
+        "(N M)(N M)^T are exact.",
+        ("jacobian",),
+    ),
+    Proof(
         "accelerations",
         "bias",
         EXACT,
@@ -224,6 +233,15 @@ PLATFORM_PROOFS = (
         MANY,
         "J times the twist of `solve` gives the rates back, for any S_i; its guards are det J_a and det J_n, "
         "made dimensionless.",
+    ),
+    Proof(
+        "sensitivity",
+        "sensitivity",
+        EXACT,
+        MANY,
+        "The squares are those of both parts of J^-1 K in the platform frame, for any S_i; the guards are "
+        "those of `solve`.",
+        ("rows", "solve"),
     ),
     Proof(
         "determinant of J",
@@ -440,6 +458,14 @@ ROBOT_PROOFS = (
         FEW,
         "det J equals the product of its factors, det M those of the legs.",
         ("jacobians", "subleg_jacobian"),
+    ),
+    Proof(
+        "indices",
+        "indices",
+        BALL,
+        FEW,
+        "Squared, each index is an eigenvalue of U_p U_p^T, U_r U_r^T, M_i M_i^T or its inverse, and none is "
+        "larger; eta_3 is the largest ratio among the legs.",
     ),
     Proof(
         "type II of the redundant coordinates",

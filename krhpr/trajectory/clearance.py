@@ -1,0 +1,116 @@
+"""Distances between links: straight segments between joints, of the legs, the redundant links and the
+platform."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from krhpr.robot import Robot
+
+Floats = NDArray[np.float64]
+
+PLATFORM = "platform"
+REDUNDANT = "redundant link"
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A link between two points: places are (leg, row in `points`), row -1 the joint on the platform."""
+
+    name: str
+    start: tuple[int, int]
+    end: tuple[int, int]
+
+    def end_of(self, points: Any, which: int) -> Any:
+        """One end as a CasADi column, from the outputs of `link_points`."""
+        leg, row = (self.start, self.end)[which]
+        return (points[3][leg, :] if row < 0 else points[leg][row, :]).T
+
+    def ends(self, points: Floats, attachment: Floats) -> tuple[Floats, Floats]:
+        """Both ends (..., 3), from the arrays of `link_points`."""
+        places = [
+            attachment[..., leg, :] if row < 0 else points[..., leg, row, :]
+            for leg, row in (self.start, self.end)
+        ]
+        return places[0], places[1]
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two links that no joint joins."""
+
+    first: Segment
+    second: Segment
+
+    @property
+    def name(self) -> str:
+        """Both names."""
+        return f"{self.first.name} and {self.second.name}"
+
+
+def segments(robot: Robot) -> tuple[Segment, ...]:
+    """The links of the three legs, their redundant links where these have a length, and the platform's
+    edges."""
+    labels = robot.signature("link_points").outputs[0].labels
+    found = [
+        Segment(f"{name} of leg {leg + 1}", (leg, labels.index(start)), (leg, labels.index(end)))
+        for leg in range(3)
+        for name, _, start, end in robot.links
+    ]
+    if not robot.redundant_link:
+        return tuple(found)
+    last = len(labels) - 1  # S_i
+    found += [Segment(f"{REDUNDANT} of leg {leg + 1}", (leg, last), (leg, -1)) for leg in range(3)]
+    if robot.identifier.endswith("_a"):
+        found += [
+            Segment(f"{PLATFORM} edge {i + 1}-{j + 1}", (i, -1), (j, -1))
+            for i, j in combinations(range(3), 2)
+        ]
+    return tuple(found)
+
+
+def pairs(robot: Robot) -> tuple[Pair, ...]:
+    """Every pair of links that share no point."""
+    found = []
+    for a, b in combinations(segments(robot), 2):
+        if not {a.start, a.end} & {b.start, b.end}:
+            found.append(Pair(a, b))
+    return tuple(found)
+
+
+def separation(first: tuple[Floats, Floats], second: tuple[Floats, Floats]) -> Floats:
+    """The shortest vectors (..., 3) from points of the second segments to points of the first ones."""
+    a, u = first[0], first[1] - first[0]
+    b, v = second[0], second[1] - second[0]
+    w = a - b
+    uu, uv, vv = (np.einsum("...i,...i", x, y) for x, y in ((u, u), (u, v), (v, v)))
+    uw, vw = np.einsum("...i,...i", u, w), np.einsum("...i,...i", v, w)
+    det = uu * vv - uv**2
+    inner = np.clip(
+        np.where(det > 1e-12 * uu * vv, (uv * vw - vv * uw) / np.where(det > 0, det, 1.0), 0.0), 0, 1
+    )
+    best, least = None, None
+    # the closest points: inside both, or with one at an end
+    for s in (inner, np.zeros_like(inner), np.ones_like(inner)):
+        t = np.clip((uv * s + vw) / vv, 0, 1)
+        s = np.clip((uv * t - uw) / uu, 0, 1)
+        gap = w + s[..., None] * u - t[..., None] * v
+        size = np.einsum("...i,...i", gap, gap)
+        if best is None or least is None:
+            best, least = gap, size
+        else:
+            best = np.where((size < least)[..., None], gap, best)
+            least = np.minimum(size, least)
+    return np.asarray(best)
+
+
+def separations(robot: Robot, of: tuple[Pair, ...], points: Floats, attachment: Floats) -> Floats:
+    """The shortest vectors between the links of each pair (pairs, ..., 3)."""
+    return np.stack(
+        [separation(pair.first.ends(points, attachment), pair.second.ends(points, attachment)) for pair in of]
+    )

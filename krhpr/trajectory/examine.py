@@ -1,0 +1,182 @@
+"""A trajectory of the redundant coordinates held to its limits on a fine grid, and what it is worth."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from krhpr.trajectory.clearance import Pair, separations
+from krhpr.trajectory.paths import Motion, Path
+from krhpr.trajectory.point import PointFunctions, Quantity
+
+Floats = NDArray[np.float64]
+
+TOLERANCE = 1e-6
+"""By how much a quantity may be beyond its limit, relative to its scale."""
+
+
+class Coordinates(Protocol):
+    """Redundant coordinates as a function of time."""
+
+    def at(self, times: Floats, order: int = 0) -> Floats:
+        """Their values (n, 3), or their derivatives of an order."""
+
+
+@dataclass(frozen=True)
+class Lines:
+    """Redundant coordinates on straight lines between values (n, 3) at times (n)."""
+
+    times: Floats
+    values: Floats
+
+    def at(self, times: Floats, order: int = 0) -> Floats:
+        """Their values (n, 3), or their derivatives of an order."""
+        if order == 0:
+            return np.column_stack([np.interp(times, self.times, column) for column in self.values.T])
+        if order > 1:
+            return np.zeros((len(times), 3))
+        slopes = np.diff(self.values, axis=0) / np.diff(self.times)[:, None]
+        place = np.searchsorted(self.times, times, side="right") - 1
+        return np.asarray(slopes[np.clip(place, 0, len(slopes) - 1)])
+
+
+@dataclass(frozen=True)
+class Violation:
+    """A limit that is not kept: what, where it is worst, and by how much."""
+
+    name: str
+    unit: str
+    time: float
+    value: float
+    limit: float
+    relative: float
+    """Beyond the limit, relative to the quantity's scale."""
+
+    def __str__(self) -> str:
+        if np.isnan(self.value):
+            return f"{self.name} does not exist at {self.time:.4g} s"
+        return (
+            f"{self.name} is {self.value:.6g} at {self.time:.4g} s, beyond its limit {self.limit:.6g} by "
+            f"{abs(self.value - self.limit):.3g} {self.unit}"
+        )
+
+
+@dataclass(frozen=True)
+class Examined:
+    """A trajectory on a grid of times."""
+
+    motion: Motion
+    redundant: Floats
+    """(n, 3); rad or m."""
+    redundant_rate: Floats
+    theta: Floats
+    """(n, 3, actuators), without jumps of full turns."""
+    theta_rate: Floats
+    indices: dict[str, Floats]
+    """eta_1 (m), eta_2, eta_3 at each time: the true ones, not their bounds."""
+    integrals: dict[str, float]
+    """Over time, of eta_1^2 (m^2 s), eta_2^2 (s), log eta_3 (s)."""
+    objective: float
+    """The integral of the objective with the true indices."""
+    beyond: Floats
+    """How far quantities are beyond their limits, over their scales (n, quantities); negative inside."""
+    violations: tuple[Violation, ...]
+    """The worst of each quantity, the worst first."""
+    close: tuple[Pair, ...]
+    """Pairs of links that come too close."""
+
+    @property
+    def feasible(self) -> bool:
+        """Whether all limits are met."""
+        return not self.violations
+
+    @property
+    def worst(self) -> float:
+        """The largest relative violation; 0 where all limits are met."""
+        return max((one.relative for one in self.violations), default=0.0)
+
+
+def turns_along(point: PointFunctions, motion: Motion, redundant: Floats) -> tuple[Floats, Floats]:
+    """Joints along a trajectory without jumps (n, 3, actuators), and the full turns that were added (rad)."""
+    theta = np.asarray(point.robot.inverse(motion.p, motion.Q, redundant, mode=point.mode))
+    there = np.nan_to_num(theta)
+    unwrapped = np.where(point.robot.angular, np.unwrap(there, axis=0), there)
+    turns = 2 * np.pi * np.round((unwrapped - there) / (2 * np.pi))
+    return theta + turns, turns
+
+
+def examine(
+    point: PointFunctions, path: Path, coordinates: Coordinates, times: Floats, of: Sequence[Pair] = ()
+) -> Examined:
+    """Hold a trajectory to its limits at some times; `of` are the pairs of links to keep apart."""
+    robot, motion = point.robot, path.at(times)
+    redundant, rate = coordinates.at(times), coordinates.at(times, 1)
+    theta, turns = turns_along(point, motion, redundant)
+    at = (motion.p, motion.Q, robot.end_points(motion.p, motion.Q, redundant), theta)
+    theta_rate = np.asarray(robot.joint_rates(*at, motion.twist, rate))
+    found = robot.indices(*at, characteristic_length=point.length)
+    indices = {"eta_1": found.eta_1, "eta_2": found.eta_2, "eta_3": found.eta_3}
+    integrands = {
+        "eta_1^2": found.eta_1**2,
+        "eta_2^2": found.eta_2**2,
+        "log eta_3": np.log(found.eta_3),
+        "objective": point.objective.value(found.eta_1, found.eta_2, found.eta_3)
+        + point.objective.rates * (rate**2).sum(axis=1),
+    }
+    integrals = {name: float(np.trapezoid(values, times)) for name, values in integrands.items()}
+    orders = [coordinates.at(times, order) for order in range(point.order)]
+    z = np.column_stack([*orders, np.zeros((len(times), point.size - point.own))])
+    _, scaled = point.function.map(len(times))(z.T, point.parameters(motion, turns).T)
+    rows = [k for k, one in enumerate(point.quantities) if not one.of_pair]
+    quantities = [point.quantities[k] for k in rows]
+    values = scaled.full().T[:, rows]
+    violations, beyond = _violations(times, quantities, values)
+    box = [
+        Quantity(f"redundant coordinate of leg {leg + 1}", "rad or m", float(low), float(high))
+        for leg, (low, high) in enumerate(zip(*point.bounds.box(), strict=True))
+    ]
+    violations += _violations(times, box, redundant)[0]
+    close: list[Pair] = []
+    if of:
+        least = float(point.bounds.clearance or 0.0)
+        points = robot.link_points(*at)
+        gaps = np.linalg.norm(separations(robot, tuple(of), points.points, points.attachment), axis=-1)
+        apart = [Quantity(f"distance of {pair.name}", "m", least, scale=0.1) for pair in of]
+        short, _ = _violations(times, apart, gaps.T / 0.1)
+        violations += short
+        names = {one.name for one in short}
+        close = [pair for pair, one in zip(of, apart, strict=True) if one.name in names]
+    return Examined(
+        motion,
+        redundant,
+        rate,
+        theta,
+        theta_rate,
+        indices,
+        {name: value for name, value in integrals.items() if name != "objective"},
+        integrals["objective"],
+        beyond,
+        tuple(sorted(violations, key=lambda one: -one.relative)),
+        tuple(close),
+    )
+
+
+def _violations(times: Floats, quantities: Sequence[Quantity], scaled: Any) -> tuple[list[Violation], Floats]:
+    """The worst violation of each quantity from its values over its scale (n, quantities)."""
+    found, columns = [], []
+    for one, column in zip(quantities, np.asarray(scaled).T, strict=True):
+        low, high = one.low / one.scale, one.high / one.scale
+        with np.errstate(invalid="ignore"):
+            beyond = np.maximum(low - column, column - high)
+        beyond = np.where(np.isnan(column), np.inf, beyond)
+        columns.append(beyond)
+        k = int(np.argmax(beyond))
+        if beyond[k] > TOLERANCE:
+            limit = one.low if low - column[k] >= column[k] - high else one.high
+            value = float(column[k] * one.scale)
+            found.append(Violation(one.name, one.unit, float(times[k]), value, limit, float(beyond[k])))
+    return found, np.stack(columns, axis=1) if columns else np.zeros((len(times), 0))

@@ -1,0 +1,269 @@
+"""What an optimiser sees of the robot at one time: the integrand, and quantities with limits, as CasADi
+functions.
+
+Everything is made of the robot's generated CasADi functions, so that derivatives are exact.  Local variables
+`z` are the redundant coordinates, their rates, where accelerations are limited their second rates, and a
+vector for each pair of links to be kept apart.  Parameters `q` are the pose, the twist, its rate where
+needed, and full turns of the actuated joints.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from krhpr.errors import TrajectoryError
+from krhpr.robot import Robot
+from krhpr.trajectory.clearance import Pair
+from krhpr.trajectory.paths import Motion
+from krhpr.trajectory.terms import Bounds, Objective
+
+Floats = NDArray[np.float64]
+
+
+class NoClosedForm(TrajectoryError):
+    """A robot whose inverse kinematics has no closed form, and thus no CasADi function."""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Something with limits at each time; in the NLP it is divided by `scale`."""
+
+    name: str
+    unit: str
+    low: float = -np.inf
+    high: float = np.inf
+    scale: float = 1.0
+    leg: int | None = None
+    """The leg that it concerns alone (0 to 2)."""
+    moving: bool = False
+    """Whether it depends on rates."""
+    of_pair: bool = False
+    """Whether it keeps two links apart."""
+
+
+class PointFunctions:
+    """Integrand and quantities of a robot at one time, with an objective and limits."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        objective: Objective,
+        bounds: Bounds,
+        signs: Floats,
+        *,
+        mode: Any = None,
+        characteristic_length: float = 1.0,
+        pairs: tuple[Pair, ...] = (),
+    ) -> None:
+        """`signs` (3, factors) are those of the factors of det M_i that are to be kept."""
+        if "inverse" not in robot.casadi.names:
+            raise NoClosedForm(
+                f"{robot.name}: its inverse kinematics has no closed form and no CasADi function; "
+                "trajectories of such robots cannot be optimised"
+            )
+        self.robot, self.objective, self.bounds, self.signs = robot, objective, bounds, signs
+        self.mode, self.length, self.pairs = robot.mode_signs(mode), characteristic_length, pairs
+        self.accelerated = bounds.actuator_acceleration is not None
+        self.planar = robot.planar
+        self.actuators = robot.signature("inverse").outputs[0].labels
+        self.order = 3 if self.accelerated else 2
+        """Redundant coordinates and how many of their rates are local variables."""
+
+    def with_pairs(self, pairs: tuple[Pair, ...]) -> PointFunctions:
+        """The same with other pairs of links to keep apart."""
+        return PointFunctions(
+            self.robot,
+            self.objective,
+            self.bounds,
+            self.signs,
+            mode=self.mode,
+            characteristic_length=self.length,
+            pairs=pairs,
+        )
+
+    @property
+    def own(self) -> int:
+        """Local variables without those of pairs."""
+        return 3 * self.order
+
+    @property
+    def size(self) -> int:
+        """Local variables."""
+        return self.own + 3 * len(self.pairs)
+
+    def parameters(self, motion: Motion, turns: Floats) -> Floats:
+        """q (count, ...) at the times of a motion; `turns` (count, 3, n) are added to the actuated joints."""
+        count = len(motion.times)
+        pose = motion.Q[:, None] if self.planar else np.swapaxes(motion.Q, 1, 2).reshape(count, 9)
+        parts = [motion.p, pose, motion.twist, turns.reshape(count, -1)]
+        return np.column_stack([*parts, motion.twist_rate] if self.accelerated else parts)
+
+    @cached_property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """What the second output of `function` gives."""
+        return tuple(quantity for quantity, _ in self._made[1])
+
+    @cached_property
+    def function(self) -> Any:
+        """(z, q) -> (integrand, quantities over their scales)."""
+        import casadi as ca
+
+        z, q = self._symbols
+        integrand, rows = self._made
+        scaled = [value / quantity.scale for quantity, value in rows]
+        return ca.Function("point", [z, q], [integrand, ca.vertcat(*scaled)], ["z", "q"], ["f", "g"])
+
+    @cached_property
+    def slopes(self) -> Any:
+        """(z, q) -> (gradient of the integrand, dense Jacobian of the quantities)."""
+        import casadi as ca
+
+        z, q = self._symbols
+        f, g = self.function(z, q)
+        dense = [ca.densify(ca.gradient(f, z)), ca.densify(ca.jacobian(g, z))]
+        return ca.Function("slopes", [z, q], dense, ["z", "q"], ["df", "dg"])
+
+    @cached_property
+    def curvature(self) -> Any:
+        """(z, q, weight, multipliers) -> dense Hessian of weight f + multipliers g."""
+        import casadi as ca
+
+        z, q = self._symbols
+        f, g = self.function(z, q)
+        weight, multipliers = ca.SX.sym("weight"), ca.SX.sym("multipliers", g.numel())
+        hessian, _ = ca.hessian(weight * f + ca.dot(multipliers, g), z)
+        return ca.Function("curvature", [z, q, weight, multipliers], [ca.densify(hessian)])
+
+    # -- how they are made ----------------------------------------------------------------------------------
+
+    @cached_property
+    def _symbols(self) -> tuple[Any, Any]:
+        import casadi as ca
+
+        d, freedom = (2, 3) if self.planar else (3, 6)
+        count = d + (1 if self.planar else 9) + freedom + 3 * len(self.actuators)
+        return ca.SX.sym("z", self.size), ca.SX.sym("q", count + (freedom if self.accelerated else 0))
+
+    @cached_property
+    def _made(self) -> tuple[Any, list[tuple[Quantity, Any]]]:
+        import casadi as ca
+
+        z, q = self._symbols
+        f, d, freedom = self.robot.casadi, 2 if self.planar else 3, 3 if self.planar else 6
+        sizes = [d, 1 if self.planar else 9, freedom, 3 * len(self.actuators)]
+        p, pose, twist, turns, twist_rate = ca.vertsplit(q, [0, *np.cumsum(sizes).tolist(), q.numel()])
+        Q = pose if self.planar else ca.reshape(pose, 3, 3)
+        redundant, rates = z[:3], z[3:6]
+        s = f.end_points(p, Q, redundant)
+        given = [redundant, *([self.mode] if "mode" in f.inverse.name_in() else [])]
+        swivel = [ca.DM.zeros(3)] if "swivel" in f.inverse.name_in() else []
+        theta = f.inverse(p, Q, *given, *swivel)
+        at = (p, Q, s, theta)
+        length = [self.length] if "characteristic_length" in f.index_bounds.name_in() else []
+        eta_1, eta_2, eta_3 = f.index_bounds(*at, *length)
+        integrand = self.objective.value(eta_1, eta_2, eta_3, ca.log)
+        integrand = integrand + self.objective.rates * ca.sumsqr(rates)
+        unwrapped = theta + ca.reshape(turns, len(self.actuators), 3).T
+        theta_dot = f.joint_rates(*at, twist, rates, *swivel)
+        rows = [*self._of_singularity(f.singularity(*at)), *self._of_joints(unwrapped, at, rates, theta_dot)]
+        if self.accelerated:
+            theta_ddot = f.joint_accelerations(*at, twist, rates, theta_dot, twist_rate, z[6:9], *swivel)
+            rows += self._of_actuators(theta_ddot, "acceleration", self.bounds.actuator_acceleration, "/s^2")
+        if self.pairs:
+            rows += self._of_pairs(f.link_points(*at), z)
+        return integrand, rows
+
+    def _of_singularity(self, found: Any) -> list[tuple[Quantity, Any]]:
+        _, factors, _, margins = found
+        ports = {port.name: port.labels for port in self.robot.signature("singularity").outputs}
+        rows = [
+            (Quantity(f"margin of {label}", "1", low), margins[k])
+            for k, (label, low) in enumerate(zip(ports["margins"], self.bounds.margins, strict=False))
+        ]
+        for name, low in self.bounds.factors.items():
+            k = ports["factors"].index(name)
+            for leg in range(3):
+                value = float(self.signs[leg, k]) * factors[leg, k]
+                rows.append((Quantity(f"factor {name} of leg {leg + 1}", "1", low, leg=leg), value))
+        return rows
+
+    def _of_joints(self, theta: Any, at: tuple[Any, ...], rates: Any, theta_dot: Any) -> list[Any]:
+        limits, rows = self.robot.limits, []
+        for k, name in enumerate(self.actuators):
+            for leg in range(3) if name in limits.actuators else ():
+                low, high = limits.actuators[name][leg].low, limits.actuators[name][leg].high
+                rows.append(
+                    (Quantity(f"{name} of leg {leg + 1}", "rad or m", low, high, leg=leg), theta[leg, k])
+                )
+        if (most := self.bounds.redundant_rate) is not None:
+            rows += [
+                (
+                    Quantity(
+                        f"redundant rate of leg {leg + 1}", "rad/s or m/s", -most, most, most, leg, True
+                    ),
+                    rates[leg],
+                )
+                for leg in range(3)
+            ]
+        rows += self._of_actuators(theta_dot, "rate", self.bounds.actuator_rate, "/s")
+        return rows + self._of_spheres(at)
+
+    def _of_actuators(self, value: Any, what: str, most: float | None, unit: str) -> list[Any]:
+        if most is None:
+            return []
+        return [
+            (
+                Quantity(
+                    f"{what} of {name}, leg {leg + 1}", f"rad{unit} or m{unit}", -most, most, most, leg, True
+                ),
+                value[leg, k],
+            )
+            for leg in range(3)
+            for k, name in enumerate(self.actuators)
+        ]
+
+    def _of_spheres(self, at: tuple[Any, ...]) -> list[Any]:
+        import casadi as ca
+
+        cones: list[list[tuple[float, Any, Any]]] = [[], [], []]
+        if self.bounds.cone is not None:
+            for cone in cones:
+                cone.append((self.bounds.cone, (1.0, 0.0, 0.0), (1.0, 0.0, 0.0)))
+        for leg, limit in enumerate(self.robot.limits.spherical or ()):
+            cones[leg].append((limit.tilt, limit.socket, limit.stud))
+        if not any(cones):
+            return []
+        passive = self.robot.casadi.passive_joints
+        found = dict(zip(passive.name_out(), passive(*at), strict=True))
+        rows = []
+        for leg, of_leg in enumerate(cones):
+            for tilt, socket, stud in of_leg:
+                cosine = ca.dot(ca.DM(socket), found[f"spherical{leg + 1}"] @ ca.DM(stud))
+                name = f"cosine of the spherical joint's angle, leg {leg + 1}"
+                rows.append((Quantity(name, "1", float(np.cos(tilt)), leg=leg), cosine))
+        return rows
+
+    def _of_pairs(self, points: Any, z: Any) -> list[Any]:
+        """An exact and smooth form: a vector n of length one or less with n (x - y) above the distance."""
+        import casadi as ca
+
+        least, rows = float(self.bounds.clearance or 0.0), []
+        for index, pair in enumerate(self.pairs):
+            start = self.own + 3 * index
+            n = z[start : start + 3]
+            rows.append((Quantity(f"separator of {pair.name}", "1", high=1.0, of_pair=True), ca.sumsqr(n)))
+            ends = [[link.end_of(points, end) for end in (0, 1)] for link in (pair.first, pair.second)]
+            rows += [
+                (
+                    Quantity(f"distance of {pair.name}", "m", low=least, scale=0.1, of_pair=True),
+                    ca.dot(n, x - y),
+                )
+                for x in ends[0]
+                for y in ends[1]
+            ]
+        return rows

@@ -1,0 +1,133 @@
+"""The global start: dynamic programming over a grid of redundant coordinates.
+
+Each leg's joints depend on its own redundant coordinate alone, so that rates of joints and redundant
+coordinates limit the steps of each leg by itself; what joins the legs is the objective and the margins at
+each node.  Limits that are not met cost much in place of being forbidden, so that there always is a path:
+the least infeasible one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from krhpr.trajectory.paths import Motion, Path
+from krhpr.trajectory.point import PointFunctions
+
+Floats = NDArray[np.float64]
+
+POINTS = 13
+"""Grid points for each leg."""
+PENALTY = 1e3
+"""Cost of a violation as large as a limit, in units of the objective's median."""
+
+
+@dataclass(frozen=True)
+class Start:
+    """Redundant coordinates (n, 3) at times (n), and by how much they violate limits (relative; 0 for
+    none)."""
+
+    times: Floats
+    redundant: Floats
+    violation: float
+
+
+def global_start(point: PointFunctions, path: Path, stages: int = 31, points: int = POINTS) -> Start:
+    """The best path over a grid of `points` values for each leg, at up to `stages` times."""
+    low, high = point.bounds.box()
+    grid = np.linspace(low, high, points)  # (points, 3)
+    step, rate = float((high - low).max()) / (points - 1), point.bounds.redundant_rate
+    if rate is not None and step > 0:  # a step of the grid takes some time
+        stages = max(4, min(stages, int(path.duration / (1.5 * step / rate)) + 1))
+    motion = path.at(np.linspace(path.times[0], path.times[-1], stages))
+    theta = point.robot.inverse(motion.p[:, None], motion.Q[:, None], grid, mode=point.mode)
+    nodes, violation = _nodes(point, motion, grid, theta)
+    moves = [_moves(point, grid[:, leg], theta[:, :, leg], motion.times) for leg in range(3)]
+    choice = _cheapest(nodes, moves)
+    worst = max(float(violation[k][tuple(index)]) for k, index in enumerate(choice))
+    found = np.stack([grid[choice[:, leg], leg] for leg in range(3)], axis=1)
+    return Start(motion.times, found, worst)
+
+
+def _nodes(point: PointFunctions, motion: Motion, grid: Floats, theta: Floats) -> tuple[Floats, Floats]:
+    """Cost and violation at every node (stages, points, points, points)."""
+    robot, (stages, points) = point.robot, theta.shape[:2]
+    index = np.stack(np.meshgrid(*[np.arange(points)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    mesh = np.stack([grid[index[:, leg], leg] for leg in range(3)], axis=-1)
+    p, Q = motion.p[:, None], motion.Q[:, None]
+    joints = np.stack([theta[:, index[:, leg], leg] for leg in range(3)], axis=2)
+    found = robot.index_bounds(p, Q, robot.end_points(p, Q, mesh), joints, characteristic_length=point.length)
+    with np.errstate(all="ignore"):
+        cost = np.asarray(point.objective.value(found.eta_1, found.eta_2, found.eta_3))
+    violation = np.zeros(cost.shape)
+    margins = robot.type_2_of_redundant(mesh).margins
+    for k, least in enumerate(point.bounds.margins):
+        violation += np.maximum(least - margins[:, k], 0) / max(abs(least), 1e-9)
+    single = _of_legs(point, motion, grid)
+    for leg in range(3):
+        violation += single[:, index[:, leg], leg]
+    there = np.isfinite(cost)
+    unit = float(np.median(cost[there])) if there.any() else 1.0
+    nodes = np.where(there, cost / (unit or 1.0) + PENALTY * violation, 1e3 * PENALTY)
+    shape = (stages, points, points, points)
+    return nodes.reshape(shape), np.where(there, violation, np.inf).reshape(shape)
+
+
+def _of_legs(point: PointFunctions, motion: Motion, grid: Floats) -> Floats:
+    """Violations of limits that concern one leg at rest (stages, points, 3)."""
+    stages, points = len(motion.times), len(grid)
+    q = point.parameters(motion, np.zeros((stages, 3, len(point.actuators))))
+    z = np.zeros((point.size, stages * points))
+    z[:3] = np.tile(grid.T, stages)  # all legs at the same place of the grid
+    _, scaled = point.function.map(stages * points)(z, np.repeat(q.T, points, axis=1))
+    values = scaled.full().reshape(-1, stages, points)
+    total = np.zeros((stages, points, 3))
+    for value, one in zip(values, point.quantities, strict=True):
+        if one.leg is None or one.moving:
+            continue
+        low, high = one.low / one.scale, one.high / one.scale
+        size = max(abs(x) for x in (low, high) if np.isfinite(x))
+        beyond = np.maximum(np.maximum(low - value, value - high), 0) / max(size, 1e-9)
+        total[..., one.leg] += np.where(np.isnan(beyond), 1e3, beyond)
+    return total
+
+
+def _moves(point: PointFunctions, grid: Floats, theta: Floats, times: Floats) -> Floats:
+    """Costs of one leg's steps from a grid point to another, (stages - 1, from, to)."""
+    step = np.diff(times)[:, None, None]
+    rate = np.abs(grid[None, :, None] - grid[None, None, :]) / step
+    cost = point.objective.rates * rate**2 * step
+    if (most := point.bounds.redundant_rate) is not None:
+        cost = cost + PENALTY * np.maximum(rate / most - 1 - 1e-9, 0)
+    if (most := point.bounds.actuator_rate) is not None:
+        change = theta[1:, None, :, :] - theta[:-1, :, None, :]
+        change = np.where(point.robot.angular, np.arctan2(np.sin(change), np.cos(change)), change)
+        fastest = np.abs(change).max(axis=-1) / step
+        cost = cost + PENALTY * np.nan_to_num(np.maximum(fastest / most - 1, 0), nan=1e3)
+    return np.asarray(cost)
+
+
+def _cheapest(nodes: Floats, moves: list[Floats]) -> NDArray[np.int64]:
+    """Indices (stages, 3) of the cheapest path: steps of the legs add up, so each is minimised by itself."""
+    stages, count = nodes.shape[0], nodes.shape[1]
+    total, choices = nodes[0], []
+    for k in range(1, stages):
+        chosen = []
+        for leg in range(3):
+            # (..., from) + (from, to) over the leg's axis
+            axis = np.moveaxis(total, leg, -1)
+            options = axis[..., :, None] + moves[leg][k - 1]
+            chosen.append(np.moveaxis(options.argmin(axis=-2), -1, leg))
+            total = np.moveaxis(options.min(axis=-2), -1, leg)
+        choices.append(chosen)
+        total = total + nodes[k]
+    index = list(np.unravel_index(int(total.argmin()), (count,) * 3))
+    path = [tuple(int(i) for i in index)]
+    for chosen in reversed(choices):
+        at = list(path[-1])
+        for leg in (2, 1, 0):  # the last leg was minimised last
+            at[leg] = int(chosen[leg][tuple(at)])
+        path.append(tuple(at))
+    return np.array(path[::-1])

@@ -1,0 +1,247 @@
+"""The nonlinear programme of a trajectory: a cubic B-spline of the redundant coordinates, and IPOPT.
+
+Objective and constraints are sums and stacks of one small function of the redundant coordinates and their
+rates at each sample, which depend on few of the spline's coefficients.  Its first and second derivatives are
+taken once, in CasADi, evaluated at all samples and put in their places by sparse matrices that do not change.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from krhpr.trajectory.clearance import Pair
+from krhpr.trajectory.point import PointFunctions
+
+Floats = NDArray[np.float64]
+
+DEGREE = 3
+"""Of the spline: redundant coordinates have continuous accelerations."""
+
+WARM = {
+    "warm_start_init_point": "yes",
+    "mu_init": 1e-6,
+    "warm_start_bound_push": 1e-9,
+    "warm_start_bound_frac": 1e-9,
+    "warm_start_slack_bound_push": 1e-9,
+    "warm_start_slack_bound_frac": 1e-9,
+    "warm_start_mult_bound_push": 1e-9,
+}
+"""Options of IPOPT where it starts next to a solution."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Redundant coordinates as a cubic B-spline over equal intervals of time."""
+
+    knots: Floats
+    """With the ends repeated; seconds."""
+    coefficients: Floats
+    """(intervals + 3, 3)."""
+
+    def at(self, times: Floats, order: int = 0) -> Floats:
+        """Redundant coordinates (n, 3), or their derivatives of an order, at times (n)."""
+        from scipy.interpolate import BSpline
+
+        spline = BSpline(self.knots, self.coefficients, DEGREE)
+        values = spline(np.clip(times, self.knots[0], self.knots[-1]), nu=order)
+        return np.asarray(values, dtype=float)
+
+    @property
+    def intervals(self) -> int:
+        """Intervals of time."""
+        return len(self.coefficients) - DEGREE
+
+    @classmethod
+    def near(cls, start: float, end: float, intervals: int, times: Floats, values: Floats) -> Curve:
+        """The spline nearest to values (n, 3) at times (n), joined by straight lines between them."""
+        knots = uniform_knots(start, end, intervals)
+        dense = np.linspace(start, end, 8 * intervals + 1)
+        wanted = np.column_stack([np.interp(dense, times, column) for column in values.T])
+        fitted, *_ = np.linalg.lstsq(basis(knots, dense), wanted, rcond=None)
+        return cls(knots, fitted)
+
+
+def uniform_knots(start: float, end: float, intervals: int) -> Floats:
+    """Knots of a spline that begins and ends in its outer coefficients."""
+    inner = np.linspace(start, end, intervals + 1)
+    return np.concatenate([[start] * DEGREE, inner, [end] * DEGREE])
+
+
+def basis(knots: Floats, times: Floats, order: int = 0) -> Floats:
+    """Derivatives of an order of every basis function (times, coefficients)."""
+    from scipy.interpolate import BSpline
+
+    count = len(knots) - DEGREE - 1
+    return np.asarray(BSpline(knots, np.eye(count), DEGREE)(times, nu=order), dtype=float)
+
+
+@dataclass(frozen=True)
+class Solved:
+    """What the solver found."""
+
+    curve: Curve
+    separators: Floats
+    """Vectors of pairs of links (samples, pairs, 3)."""
+    converged: bool
+    message: str
+    iterations: int
+    state: tuple[Any, Any, Any]
+    """Variables and multipliers, from which the next solution starts."""
+    pairs: tuple[Pair, ...]
+    """Pairs of links that were kept apart."""
+    tighter: Floats
+    """By how much quantities had to be inside their limits (samples, quantities)."""
+
+
+class Programme:
+    """The NLP of a robot's point functions over samples of a path."""
+
+    def __init__(self, point: PointFunctions, knots: Floats, times: Floats, options: dict[str, Any]) -> None:
+        import casadi as ca
+
+        self.point, self.knots, self.times = point, knots, times
+        count = len(times)
+        coefficients = len(knots) - DEGREE - 1
+        self._main = 3 * coefficients
+        size = self._main + 3 * len(point.pairs) * count
+        places = self._places(size)
+        X, Q, weights = (
+            ca.MX.sym("x", size),
+            ca.MX.sym("q", point.function.size1_in(1), count),
+            ca.MX.sym("w", count),
+        )
+        p = ca.vertcat(ca.vec(Q), weights)
+        Z = ca.reshape(places @ X, point.size, count)
+        f, g = point.function.map(count)(Z, Q)
+        value = ca.dot(weights, ca.vec(f))
+        df, dg = point.slopes.map(count)(Z, Q)
+        rows, columns = point.function.size1_out(1), point.size
+        gradient = places.T @ ca.vec(df @ ca.diag(weights))
+        blocks = ca.diagcat(*[ca.Sparsity.dense(rows, columns)] * count)
+        jacobian = ca.mtimes(ca.MX(blocks, ca.vec(dg)), places)
+        weight, multipliers = ca.MX.sym("weight"), ca.MX.sym("multipliers", rows * count)
+        bent = point.curvature.map(count)(Z, Q, weight * weights.T, ca.reshape(multipliers, rows, count))
+        squares = ca.diagcat(*[ca.Sparsity.dense(columns, columns)] * count)
+        hessian = ca.triu(ca.mtimes([places.T, ca.MX(squares, ca.vec(bent)), places]))
+        given = {
+            "grad_f": ca.Function("grad_f", [X, p], [value, gradient], ["x", "p"], ["f", "grad:f:x"]),
+            "jac_g": ca.Function("jac_g", [X, p], [ca.vec(g), jacobian], ["x", "p"], ["g", "jac:g:x"]),
+            "hess_lag": ca.Function(
+                "hess_lag",
+                [X, p, weight, multipliers],
+                [hessian],
+                ["x", "p", "lam:f", "lam:g"],
+                ["triu:hess:gamma:x:x"],
+            ),
+        }
+        quiet = {"print_level": 0, "sb": "yes", **options}
+        self._nlp, self._count = {"x": X, "p": p, "f": value, "g": ca.vec(g)}, count
+        self._options: dict[bool, dict[str, Any]] = {
+            warm: {
+                "ipopt": {**quiet, **(WARM if warm else {})},
+                "print_time": False,
+                "show_eval_warnings": False,
+                **given,
+            }
+            for warm in (False, True)
+        }
+        self._solvers: dict[bool, Any] = {}
+
+    def _places(self, size: int) -> Any:
+        """The matrix from the programme's variables to those of every sample."""
+        import casadi as ca
+
+        point, count = self.point, len(self.times)
+        rows: list[int] = []
+        columns: list[int] = []
+        values: list[float] = []
+        for order in range(point.order):
+            table = basis(self.knots, self.times, order)
+            for k, j in zip(*np.nonzero(table), strict=True):
+                for leg in range(3):
+                    rows.append(int(k) * point.size + 3 * order + leg)
+                    columns.append(3 * int(j) + leg)
+                    values.append(float(table[k, j]))
+        extra = 3 * len(point.pairs)
+        for k in range(count):
+            for i in range(extra):
+                rows.append(k * point.size + point.own + i)
+                columns.append(self._main + k * extra + i)
+                values.append(1.0)
+        return ca.DM.triplet(rows, columns, ca.DM(values), point.size * count, size)
+
+    def fits(self, former: Solved) -> bool:
+        """Whether this programme has the variables and quantities of a former solution."""
+        sizes = [former.state[0].numel(), former.state[2].numel()]
+        return sizes == [self._nlp["x"].numel(), self._nlp["g"].numel()]
+
+    def solve(
+        self,
+        q: Floats,
+        weights: Floats,
+        start: Curve,
+        separators: Floats,
+        tighter: Floats,
+        former: Solved | None = None,
+    ) -> Solved:
+        """Solve it.
+
+        Args:
+            q: parameters of the point functions (samples, ...).
+            weights: of the samples in the integral (samples).
+            start: where to begin.
+            separators: vectors of pairs to begin with (samples, pairs, 3).
+            tighter: by how much quantities must be inside their limits, over their scales (samples,
+                quantities).
+            former: a solution whose variables and multipliers to start from in place of `start`.
+        """
+        low, high = self.limits(tighter)
+        box = self.point.bounds.box()
+        first = np.concatenate([start.coefficients.ravel(), separators.ravel()])
+        free = np.full(len(first) - self._main, np.inf)
+        coefficients = self._main // 3
+        arguments = {
+            "x0": first,
+            "p": np.concatenate([q.ravel(), weights]),
+            "lbx": np.concatenate([np.tile(box[0], coefficients), -free]),
+            "ubx": np.concatenate([np.tile(box[1], coefficients), free]),
+            "lbg": low.ravel(),
+            "ubg": high.ravel(),
+        }
+        if former is not None:
+            x, of_x, of_g = former.state
+            arguments |= {"x0": x, "lam_x0": of_x, "lam_g0": of_g}
+        solver = self._solver(former is not None)
+        found = solver(**arguments)
+        stats = solver.stats()
+        x = found["x"].full().ravel()
+        curve = Curve(self.knots, x[: self._main].reshape(-1, 3))
+        return Solved(
+            curve,
+            x[self._main :].reshape(self._count, -1, 3) if self.point.pairs else separators,
+            bool(stats["success"]),
+            str(stats["return_status"]),
+            int(stats["iter_count"]),
+            (found["x"], found["lam_x"], found["lam_g"]),
+            self.point.pairs,
+            tighter.copy(),
+        )
+
+    def _solver(self, warm: bool) -> Any:
+        import casadi as ca
+
+        if warm not in self._solvers:
+            self._solvers[warm] = ca.nlpsol("trajectory", "ipopt", self._nlp, self._options[warm])
+        return self._solvers[warm]
+
+    def limits(self, tighter: Floats) -> tuple[Floats, Floats]:
+        """Limits of the quantities at every sample, over their scales."""
+        quantities = self.point.quantities
+        low, high = (
+            np.array([getattr(one, side) / one.scale for one in quantities]) for side in ("low", "high")
+        )
+        return low + tighter, high - tighter
