@@ -170,7 +170,7 @@ def _exchanged(port: Port, value: Floats, order: tuple[int, ...], parity: float)
     """
     if port.name in ("type_2", "margins", "side"):
         return value * parity
-    if port.name in ("redundant", "measured") and port.layout is Layout.SHARED:
+    if port.name in ("redundant", "measured", "condition") and port.layout is Layout.SHARED:
         return value[..., list(order)]
     if port.name == "mismatch":
         pairs = list(combinations(range(LEGS), 2))
