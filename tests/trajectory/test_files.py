@@ -73,7 +73,7 @@ def test_a_planar_file_with_slides(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (("method: scan", "method: scam"), "line 8: method: found scam; did you mean scan"),
+        (("method: scan", "method: scam"), "line 9: method: found scam; did you mean scan"),
         (("time: 2.5", "time: 0"), "way_points: there: times must increase; way-point 2 is at 0 s"),
         (("eta_2: 0.12", "eta_4: 0.12"), "line 6: objective: no objective is called 'eta_4'"),
         (
