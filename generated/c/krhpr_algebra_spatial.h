@@ -183,8 +183,8 @@ KRHPR_STATIC void krhpr_algebra_spatial_spread(
     const double t55 = (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0) * (h_f * (h_f * h_f));
     const double h_s = t53 + (1.0 / 108.0) * (t54 * t54) + t55;
     const double h_t = (1.0 / 3.0) * krhpr_atan2(sqrt(h_s), h_q);
-    *largest = g_m + 2.0 * sqrt(g_p) * cos(g_t);
-    *smallest = square / (h_m + 2.0 * sqrt(h_p) * cos(h_t));
+    *largest = g_m + 2.0 * sqrt(g_p) * krhpr_cos(g_t);
+    *smallest = square / (h_m + 2.0 * sqrt(h_p) * krhpr_cos(h_t));
 }
 
 /* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (88 add, 114
@@ -363,8 +363,8 @@ KRHPR_STATIC void krhpr_algebra_spatial_norms(
     const double r_s = t56 + (1.0 / 108.0) * (t57 * t57) + t58;
     const double r_t = (1.0 / 3.0) * krhpr_atan2(sqrt(r_s), r_q);
     const double t59 = krhpr_max(krhpr_max(largest[0], largest[1]), largest[2]) / krhpr_min(krhpr_min(smallest[0], smallest[1]), smallest[2]);
-    *eta_1 = sqrt(p_m + 2.0 * sqrt(p_p) * cos(p_t));
-    *eta_2 = sqrt(r_m + 2.0 * sqrt(r_p) * cos(r_t));
+    *eta_1 = sqrt(p_m + 2.0 * sqrt(p_p) * krhpr_cos(p_t));
+    *eta_2 = sqrt(r_m + 2.0 * sqrt(r_p) * krhpr_cos(r_t));
     *eta_3 = sqrt(t59);
     condition[0] = sqrt(largest[0] / smallest[0]);
     condition[1] = sqrt(largest[1] / smallest[1]);
