@@ -96,16 +96,11 @@ def _rotation() -> Kernel:
 
 
 def _spread(space: Space) -> Kernel:
-    k = KernelWriter(
-        "spread", "Largest and smallest singular value of M, squared, and its condition number.", "1.8"
-    )
+    k = KernelWriter("spread", "Largest and smallest singular value of M, squared.", "1.8")
     gram, minors, square = _squares(k, space)
-    largest = k.let("largest", largest_eigenvalue(k, "g", gram))
+    k.output("largest", largest_eigenvalue(k, "g", gram), Unit.MIXED)
     # by the inverse: near a singularity the difference of squares would leave no digits
-    smallest = k.let("smallest", square / largest_eigenvalue(k, "h", minors))
-    k.output("largest", largest, Unit.MIXED)
-    k.output("smallest", smallest, Unit.MIXED)
-    k.output("condition", sp.sqrt(largest / smallest))
+    k.output("smallest", square / largest_eigenvalue(k, "h", minors), Unit.MIXED)
     return k.kernel()
 
 
@@ -136,6 +131,8 @@ def _norms(space: Space) -> Kernel:
     k.output("eta_1", sp.sqrt(largest_eigenvalue(k, "p", position)), Unit.METRE)
     k.output("eta_2", sp.sqrt(largest_eigenvalue(k, "r", rotation)))
     k.output("eta_3", sp.sqrt(k.maximum(*largest) / k.minimum(*smallest)))
+    ratios = [sp.sqrt(high / low) for high, low in zip(largest, smallest, strict=True)]
+    k.output("condition", sp.Matrix(ratios), doc="condition numbers of M_1, M_2, M_3")
     return k.kernel()
 
 

@@ -463,7 +463,7 @@ class _Functions(ForwardFunctions, StaticsFunctions, GripperFunctions):
     # -- indices --------------------------------------------------------------------------------------------
 
     def _indices(self) -> RobotFunction:
-        condition = Port("condition", (), Unit.NONE, Frame.NONE, "condition numbers of M_i", Layout.STACKED)
+        condition = Port("condition", (3,), Unit.NONE, Frame.NONE, "condition numbers of M_1, M_2, M_3")
         return self._index_function(
             "indices",
             "The performance indices: 2-norms of both parts of U = J^-1 K, and condition numbers.  They have "
@@ -519,7 +519,6 @@ class _Functions(ForwardFunctions, StaticsFunctions, GripperFunctions):
             Call(Stage.PLATFORM, "platform", "sensitivity", {}, {"regularity": "det_regularity"}),
             Call(Stage.PLATFORM, "algebra", kernels[1], {}, {}),
         )
-        platform = tuple(replace(guard, spoils=("eta_1", "eta_2")) for guard in self._platform_guards())
         length = (self.leg.characteristic_length,) if self.robot.subleg.slides else ()
         return self._function(
             name,
@@ -528,5 +527,5 @@ class _Functions(ForwardFunctions, StaticsFunctions, GripperFunctions):
             (*self.pose, self.leg.s, self.leg.theta, *length),
             (*outputs, *more),
             calls,
-            (*self._parallel_guard(), *platform),
+            (*self._parallel_guard(), *self._platform_guards()),
         )

@@ -67,23 +67,20 @@ KRHPR_STATIC void krhpr_algebra_planar_rotation(
     Q[3] = cosine[0];
 }
 
-/* Largest and smallest singular value of M, squared, and its condition number.  Thesis: 1.8.  (8 add, 8
- * multiply, 2 divide, 3 square root) */
+/* Largest and smallest singular value of M, squared.  Thesis: 1.8.  (8 add, 8 multiply, 1 divide, 2 square
+ * root) */
 KRHPR_STATIC void krhpr_algebra_planar_spread(
     const double gram[4], const double cofactors[4], double square, double *KRHPR_RESTRICT largest,
-    double *KRHPR_RESTRICT smallest, double *KRHPR_RESTRICT condition)
+    double *KRHPR_RESTRICT smallest)
 {
     const double t1 = gram[0] * 0.5;
     const double t2 = gram[3] * 0.5;
     const double g_h = t1 - t2;
-    const double largest_a = t2 + (t1 + sqrt(g_h * g_h + gram[1] * gram[1]));
     const double t3 = cofactors[0] * 0.5;
     const double t4 = cofactors[3] * 0.5;
     const double h_h = t3 - t4;
-    const double smallest_a = square / (t4 + (t3 + sqrt(cofactors[1] * cofactors[1] + h_h * h_h)));
-    *largest = largest_a;
-    *smallest = smallest_a;
-    *condition = sqrt(largest_a / smallest_a);
+    *largest = t2 + (t1 + sqrt(g_h * g_h + gram[1] * gram[1]));
+    *smallest = square / (t4 + (t3 + sqrt(cofactors[1] * cofactors[1] + h_h * h_h)));
 }
 
 /* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (22 add, 36
@@ -125,11 +122,11 @@ KRHPR_STATIC void krhpr_algebra_planar_spread_bound(
 }
 
 /* The indices: 2-norms of both parts of U = J^-1 K, condition number of J_1.  Thesis: 1.8, 4.2.2.  (4 add,
- * 4 multiply, 1 divide, 4 square root, 4 select) */
+ * 4 multiply, 4 divide, 7 square root, 4 select) */
 KRHPR_STATIC void krhpr_algebra_planar_norms(
     const double position_gram[4], const double rotation_gram[1], const double largest[3],
     const double smallest[3], double *KRHPR_RESTRICT eta_1, double *KRHPR_RESTRICT eta_2,
-    double *KRHPR_RESTRICT eta_3)
+    double *KRHPR_RESTRICT eta_3, double *KRHPR_RESTRICT condition)
 {
     const double t1 = position_gram[0] * 0.5;
     const double t2 = position_gram[3] * 0.5;
@@ -138,6 +135,9 @@ KRHPR_STATIC void krhpr_algebra_planar_norms(
     *eta_1 = sqrt(t2 + (t1 + sqrt(p_h * p_h + position_gram[1] * position_gram[1])));
     *eta_2 = sqrt(rotation_gram[0]);
     *eta_3 = sqrt(t3);
+    condition[0] = sqrt(largest[0] / smallest[0]);
+    condition[1] = sqrt(largest[1] / smallest[1]);
+    condition[2] = sqrt(largest[2] / smallest[2]);
 }
 
 /* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (15 add, 37 multiply, 3

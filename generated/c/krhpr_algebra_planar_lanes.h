@@ -67,24 +67,21 @@ KRHPR_INLINE void krhpr_algebra_planar_rotation_lanes(
     Q[3] = cosine[0];
 }
 
-/* Largest and smallest singular value of M, squared, and its condition number.  Thesis: 1.8.  (8 add, 8
- * multiply, 2 divide, 3 square root) */
+/* Largest and smallest singular value of M, squared.  Thesis: 1.8.  (8 add, 8 multiply, 1 divide, 2 square
+ * root) */
 KRHPR_INLINE void krhpr_algebra_planar_spread_lanes(
     const krhpr_lanes_at gram[4], const krhpr_lanes_at cofactors[4], krhpr_lanes square,
-    krhpr_lanes_at *KRHPR_RESTRICT largest, krhpr_lanes_at *KRHPR_RESTRICT smallest,
-    krhpr_lanes_at *KRHPR_RESTRICT condition)
+    krhpr_lanes_at *KRHPR_RESTRICT largest, krhpr_lanes_at *KRHPR_RESTRICT smallest)
 {
     const krhpr_lanes t1 = gram[0] * 0.5;
     const krhpr_lanes t2 = gram[3] * 0.5;
     const krhpr_lanes g_h = t1 - t2;
-    const krhpr_lanes largest_a = t2 + (t1 + krhpr_lanes_sqrt(g_h * g_h + gram[1] * gram[1]));
     const krhpr_lanes t3 = cofactors[0] * 0.5;
     const krhpr_lanes t4 = cofactors[3] * 0.5;
     const krhpr_lanes h_h = t3 - t4;
     const krhpr_lanes smallest_a = square / (t4 + (t3 + krhpr_lanes_sqrt(cofactors[1] * cofactors[1] + h_h * h_h)));
-    *largest = largest_a;
+    *largest = t2 + (t1 + krhpr_lanes_sqrt(g_h * g_h + gram[1] * gram[1]));
     *smallest = smallest_a;
-    *condition = krhpr_lanes_sqrt(largest_a / smallest_a);
 }
 
 /* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (22 add, 36
@@ -126,11 +123,12 @@ KRHPR_INLINE void krhpr_algebra_planar_spread_bound_lanes(
 }
 
 /* The indices: 2-norms of both parts of U = J^-1 K, condition number of J_1.  Thesis: 1.8, 4.2.2.  (4 add,
- * 4 multiply, 1 divide, 4 square root, 4 select) */
+ * 4 multiply, 4 divide, 7 square root, 4 select) */
 KRHPR_INLINE void krhpr_algebra_planar_norms_lanes(
     const krhpr_lanes_at position_gram[4], const krhpr_lanes_at rotation_gram[1],
     const krhpr_lanes_at largest[3], const krhpr_lanes_at smallest[3], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
-    krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3)
+    krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3,
+    krhpr_lanes_at *KRHPR_RESTRICT condition)
 {
     const krhpr_lanes t1 = position_gram[0] * 0.5;
     const krhpr_lanes t2 = position_gram[3] * 0.5;
@@ -140,6 +138,9 @@ KRHPR_INLINE void krhpr_algebra_planar_norms_lanes(
     *eta_1 = eta_1_a;
     *eta_2 = krhpr_lanes_sqrt(rotation_gram[0]);
     *eta_3 = krhpr_lanes_sqrt(t3);
+    condition[0] = krhpr_lanes_sqrt(largest[0] / smallest[0]);
+    condition[1] = krhpr_lanes_sqrt(largest[1] / smallest[1]);
+    condition[2] = krhpr_lanes_sqrt(largest[2] / smallest[2]);
 }
 
 /* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (15 add, 37 multiply, 3

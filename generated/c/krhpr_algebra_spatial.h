@@ -80,11 +80,11 @@ KRHPR_STATIC void krhpr_algebra_spatial_rotation_error(const double Q[9], double
     *error = krhpr_max(t3, t4);
 }
 
-/* Largest and smallest singular value of M, squared, and its condition number.  Thesis: 1.8.  (128 add, 208
- * multiply, 2 divide, 5 square root, 2 sine cosine, 2 arctangent) */
+/* Largest and smallest singular value of M, squared.  Thesis: 1.8.  (128 add, 208 multiply, 1 divide, 4
+ * square root, 2 sine cosine, 2 arctangent) */
 KRHPR_STATIC void krhpr_algebra_spatial_spread(
     const double gram[9], const double cofactors[9], double square, double *KRHPR_RESTRICT largest,
-    double *KRHPR_RESTRICT smallest, double *KRHPR_RESTRICT condition)
+    double *KRHPR_RESTRICT smallest)
 {
     const double g_m = gram[0] * (1.0 / 3.0) + gram[4] * (1.0 / 3.0) + gram[8] * (1.0 / 3.0);
     const double g_f = g_m * g_m;
@@ -134,7 +134,6 @@ KRHPR_STATIC void krhpr_algebra_spatial_spread(
     const double t27 = (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0) * (g_f * (g_f * g_f));
     const double g_s = t25 + (1.0 / 108.0) * (t26 * t26) + t27;
     const double g_t = (1.0 / 3.0) * krhpr_atan2(sqrt(g_s), g_q);
-    const double largest_a = g_m + 2.0 * sqrt(g_p) * cos(g_t);
     const double h_m = cofactors[0] * (1.0 / 3.0) + cofactors[4] * (1.0 / 3.0) + cofactors[8] * (1.0 / 3.0);
     const double h_f = h_m * h_m;
     const double h_d_00 = cofactors[0] - h_m; /* without its mean */
@@ -184,10 +183,8 @@ KRHPR_STATIC void krhpr_algebra_spatial_spread(
     const double t55 = (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0) * (h_f * (h_f * h_f));
     const double h_s = t53 + (1.0 / 108.0) * (t54 * t54) + t55;
     const double h_t = (1.0 / 3.0) * krhpr_atan2(sqrt(h_s), h_q);
-    const double smallest_a = square / (h_m + 2.0 * sqrt(h_p) * cos(h_t));
-    *largest = largest_a;
-    *smallest = smallest_a;
-    *condition = sqrt(largest_a / smallest_a);
+    *largest = g_m + 2.0 * sqrt(g_p) * krhpr_cos(g_t);
+    *smallest = square / (h_m + 2.0 * sqrt(h_p) * krhpr_cos(h_t));
 }
 
 /* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (88 add, 114
@@ -259,11 +256,11 @@ KRHPR_STATIC void krhpr_algebra_spatial_spread_bound(
 }
 
 /* The indices: 2-norms of both parts of U = J^-1 K, condition number of J_1.  Thesis: 1.8, 4.2.2.  (128
- * add, 208 multiply, 1 divide, 7 square root, 2 sine cosine, 2 arctangent, 4 select) */
+ * add, 208 multiply, 4 divide, 10 square root, 2 sine cosine, 2 arctangent, 4 select) */
 KRHPR_STATIC void krhpr_algebra_spatial_norms(
     const double position_gram[9], const double rotation_gram[9], const double largest[3],
     const double smallest[3], double *KRHPR_RESTRICT eta_1, double *KRHPR_RESTRICT eta_2,
-    double *KRHPR_RESTRICT eta_3)
+    double *KRHPR_RESTRICT eta_3, double *KRHPR_RESTRICT condition)
 {
     const double p_m = position_gram[0] * (1.0 / 3.0) + position_gram[4] * (1.0 / 3.0) + position_gram[8] * (1.0 / 3.0);
     const double p_f = p_m * p_m;
@@ -366,9 +363,12 @@ KRHPR_STATIC void krhpr_algebra_spatial_norms(
     const double r_s = t56 + (1.0 / 108.0) * (t57 * t57) + t58;
     const double r_t = (1.0 / 3.0) * krhpr_atan2(sqrt(r_s), r_q);
     const double t59 = krhpr_max(krhpr_max(largest[0], largest[1]), largest[2]) / krhpr_min(krhpr_min(smallest[0], smallest[1]), smallest[2]);
-    *eta_1 = sqrt(p_m + 2.0 * sqrt(p_p) * cos(p_t));
-    *eta_2 = sqrt(r_m + 2.0 * sqrt(r_p) * cos(r_t));
+    *eta_1 = sqrt(p_m + 2.0 * sqrt(p_p) * krhpr_cos(p_t));
+    *eta_2 = sqrt(r_m + 2.0 * sqrt(r_p) * krhpr_cos(r_t));
     *eta_3 = sqrt(t59);
+    condition[0] = sqrt(largest[0] / smallest[0]);
+    condition[1] = sqrt(largest[1] / smallest[1]);
+    condition[2] = sqrt(largest[2] / smallest[2]);
 }
 
 /* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (92 add, 133 multiply, 3

@@ -81,12 +81,11 @@ KRHPR_INLINE void krhpr_algebra_spatial_rotation_error_lanes(
     *error = krhpr_lanes_max(t3, t4);
 }
 
-/* Largest and smallest singular value of M, squared, and its condition number.  Thesis: 1.8.  (128 add, 208
- * multiply, 2 divide, 5 square root, 2 sine cosine, 2 arctangent) */
+/* Largest and smallest singular value of M, squared.  Thesis: 1.8.  (128 add, 208 multiply, 1 divide, 4
+ * square root, 2 sine cosine, 2 arctangent) */
 KRHPR_INLINE void krhpr_algebra_spatial_spread_lanes(
     const krhpr_lanes_at gram[9], const krhpr_lanes_at cofactors[9], krhpr_lanes square,
-    krhpr_lanes_at *KRHPR_RESTRICT largest, krhpr_lanes_at *KRHPR_RESTRICT smallest,
-    krhpr_lanes_at *KRHPR_RESTRICT condition)
+    krhpr_lanes_at *KRHPR_RESTRICT largest, krhpr_lanes_at *KRHPR_RESTRICT smallest)
 {
     const krhpr_lanes g_m = gram[0] * (1.0 / 3.0) + gram[4] * (1.0 / 3.0) + gram[8] * (1.0 / 3.0);
     const krhpr_lanes g_f = g_m * g_m;
@@ -136,7 +135,6 @@ KRHPR_INLINE void krhpr_algebra_spatial_spread_lanes(
     const krhpr_lanes t27 = (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0) * (g_f * (g_f * g_f));
     const krhpr_lanes g_s = t25 + (1.0 / 108.0) * (t26 * t26) + t27;
     const krhpr_lanes g_t = (1.0 / 3.0) * krhpr_lanes_atan2(krhpr_lanes_sqrt(g_s), g_q);
-    const krhpr_lanes largest_a = g_m + 2.0 * krhpr_lanes_sqrt(g_p) * krhpr_lanes_cos(g_t);
     const krhpr_lanes h_m = cofactors[0] * (1.0 / 3.0) + cofactors[4] * (1.0 / 3.0) + cofactors[8] * (1.0 / 3.0);
     const krhpr_lanes h_f = h_m * h_m;
     const krhpr_lanes h_d_00 = cofactors[0] - h_m; /* without its mean */
@@ -186,10 +184,8 @@ KRHPR_INLINE void krhpr_algebra_spatial_spread_lanes(
     const krhpr_lanes t55 = (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0) * (h_f * (h_f * h_f));
     const krhpr_lanes h_s = t53 + (1.0 / 108.0) * (t54 * t54) + t55;
     const krhpr_lanes h_t = (1.0 / 3.0) * krhpr_lanes_atan2(krhpr_lanes_sqrt(h_s), h_q);
-    const krhpr_lanes smallest_a = square / (h_m + 2.0 * krhpr_lanes_sqrt(h_p) * krhpr_lanes_cos(h_t));
-    *largest = largest_a;
-    *smallest = smallest_a;
-    *condition = krhpr_lanes_sqrt(largest_a / smallest_a);
+    *largest = g_m + 2.0 * krhpr_lanes_sqrt(g_p) * krhpr_lanes_cos(g_t);
+    *smallest = square / (h_m + 2.0 * krhpr_lanes_sqrt(h_p) * krhpr_lanes_cos(h_t));
 }
 
 /* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (88 add, 114
@@ -261,11 +257,12 @@ KRHPR_INLINE void krhpr_algebra_spatial_spread_bound_lanes(
 }
 
 /* The indices: 2-norms of both parts of U = J^-1 K, condition number of J_1.  Thesis: 1.8, 4.2.2.  (128
- * add, 208 multiply, 1 divide, 7 square root, 2 sine cosine, 2 arctangent, 4 select) */
+ * add, 208 multiply, 4 divide, 10 square root, 2 sine cosine, 2 arctangent, 4 select) */
 KRHPR_INLINE void krhpr_algebra_spatial_norms_lanes(
     const krhpr_lanes_at position_gram[9], const krhpr_lanes_at rotation_gram[9],
     const krhpr_lanes_at largest[3], const krhpr_lanes_at smallest[3], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
-    krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3)
+    krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3,
+    krhpr_lanes_at *KRHPR_RESTRICT condition)
 {
     const krhpr_lanes p_m = position_gram[0] * (1.0 / 3.0) + position_gram[4] * (1.0 / 3.0) + position_gram[8] * (1.0 / 3.0);
     const krhpr_lanes p_f = p_m * p_m;
@@ -371,6 +368,9 @@ KRHPR_INLINE void krhpr_algebra_spatial_norms_lanes(
     *eta_1 = krhpr_lanes_sqrt(p_m + 2.0 * krhpr_lanes_sqrt(p_p) * krhpr_lanes_cos(p_t));
     *eta_2 = krhpr_lanes_sqrt(r_m + 2.0 * krhpr_lanes_sqrt(r_p) * krhpr_lanes_cos(r_t));
     *eta_3 = krhpr_lanes_sqrt(t59);
+    condition[0] = krhpr_lanes_sqrt(largest[0] / smallest[0]);
+    condition[1] = krhpr_lanes_sqrt(largest[1] / smallest[1]);
+    condition[2] = krhpr_lanes_sqrt(largest[2] / smallest[2]);
 }
 
 /* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (92 add, 133 multiply, 3

@@ -111,6 +111,21 @@ KRHPR_STATIC void krhpr_sincos(double x, double *sine, double *cosine)
     *cosine = cos(x);
 }
 
+/* One of both, the same as side by side. */
+KRHPR_STATIC double krhpr_sin(double x)
+{
+    double sine, cosine;
+    krhpr_sincos(x, &sine, &cosine);
+    return sine;
+}
+
+KRHPR_STATIC double krhpr_cos(double x)
+{
+    double sine, cosine;
+    krhpr_sincos(x, &sine, &cosine);
+    return cosine;
+}
+
 KRHPR_STATIC double krhpr_atan2(double y, double x)
 {
 #ifndef KRHPR_LIBM

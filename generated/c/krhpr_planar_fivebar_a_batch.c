@@ -2861,11 +2861,12 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_indices_lanes(
             &g->subleg, i, s + 2 * i, sine + 1 + 2 * i, cosine + 1 + 2 * i, d, u_1, u_2);
         krhpr_subleg_planar_fivebar_gram_lanes(
             &g->subleg, i, d, u_1, u_2, N, gram, cofactors, &square, reach + i, &regularity[i]);
-        krhpr_algebra_planar_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i], &condition[i]);
+        krhpr_algebra_planar_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i]);
     }
     krhpr_platform_planar_a_sensitivity_lanes(
         line, point, reach, position_gram, rotation_gram, det_regularity);
-    krhpr_algebra_planar_norms_lanes(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
+    krhpr_algebra_planar_norms_lanes(
+        position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);

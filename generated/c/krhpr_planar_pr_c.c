@@ -1054,7 +1054,6 @@ KRHPR_API int krhpr_planar_pr_c_indices(
         krhpr_lanes reach_legs[1];
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
-        krhpr_lanes condition_legs[1];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
@@ -1067,16 +1066,16 @@ KRHPR_API int krhpr_planar_pr_c_indices(
             &g->subleg, i, u_legs, characteristic_length_legs[0], N_legs, gram_legs, cofactors_legs,
             square_legs, reach_legs);
         krhpr_algebra_planar_spread_lanes(
-            gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, condition_legs);
+            gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs);
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 1, reach_legs, 1, i);
         krhpr_legs_store(largest, 1, largest_legs, 1, i);
         krhpr_legs_store(smallest, 1, smallest_legs, 1, i);
-        krhpr_legs_store(condition, 1, condition_legs, 1, i);
     }
     krhpr_platform_planar_c_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
-    krhpr_algebra_planar_norms(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
+    krhpr_algebra_planar_norms(
+        position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
     if (!(det_regularity[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }

@@ -2855,11 +2855,12 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_indices_lanes(
         krhpr_subleg_planar_rpr2_gram_lanes(
             &g->subleg, i, w, b, characteristic_length[0], N, gram, cofactors, &square, reach + i,
             &regularity[i]);
-        krhpr_algebra_planar_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i], &condition[i]);
+        krhpr_algebra_planar_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i]);
     }
     krhpr_platform_planar_c_sensitivity_lanes(
         line, point, reach, position_gram, rotation_gram, det_regularity);
-    krhpr_algebra_planar_norms_lanes(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
+    krhpr_algebra_planar_norms_lanes(
+        position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);

@@ -2791,11 +2791,12 @@ KRHPR_OUTLINE void krhpr_planar_rr_b_indices_lanes(
         krhpr_subleg_planar_rr_posture_lanes(
             &g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
         krhpr_subleg_planar_rr_gram_lanes(&g->subleg, i, d, v_1, N, gram, cofactors, &square, reach + i);
-        krhpr_algebra_planar_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i], &condition[i]);
+        krhpr_algebra_planar_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i]);
     }
     krhpr_platform_planar_b_sensitivity_lanes(
         line, point, reach, position_gram, rotation_gram, det_regularity);
-    krhpr_algebra_planar_norms_lanes(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
+    krhpr_algebra_planar_norms_lanes(
+        position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);

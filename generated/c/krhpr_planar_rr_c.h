@@ -365,7 +365,7 @@ KRHPR_API int krhpr_planar_rr_c_type_2_of_redundant(
  *          `characteristic_length`, of the actuators
  *   out    eta_2 (scalar): 2-norm of the rotation part of U: rotation for the same
  *   out    eta_3 (scalar): condition number of J_1 = diag(M_1, M_2, M_3), (1.52)
- *   out    condition (3): condition numbers of M_i
+ *   out    condition (3): condition numbers of M_1, M_2, M_3
  */
 KRHPR_API int krhpr_planar_rr_c_indices(
     const krhpr_planar_rr_c_geometry *g, const double p[2], double phi, const double s[6],

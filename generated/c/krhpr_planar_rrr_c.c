@@ -1222,7 +1222,6 @@ KRHPR_API int krhpr_planar_rrr_c_indices(
         krhpr_lanes reach_legs[1];
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
-        krhpr_lanes condition_legs[1];
         krhpr_lanes angle_legs[2];
         krhpr_lanes sine_legs[2];
         krhpr_lanes cosine_legs[2];
@@ -1236,16 +1235,16 @@ KRHPR_API int krhpr_planar_rrr_c_indices(
             &g->subleg, i, d_legs, u_2_legs, u_3_legs, N_legs, gram_legs, cofactors_legs, square_legs,
             reach_legs);
         krhpr_algebra_planar_spread_lanes(
-            gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, condition_legs);
+            gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs);
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 1, reach_legs, 1, i);
         krhpr_legs_store(largest, 1, largest_legs, 1, i);
         krhpr_legs_store(smallest, 1, smallest_legs, 1, i);
-        krhpr_legs_store(condition, 1, condition_legs, 1, i);
     }
     krhpr_platform_planar_c_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
-    krhpr_algebra_planar_norms(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
+    krhpr_algebra_planar_norms(
+        position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
     if (!(det_regularity[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }

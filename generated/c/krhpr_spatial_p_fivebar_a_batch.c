@@ -2845,11 +2845,12 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_indices_lanes(
         krhpr_subleg_p_fivebar_gram_lanes(
             &g->subleg, i, d, u_1, u_2, characteristic_length[0], N, gram, cofactors, &square,
             reach + 3 * i, &regularity[i]);
-        krhpr_algebra_spatial_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i], &condition[i]);
+        krhpr_algebra_spatial_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i]);
     }
     krhpr_platform_spatial_a_sensitivity_lanes(
         line, point, reach, position_gram, rotation_gram, det_regularity);
-    krhpr_algebra_spatial_norms_lanes(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
+    krhpr_algebra_spatial_norms_lanes(
+        position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);

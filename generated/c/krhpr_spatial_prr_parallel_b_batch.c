@@ -2793,11 +2793,12 @@ KRHPR_OUTLINE void krhpr_spatial_prr_parallel_b_indices_lanes(
             &g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
         krhpr_subleg_prr_parallel_gram_lanes(
             &g->subleg, i, d, v_1, characteristic_length[0], N, gram, cofactors, &square, reach + 3 * i);
-        krhpr_algebra_spatial_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i], &condition[i]);
+        krhpr_algebra_spatial_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i]);
     }
     krhpr_platform_spatial_b_sensitivity_lanes(
         line, point, reach, position_gram, rotation_gram, det_regularity);
-    krhpr_algebra_spatial_norms_lanes(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
+    krhpr_algebra_spatial_norms_lanes(
+        position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);

@@ -734,7 +734,7 @@ def indices(geometry: Any) -> Any:
             rt.Port("eta_1", (), "shared"),
             rt.Port("eta_2", (), "shared"),
             rt.Port("eta_3", (), "shared"),
-            rt.Port("condition", (3,), "stacked"),
+            rt.Port("condition", (3,), "shared"),
         ),
         geometry,
     )
@@ -744,7 +744,6 @@ def indices(geometry: Any) -> Any:
     reach: list[Any] = []
     largest: list[Any] = []
     smallest: list[Any] = []
-    condition: list[Any] = []
     for i in range(rt.LEGS):
         fields = rt.leg_fields(geometry, FIELDS, i)
         line_i, point_i, N_i, _scale = platform.line(
@@ -752,15 +751,14 @@ def indices(geometry: Any) -> Any:
         d_i, u_1_i, u_2_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         gram_i, cofactors_i, square_i, reach_i, _regularity = subleg.gram(
             subleg.prepare(fields), d_i, u_1_i, u_2_i, N_i)
-        largest_i, smallest_i, condition_i = algebra.spread(gram_i, cofactors_i, square_i)
+        largest_i, smallest_i = algebra.spread(gram_i, cofactors_i, square_i)
         line += line_i
         point += point_i
         reach += reach_i
         largest += largest_i
         smallest += smallest_i
-        condition += condition_i
     position_gram, rotation_gram, _det_regularity = platform.sensitivity(line, point, reach)
-    eta_1, eta_2, eta_3 = algebra.norms(position_gram, rotation_gram, largest, smallest)
+    eta_1, eta_2, eta_3, condition = algebra.norms(position_gram, rotation_gram, largest, smallest)
     return call.function({"eta_1": eta_1, "eta_2": eta_2, "eta_3": eta_3, "condition": condition})
 
 

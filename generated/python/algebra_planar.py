@@ -77,28 +77,23 @@ def rotation(phi: Any) -> tuple[Any, ...]:
 
 
 def spread(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
-    """Largest and smallest singular value of M, squared, and its condition number.  Thesis: 1.8.  (8
-    add, 8 multiply, 2 divide, 3 square root)"""
+    """Largest and smallest singular value of M, squared.  Thesis: 1.8.  (8 add, 8 multiply, 1 divide,
+    2 square root)"""
     gram_00, gram_01, _gram_10, gram_11 = gram
     cofactors_00, cofactors_01, _cofactors_10, cofactors_11 = cofactors
     square, = square
     t1 = gram_00 * 0.5
     t2 = gram_11 * 0.5
     g_h = t1 - t2
-    largest_a = t2 + (t1 + np.sqrt(g_h * g_h + gram_01 * gram_01))
     t3 = cofactors_00 * 0.5
     t4 = cofactors_11 * 0.5
     h_h = t3 - t4
-    smallest_a = square / (t4 + (t3 + np.sqrt(cofactors_01 * cofactors_01 + h_h * h_h)))
     return (
         (  # largest
-            largest_a,
+            t2 + (t1 + np.sqrt(g_h * g_h + gram_01 * gram_01)),
         ),
         (  # smallest
-            smallest_a,
-        ),
-        (  # condition
-            np.sqrt(largest_a / smallest_a),
+            square / (t4 + (t3 + np.sqrt(cofactors_01 * cofactors_01 + h_h * h_h))),
         ),
     )
 
@@ -149,7 +144,7 @@ def spread_bound(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
 
 def norms(position_gram: Any, rotation_gram: Any, largest: Any, smallest: Any) -> tuple[Any, ...]:
     """The indices: 2-norms of both parts of U = J^-1 K, condition number of J_1.  Thesis: 1.8, 4.2.2.
-    (4 add, 4 multiply, 1 divide, 4 square root, 4 select)"""
+    (4 add, 4 multiply, 4 divide, 7 square root, 4 select)"""
     position_gram_00, position_gram_01, _position_gram_10, position_gram_11 = position_gram
     rotation_gram_00, = rotation_gram
     largest_0, largest_1, largest_2 = largest
@@ -167,6 +162,11 @@ def norms(position_gram: Any, rotation_gram: Any, largest: Any, smallest: Any) -
         ),
         (  # eta_3
             np.sqrt(t3),
+        ),
+        (  # condition
+            np.sqrt(largest_0 / smallest_0),
+            np.sqrt(largest_1 / smallest_1),
+            np.sqrt(largest_2 / smallest_2),
         ),
     )
 

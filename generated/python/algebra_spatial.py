@@ -96,8 +96,8 @@ def rotation_error(Q: Any) -> tuple[Any, ...]:
 
 
 def spread(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
-    """Largest and smallest singular value of M, squared, and its condition number.  Thesis: 1.8.  (128
-    add, 208 multiply, 2 divide, 5 square root, 2 sine cosine, 2 arctangent)"""
+    """Largest and smallest singular value of M, squared.  Thesis: 1.8.  (128 add, 208 multiply, 1
+    divide, 4 square root, 2 sine cosine, 2 arctangent)"""
     gram_00, gram_01, gram_02, gram_10, gram_11, gram_12, gram_20, gram_21, gram_22 = gram
     cofactors_00, cofactors_01, cofactors_02, cofactors_10, cofactors_11, cofactors_12, cofactors_20, cofactors_21, cofactors_22 = cofactors
     square, = square
@@ -148,7 +148,6 @@ def spread(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
     t26 = (1 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000) * (g_f * (g_f * g_f))
     g_s = t24 + (1 / 108) * (t25 * t25) + t26
     g_t = (1 / 3) * np.arctan2(np.sqrt(g_s), g_q)
-    largest_a = g_m + 2 * np.sqrt(g_p) * np.cos(g_t)
     h_m = cofactors_00 * (1 / 3) + cofactors_11 * (1 / 3) + cofactors_22 * (1 / 3)
     h_f = h_m * h_m
     h_d_00 = cofactors_00 - h_m  # without its mean
@@ -197,16 +196,12 @@ def spread(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
     t53 = (1 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000) * (h_f * (h_f * h_f))
     h_s = t51 + (1 / 108) * (t52 * t52) + t53
     h_t = (1 / 3) * np.arctan2(np.sqrt(h_s), h_q)
-    smallest_a = square / (h_m + 2 * np.sqrt(h_p) * np.cos(h_t))
     return (
         (  # largest
-            largest_a,
+            g_m + 2 * np.sqrt(g_p) * np.cos(g_t),
         ),
         (  # smallest
-            smallest_a,
-        ),
-        (  # condition
-            np.sqrt(largest_a / smallest_a),
+            square / (h_m + 2 * np.sqrt(h_p) * np.cos(h_t)),
         ),
     )
 
@@ -287,7 +282,7 @@ def spread_bound(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
 
 def norms(position_gram: Any, rotation_gram: Any, largest: Any, smallest: Any) -> tuple[Any, ...]:
     """The indices: 2-norms of both parts of U = J^-1 K, condition number of J_1.  Thesis: 1.8, 4.2.2.
-    (128 add, 208 multiply, 1 divide, 7 square root, 2 sine cosine, 2 arctangent, 4 select)"""
+    (128 add, 208 multiply, 4 divide, 10 square root, 2 sine cosine, 2 arctangent, 4 select)"""
     position_gram_00, position_gram_01, position_gram_02, position_gram_10, position_gram_11, position_gram_12, position_gram_20, position_gram_21, position_gram_22 = position_gram
     rotation_gram_00, rotation_gram_01, rotation_gram_02, rotation_gram_10, rotation_gram_11, rotation_gram_12, rotation_gram_20, rotation_gram_21, rotation_gram_22 = rotation_gram
     largest_0, largest_1, largest_2 = largest
@@ -400,6 +395,11 @@ def norms(position_gram: Any, rotation_gram: Any, largest: Any, smallest: Any) -
         ),
         (  # eta_3
             np.sqrt(t57),
+        ),
+        (  # condition
+            np.sqrt(largest_0 / smallest_0),
+            np.sqrt(largest_1 / smallest_1),
+            np.sqrt(largest_2 / smallest_2),
         ),
     )
 

@@ -593,7 +593,7 @@ SIGNATURES = {
             rt.Port("eta_1", (), "m", "-", "2-norm of the position part of U: displacement per radian, or `characteristic_length`, of the actuators", "shared", ()),
             rt.Port("eta_2", (), "1", "-", "2-norm of the rotation part of U: rotation for the same", "shared", ()),
             rt.Port("eta_3", (), "1", "-", "condition number of J_1 = diag(M_1, M_2, M_3), (1.52)", "shared", ()),
-            rt.Port("condition", (3,), "1", "-", "condition numbers of M_i", "stacked", ()),
+            rt.Port("condition", (3,), "1", "-", "condition numbers of M_1, M_2, M_3", "shared", ()),
         ),
         "(2),(),(3,2),(3,2)->(),(),(),(3),()",
     ),
@@ -1858,7 +1858,7 @@ def indices(
             `characteristic_length`, of the actuators
         eta_2 (...): 2-norm of the rotation part of U: rotation for the same
         eta_3 (...): condition number of J_1 = diag(M_1, M_2, M_3), (1.52)
-        condition (..., 3): condition numbers of M_i
+        condition (..., 3): condition numbers of M_1, M_2, M_3
     """
     arguments = rt.Arguments(SIGNATURES["indices"], (p, phi, s, theta,))
     g = prepare(geometry, arguments.dimensions)
@@ -1867,10 +1867,11 @@ def indices(
         line, point, N, _scale = platform.line(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
         d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         gram, cofactors, square, reach, regularity = subleg.gram(g.subleg, d, u_1, u_2, N)
-        largest, smallest, condition = algebra.spread(gram, cofactors, square)
+        largest, smallest = algebra.spread(gram, cofactors, square)
         position_gram, rotation_gram, det_regularity = platform.sensitivity(
             rt.legs(line), rt.legs(point), rt.legs(reach))
-        eta_1, eta_2, eta_3 = algebra.norms(position_gram, rotation_gram, rt.legs(largest), rt.legs(smallest))
+        eta_1, eta_2, eta_3, condition = algebra.norms(
+            position_gram, rotation_gram, rt.legs(largest), rt.legs(smallest))
         results = arguments.finish(
             {
                 "eta_1": eta_1,
@@ -1880,7 +1881,7 @@ def indices(
             },
             (
                 rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True, ("eta_1", "eta_2", "eta_3", "condition", )),
-                rt.Guard(det_regularity[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("eta_1", "eta_2", )),
+                rt.Guard(det_regularity[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("eta_1", "eta_2", "eta_3", "condition", )),
             ),
         )
     answer = Indices(*results[:-1])
@@ -1929,7 +1930,7 @@ def index_bounds(
             },
             (
                 rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True, ("eta_1", "eta_2", "eta_3", )),
-                rt.Guard(det_regularity[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("eta_1", "eta_2", )),
+                rt.Guard(det_regularity[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("eta_1", "eta_2", "eta_3", )),
             ),
         )
     answer = IndexBounds(*results[:-1])

@@ -266,12 +266,13 @@ class _Search:
             first = self._curve(global_start(task.point, task.path))
         found = _Found(task.examined(first))
         self._solve(found, first, former)
-        best = baselines.constant(task.point, task.path, self.task.grid(1))
-        other, lines = task.examined(best)
-        if _rank(other) < _rank(found.examined):  # a grid is coarse: the best equal value may lead elsewhere
-            self._solve(found, self._curve(Start(best.times, best.values, 0.0)), None)
+        for method in (baselines.constant, baselines.scan):
+            lines = method(task.point, task.path, task.grid(1))
+            other, _ = task.examined(lines)
+            if _rank(other) < _rank(found.examined):  # the grid is coarse, and they may lead elsewhere
+                self._solve(found, self._curve(Start(lines.times, lines.values, 0.0)), None)
             if _rank(other) < _rank(found.examined):
-                found.examined, found.coordinates = other, lines
+                found.examined, found.coordinates, found.solved = other, lines, None
         return found
 
     def _curve(self, start: Start) -> Curve:

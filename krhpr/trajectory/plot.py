@@ -45,7 +45,8 @@ def plot(found: Trajectory) -> Any:
         for ax in axes[1]:
             ax.set_xlabel("time (s)")
         for ax in (axes[0, 0], axes[0, 1], axes[1, 0]):
-            ax.legend(fontsize=8, frameon=False)
+            ax.margins(y=0.2)
+            ax.legend(fontsize=8, frameon=False, loc="upper left", ncols=3)
         verdict = "" if found.feasible else ": NOT feasible"
         figure.suptitle(f"{found.path.name}, {found.robot.name}, method {found.method}{verdict}", fontsize=12)
     return figure

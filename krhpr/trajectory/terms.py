@@ -80,7 +80,7 @@ class Objective:
 class Bounds:
     """Limits along a trajectory; what is None or not there is not limited.  SI units.
 
-    Limits of the robot's file (`robot.limits`: joints, spherical joints, clearance) are held as well.
+    Limits of actuated and of spherical joints in the robot's file (`robot.limits`) are held as well.
     """
 
     redundant: tuple[Any, Any]

@@ -8,7 +8,7 @@ import krhpr
 from krhpr.cli.app import COMMANDS
 from tests.cli.support import Cli
 
-NAMES = ["list", "info", "eval", "certify", "generate", "compile", "validate", "study", "schema"]
+NAMES = ["list", "info", "eval", "certify", "generate", "compile", "validate", "study", "optimise", "schema"]
 
 
 def test_help_names_every_command_and_exit_code(cli: Cli) -> None:

@@ -237,7 +237,7 @@ def test_derivatives_of_the_programme() -> None:
     ],
 )
 def test_robots_of_every_kind(name: str) -> None:
-    other = krhpr.load(name)
+    other = krhpr.load(name, backend="numpy")  # nothing to compile for once
     home = np.array(other.home.p)
     step = np.array([[0, 0, 0], [0.02, 0.01, 0], [0.03, -0.01, 0.02]])[:, : len(home)]
     turns: Any = [0.0, 0.1, 0.2]
@@ -264,7 +264,7 @@ def test_robots_of_every_kind(name: str) -> None:
 
 def test_accelerations_and_unwrapped_joints() -> None:
     """Joint 3 of the five-bar crosses pi; limits count full turns."""
-    five = krhpr.load("spatial_r_fivebar_a")
+    five = krhpr.load("spatial_r_fivebar_a", backend="numpy")
     limits = Bounds(redundant=np.radians([60, 130]), redundant_rate=1.0, actuator_acceleration=1.0)
     whole = trajectory.example()
     part = slice(180, 540, 10)
@@ -275,6 +275,38 @@ def test_accelerations_and_unwrapped_joints() -> None:
     assert np.abs(again).max() < 1.02
     _, turns = turns_along(_plain(five, limits), found.examined.motion, found.redundant)
     assert turns.max() == pytest.approx(2 * np.pi)
+
+
+def test_limits_of_a_robot_file() -> None:
+    """Of actuated joints, and between the socket's and the stud's axis of spherical joints."""
+    own = krhpr.load(str(Path(__file__).parents[2] / "examples" / "my_robot.yaml"), backend="numpy")
+    assert own.limits.spherical is not None
+    p = np.array(own.home.p)
+    turned = Rotation.from_rotvec([0.0, 0.5, 0.0]).as_matrix()
+    path = trajectory.way_points([0.0, 2.0], [p, p + np.array([0.03, 0, 0])], np.array([np.eye(3), turned]))
+    limits = Bounds(redundant=np.radians([35, 145]), redundant_rate=1.0)
+    free = trajectory.optimise(own, path, "eta_2", limits)
+    tight = {**own.limits.actuators}
+    most = float(free.theta[:, 0, 1].max()) - 0.02
+    tight["theta_2"] = (krhpr.Interval(-0.6, most), *own.limits.actuators["theta_2"][1:])
+    strict = own.with_geometry()
+    strict.limits = replace(own.limits, actuators=tight)
+    held = trajectory.optimise(strict, path, "eta_2", limits)
+    assert free.feasible and held.feasible and held.theta[:, 0, 1].max() < most + 1e-5
+    assert held.integrals["eta_2^2"] > free.integrals["eta_2^2"]
+    for name, intervals in own.limits.actuators.items():
+        k = free.robot.signature("inverse").outputs[0].labels.index(name)
+        for leg, interval in enumerate(intervals):
+            inside = (interval.low - 1e-5 < free.theta[:, leg, k]) & (
+                free.theta[:, leg, k] < interval.high + 1e-5
+            )
+            assert inside.all()
+    motion = free.examined.motion
+    s = own.end_points(motion.p, motion.Q, free.redundant)
+    spherical = own.passive_joints(motion.p, motion.Q, s, free.theta).spherical
+    for leg, cone in enumerate(own.limits.spherical):
+        cosine = np.einsum("i,nij,j->n", cone.socket, spherical[:, leg], cone.stud)
+        assert np.arccos(cosine).max() < cone.tilt + 1e-5
 
 
 def _plain(one: krhpr.Robot, limits: Bounds) -> PointFunctions:

@@ -92,49 +92,39 @@ KRHPR_STATIC void krhpr_algebra_planar_rotation_tangent(const krhpr_dual *phi, k
     }
 }
 
-/* `spread` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8.  (22 add, 26
- * multiply, 7 divide, 3 square root) */
+/* `spread` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8.  (21 add, 22
+ * multiply, 4 divide, 2 square root) */
 KRHPR_STATIC void krhpr_algebra_planar_spread_tangent(
     const krhpr_dual *gram, const krhpr_dual *cofactors, const krhpr_dual *square,
-    krhpr_dual *KRHPR_RESTRICT largest, krhpr_dual *KRHPR_RESTRICT smallest,
-    krhpr_dual *KRHPR_RESTRICT condition)
+    krhpr_dual *KRHPR_RESTRICT largest, krhpr_dual *KRHPR_RESTRICT smallest)
 {
     const double t1 = gram[0].v * 0.5;
     const double t2 = gram[3].v * 0.5;
     const double g_h = t1 - t2;
     const double t3 = sqrt(g_h * g_h + gram[1].v * gram[1].v);
-    const double largest_a = t2 + (t1 + t3);
     const double t4 = cofactors[0].v * 0.5;
     const double t5 = cofactors[3].v * 0.5;
     const double h_h = t4 - t5;
     const double t6 = sqrt(cofactors[1].v * cofactors[1].v + h_h * h_h);
     const double t7 = t5 + (t4 + t6);
     const double smallest_a = square[0].v / t7;
-    const double h4 = largest_a / smallest_a;
-    const double condition_a = sqrt(h4);
     const double h1 = 1.0 / t3;
     const double h2 = 1.0 / t6;
     const double h3 = 1.0 / t7;
-    const double h5 = 1.0 / smallest_a;
-    const double h6 = 1.0 / condition_a;
-    largest[0].v = largest_a;
+    largest[0].v = t2 + (t1 + t3);
     smallest[0].v = smallest_a;
-    condition[0].v = condition_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t8 = 0.5 * gram[0].t[k];
         const double t9 = 0.5 * gram[3].t[k];
         const double t10 = g_h * (t8 - t9);
         const double t11 = gram[1].v * gram[1].t[k];
-        const double t12 = t9 + (t8 + h1 * (0.5 * (t10 + t10 + (t11 + t11))));
-        const double t13 = 0.5 * cofactors[0].t[k];
-        const double t14 = 0.5 * cofactors[3].t[k];
-        const double t15 = cofactors[1].v * cofactors[1].t[k];
-        const double t16 = h_h * (t13 - t14);
-        const double t17 = square[0].t[k] - smallest_a * (t14 + (t13 + h2 * (0.5 * (t15 + t15 + (t16 + t16)))));
-        const double t18 = h3 * t17;
-        largest[0].t[k] = t12;
-        smallest[0].t[k] = t18;
-        condition[0].t[k] = h6 * (0.5 * (h5 * (t12 - h4 * t18)));
+        const double t12 = 0.5 * cofactors[0].t[k];
+        const double t13 = 0.5 * cofactors[3].t[k];
+        const double t14 = cofactors[1].v * cofactors[1].t[k];
+        const double t15 = h_h * (t12 - t13);
+        const double t16 = square[0].t[k] - smallest_a * (t13 + (t12 + h2 * (0.5 * (t14 + t14 + (t15 + t15)))));
+        largest[0].t[k] = t9 + (t8 + h1 * (0.5 * (t10 + t10 + (t11 + t11))));
+        smallest[0].t[k] = h3 * t16;
     }
 }
 
@@ -217,25 +207,39 @@ KRHPR_STATIC void krhpr_algebra_planar_spread_bound_tangent(
     }
 }
 
-/* `norms` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.  (10
- * add, 14 multiply, 3 divide, 3 square root) */
+/* `norms` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.  (13
+ * add, 26 multiply, 12 divide, 6 square root) */
 KRHPR_STATIC void krhpr_algebra_planar_norms_tangent(
     const krhpr_dual *position_gram, const krhpr_dual *rotation_gram, const krhpr_dual *largest,
-    const krhpr_dual *smallest, krhpr_dual *KRHPR_RESTRICT eta_1, krhpr_dual *KRHPR_RESTRICT eta_2)
+    const krhpr_dual *smallest, krhpr_dual *KRHPR_RESTRICT eta_1, krhpr_dual *KRHPR_RESTRICT eta_2,
+    krhpr_dual *KRHPR_RESTRICT condition)
 {
-    (void)(largest);
-    (void)(smallest);
     const double t1 = position_gram[0].v * 0.5;
     const double t2 = position_gram[3].v * 0.5;
     const double p_h = t1 - t2;
     const double t3 = sqrt(p_h * p_h + position_gram[1].v * position_gram[1].v);
     const double eta_1_a = sqrt(t2 + (t1 + t3));
     const double eta_2_a = sqrt(rotation_gram[0].v);
+    const double h4 = largest[0].v / smallest[0].v;
+    const double condition_0 = sqrt(h4);
+    const double h7 = largest[1].v / smallest[1].v;
+    const double condition_1 = sqrt(h7);
+    const double h10 = largest[2].v / smallest[2].v;
+    const double condition_2 = sqrt(h10);
     const double h1 = 1.0 / t3;
     const double h2 = 1.0 / eta_1_a;
     const double h3 = 1.0 / eta_2_a;
+    const double h5 = 1.0 / smallest[0].v;
+    const double h6 = 1.0 / condition_0;
+    const double h8 = 1.0 / smallest[1].v;
+    const double h9 = 1.0 / condition_1;
+    const double h11 = 1.0 / smallest[2].v;
+    const double h12 = 1.0 / condition_2;
     eta_1[0].v = eta_1_a;
     eta_2[0].v = eta_2_a;
+    condition[0].v = condition_0;
+    condition[1].v = condition_1;
+    condition[2].v = condition_2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t4 = 0.5 * position_gram[0].t[k];
         const double t5 = 0.5 * position_gram[3].t[k];
@@ -243,6 +247,9 @@ KRHPR_STATIC void krhpr_algebra_planar_norms_tangent(
         const double t7 = position_gram[1].v * position_gram[1].t[k];
         eta_1[0].t[k] = h2 * (0.5 * (t5 + (t4 + h1 * (0.5 * (t6 + t6 + (t7 + t7))))));
         eta_2[0].t[k] = h3 * (0.5 * rotation_gram[0].t[k]);
+        condition[0].t[k] = h6 * (0.5 * (h5 * (largest[0].t[k] - h4 * smallest[0].t[k])));
+        condition[1].t[k] = h9 * (0.5 * (h8 * (largest[1].t[k] - h7 * smallest[1].t[k])));
+        condition[2].t[k] = h12 * (0.5 * (h11 * (largest[2].t[k] - h10 * smallest[2].t[k])));
     }
 }
 

@@ -112,12 +112,11 @@ KRHPR_STATIC void krhpr_algebra_spatial_wrist_tangent(
     }
 }
 
-/* `spread` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8.  (406 add, 538
- * multiply, 11 divide, 5 square root, 2 sine cosine, 2 arctangent) */
+/* `spread` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8.  (405 add, 534
+ * multiply, 8 divide, 4 square root, 2 sine cosine, 2 arctangent) */
 KRHPR_STATIC void krhpr_algebra_spatial_spread_tangent(
     const krhpr_dual *gram, const krhpr_dual *cofactors, const krhpr_dual *square,
-    krhpr_dual *KRHPR_RESTRICT largest, krhpr_dual *KRHPR_RESTRICT smallest,
-    krhpr_dual *KRHPR_RESTRICT condition)
+    krhpr_dual *KRHPR_RESTRICT largest, krhpr_dual *KRHPR_RESTRICT smallest)
 {
     const double g_m = gram[0].v * (1.0 / 3.0) + gram[4].v * (1.0 / 3.0) + gram[8].v * (1.0 / 3.0);
     const double g_f = g_m * g_m;
@@ -178,7 +177,6 @@ KRHPR_STATIC void krhpr_algebra_spatial_spread_tangent(
     const double t15 = sqrt(g_p);
     const double h27 = 2.0 * t15;
     double h25, h26; krhpr_sincos(g_t, &h25, &h26);
-    const double largest_a = g_m + h27 * h26;
     const double h_m = cofactors[0].v * (1.0 / 3.0) + cofactors[4].v * (1.0 / 3.0) + cofactors[8].v * (1.0 / 3.0);
     const double h_f = h_m * h_m;
     const double h_d_00 = cofactors[0].v - h_m;
@@ -240,8 +238,6 @@ KRHPR_STATIC void krhpr_algebra_spatial_spread_tangent(
     double h52, h53; krhpr_sincos(h_t, &h52, &h53);
     const double t31 = h_m + h54 * h53;
     const double smallest_a = square[0].v / t31;
-    const double h56 = largest_a / smallest_a;
-    const double condition_a = sqrt(h56);
     const double h21 = 1.0 / h22;
     const double h23 = 1.0 / (g_q * g_q + h22 * h22);
     const double h24 = 1.0 / t15;
@@ -249,11 +245,8 @@ KRHPR_STATIC void krhpr_algebra_spatial_spread_tangent(
     const double h50 = 1.0 / (h_q * h_q + h49 * h49);
     const double h51 = 1.0 / t30;
     const double h55 = 1.0 / t31;
-    const double h57 = 1.0 / smallest_a;
-    const double h58 = 1.0 / condition_a;
-    largest[0].v = largest_a;
+    largest[0].v = g_m + h27 * h26;
     smallest[0].v = smallest_a;
-    condition[0].v = condition_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t32 = (1.0 / 3.0) * gram[0].t[k] + (1.0 / 3.0) * gram[4].t[k] + (1.0 / 3.0) * gram[8].t[k];
         const double t33 = g_m * t32;
@@ -397,10 +390,8 @@ KRHPR_STATIC void krhpr_algebra_spatial_spread_tangent(
         const double t171 = h49 * (t121 + (h32 * (0.5 * t101) + h33 * (h_d_22 * t102 + h_d_11 * t103 - t122)));
         const double t172 = h50 * (h_q * (h48 * (0.5 * (t167 + (1.0 / 108.0) * (t168 + t168) + t170))) - t171);
         const double t173 = t98 + (h53 * (2.0 * (h51 * (0.5 * t118))) - h54 * (h52 * ((1.0 / 3.0) * t172)));
-        const double t174 = h55 * (square[0].t[k] - smallest_a * t173);
         largest[0].t[k] = t97;
-        smallest[0].t[k] = t174;
-        condition[0].t[k] = h58 * (0.5 * (h57 * (t97 - h56 * t174)));
+        smallest[0].t[k] = h55 * (square[0].t[k] - smallest_a * t173);
     }
 }
 
@@ -571,14 +562,13 @@ KRHPR_STATIC void krhpr_algebra_spatial_spread_bound_tangent(
     }
 }
 
-/* `norms` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.  (404
- * add, 536 multiply, 8 divide, 6 square root, 2 sine cosine, 2 arctangent) */
+/* `norms` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.  (407
+ * add, 548 multiply, 17 divide, 9 square root, 2 sine cosine, 2 arctangent) */
 KRHPR_STATIC void krhpr_algebra_spatial_norms_tangent(
     const krhpr_dual *position_gram, const krhpr_dual *rotation_gram, const krhpr_dual *largest,
-    const krhpr_dual *smallest, krhpr_dual *KRHPR_RESTRICT eta_1, krhpr_dual *KRHPR_RESTRICT eta_2)
+    const krhpr_dual *smallest, krhpr_dual *KRHPR_RESTRICT eta_1, krhpr_dual *KRHPR_RESTRICT eta_2,
+    krhpr_dual *KRHPR_RESTRICT condition)
 {
-    (void)(largest);
-    (void)(smallest);
     const double p_m = position_gram[0].v * (1.0 / 3.0) + position_gram[4].v * (1.0 / 3.0) + position_gram[8].v * (1.0 / 3.0);
     const double p_f = p_m * p_m;
     const double p_d_00 = position_gram[0].v - p_m;
@@ -699,6 +689,12 @@ KRHPR_STATIC void krhpr_algebra_spatial_norms_tangent(
     const double h55 = 2.0 * t30;
     double h53, h54; krhpr_sincos(r_t, &h53, &h54);
     const double eta_2_a = sqrt(r_m + h55 * h54);
+    const double h57 = largest[0].v / smallest[0].v;
+    const double condition_0 = sqrt(h57);
+    const double h60 = largest[1].v / smallest[1].v;
+    const double condition_1 = sqrt(h60);
+    const double h63 = largest[2].v / smallest[2].v;
+    const double condition_2 = sqrt(h63);
     const double h21 = 1.0 / h22;
     const double h23 = 1.0 / (p_q * p_q + h22 * h22);
     const double h24 = 1.0 / t15;
@@ -707,8 +703,17 @@ KRHPR_STATIC void krhpr_algebra_spatial_norms_tangent(
     const double h51 = 1.0 / (r_q * r_q + h50 * h50);
     const double h52 = 1.0 / t30;
     const double h56 = 1.0 / eta_2_a;
+    const double h58 = 1.0 / smallest[0].v;
+    const double h59 = 1.0 / condition_0;
+    const double h61 = 1.0 / smallest[1].v;
+    const double h62 = 1.0 / condition_1;
+    const double h64 = 1.0 / smallest[2].v;
+    const double h65 = 1.0 / condition_2;
     eta_1[0].v = eta_1_a;
     eta_2[0].v = eta_2_a;
+    condition[0].v = condition_0;
+    condition[1].v = condition_1;
+    condition[2].v = condition_2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t31 = (1.0 / 3.0) * position_gram[0].t[k] + (1.0 / 3.0) * position_gram[4].t[k] + (1.0 / 3.0) * position_gram[8].t[k];
         const double t32 = p_m * t31;
@@ -872,6 +877,9 @@ KRHPR_STATIC void krhpr_algebra_spatial_norms_tangent(
         const double t190 = h54 * (2.0 * (h52 * (0.5 * t131))) - h55 * (h53 * ((1.0 / 3.0) * (h51 * t189)));
         eta_1[0].t[k] = h28 * t110;
         eta_2[0].t[k] = h56 * (0.5 * (t111 + t190));
+        condition[0].t[k] = h59 * (0.5 * (h58 * (largest[0].t[k] - h57 * smallest[0].t[k])));
+        condition[1].t[k] = h62 * (0.5 * (h61 * (largest[1].t[k] - h60 * smallest[1].t[k])));
+        condition[2].t[k] = h65 * (0.5 * (h64 * (largest[2].t[k] - h63 * smallest[2].t[k])));
     }
 }
 

@@ -10,8 +10,8 @@ from krhpr.codegen.printers.infix import Body, Dialect, print_body
 
 FUNCTIONS = {
     Op.SQRT: "sqrt",
-    Op.SIN: "sin",
-    Op.COS: "cos",
+    Op.SIN: "krhpr_sin",
+    Op.COS: "krhpr_cos",
     Op.ATAN2: "krhpr_atan2",
     Op.ABS: "fabs",
     Op.MIN: "krhpr_min",

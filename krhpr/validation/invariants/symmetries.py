@@ -170,7 +170,7 @@ def _exchanged(port: Port, value: Floats, order: tuple[int, ...], parity: float)
     """
     if port.name in ("type_2", "margins", "side"):
         return value * parity
-    if port.name in ("redundant", "measured", "shares") and port.layout is Layout.SHARED:
+    if port.name in ("redundant", "measured", "shares", "condition") and port.layout is Layout.SHARED:
         return value[..., list(order)]
     if port.name == "actuator_forces" and port.layout is Layout.SHARED:
         return value[..., list(order), :]

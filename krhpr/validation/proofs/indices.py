@@ -151,8 +151,6 @@ def indices(subject: Subject, here: Configuration, found: Measured) -> None:
         low = result["smallest"][0]
         inverse = [scaled(Ball(1) / inputs["square"][0], row) for row in matrix(inputs["cofactors"], d)]
         _is_largest(found, inverse, Ball(1) / low, f"leg {leg + 1}, smallest")
-        ratio = result["largest"][0] / low
-        found.equal([result["condition"][0] * result["condition"][0]], [ratio], "condition")
         largest += result["largest"]
         smallest += result["smallest"]
     _, gathered = whole(here)
@@ -165,6 +163,8 @@ def indices(subject: Subject, here: Configuration, found: Measured) -> None:
         None,
         BALLS,
     )
+    for leg, condition in enumerate(result["condition"]):
+        found.equal([condition * condition], [largest[leg] / smallest[leg]], f"condition of leg {leg + 1}")
     squared = {name: value[0] * value[0] for name, value in result.items()}
     _is_largest(found, matrix(position, d), squared["eta_1"], "eta_1")
     _is_largest(found, matrix(rotation, 1 if subject.planar else 3), squared["eta_2"], "eta_2")
