@@ -102,6 +102,8 @@ def configurations(identifier: str, count: int) -> list[dict[str, np.ndarray]]:
             "theta": theta[k],
             "s": s[k],
             "swivel": np.full(3, 0.3),
+            "normal_forces": np.ones(3),
+            "friction": np.full(1, 1e6),
             "rates": rng.normal(size=100),
         }
         for k in good
