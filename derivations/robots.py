@@ -97,6 +97,7 @@ class _Functions(ForwardFunctions, StaticsFunctions, GripperFunctions):
         if self.robot.platform.carries_gripper:
             yield self._opening()
             yield self._redundant_of_opening()
+            yield self._grasp()
         yield self._passive_joints()
         yield self._link_points()
         yield self._singularity()

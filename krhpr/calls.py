@@ -460,8 +460,14 @@ _WITHOUT_ANSWER: Mapping[Status, tuple[type[InBatch], str]] = {
     ),
     Status.NO_GRASP: (
         NoGrasp,
-        "the jaws do not surround an object; the directions of the slides must positively span the plane "
-        "(platform_azimuth)",
+        "the jaws hold nothing: the directions of the slides must positively span the plane "
+        "(platform_azimuth), and normal forces must not be negative",
+    ),
+    Status.SLIPS: (NoGrasp, "the object slips at a contact; press harder, or look at friction_margins"),
+    Status.UNDETERMINED: (
+        NoGrasp,
+        "the measured forces do not determine the others; the lines through the contacts along the jaws' "
+        "faces must not meet in a point, nor the contacts be in line",
     ),
     Status.INCONSISTENT: (
         Inconsistent,

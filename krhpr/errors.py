@@ -66,7 +66,7 @@ class NoConvergence(InBatch):
 
 
 class NoGrasp(InBatch):
-    """Jaws that do not surround an object; `index` is their place in the batch."""
+    """Jaws that do not hold an object, or not as is known; `index` is their place in the batch."""
 
 
 class Unassembled(InBatch):

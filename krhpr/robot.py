@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import Any, Unpack
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from krhpr.calls import Branch, Home, Options
@@ -302,6 +303,28 @@ class Robot(ForwardKinematics):
         its `centre` in the platform's plane, at O' unless given.
         """
         return self._answer("redundant_of_opening", (opening, centre, self._per_leg(jaws)), options)
+
+    def grasp(
+        self,
+        Q: ArrayLike,
+        contacts: ArrayLike,
+        normal_forces: ArrayLike,
+        weight: ArrayLike | None = None,
+        mass_centre: ArrayLike | None = None,
+        friction: ArrayLike = 0.5,
+        **options: Unpack[Options],
+    ) -> Any:
+        """(contact_forces (..., 3, 3), wrench (..., 6), redundant_forces (..., 3), friction_margins
+        (..., 3)): what the jaws apply to an object by its equilibrium, and what that is for
+        `inverse_statics`.
+
+        `contacts` (..., 3, 3) and `mass_centre` (..., 3) are in the platform frame, from O'; `normal_forces`
+        (..., 3) are measured; `weight` (..., 3) is m g in the base frame (both zero unless given).
+        """
+        nothing = np.zeros(2 if self.planar else 3)
+        load, centre = (nothing if value is None else value for value in (weight, mass_centre))
+        inputs = (Q, contacts, centre, load, self._per_leg(normal_forces), friction)
+        return self._answer("grasp", inputs, options)
 
     # -- passive joints and singularities -------------------------------------------------------------------
 

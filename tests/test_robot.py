@@ -121,6 +121,7 @@ def arguments(robot: Robot, function: str, *batch: int, seed: int = 0) -> tuple[
     known |= {"p_near": p, "Q_near": Q, "phi_near": Q, "tolerance": np.full(batch, 0.01)}
     known["characteristic_length"] = np.full(batch, 0.3)
     known["box"] = np.broadcast_to(np.radians([30.0, 150.0]), (*batch, 3, 2))
+    known |= {"normal_forces": np.ones((*batch, 3)), "friction": np.full(batch, 1e6)}
     known["weights"] = np.broadcast_to([1000.0, 1000.0, 1000.0], (*batch, 3))
     if robot.assemblies:
         shape = robot.assembly_signs().shape

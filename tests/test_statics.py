@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from typing import Any
 
 import numpy as np
 import pytest
@@ -135,28 +136,70 @@ def test_every_body_is_in_equilibrium(identifier: str) -> None:
         np.testing.assert_allclose(got, wanted, rtol=0, atol=1e-12 * np.abs(wanted).max())
 
 
-@pytest.mark.parametrize("case", GRASPS, ids=lambda case: f"d={case['d']}")
-def test_the_reference_grasps(case: dict[str, object]) -> None:
-    """3-[R(RR-RRR)SP] holding an object, (5.44): torques from the equilibrium of three jaws, platform and
-    legs.
-    """
+def in_millimetres(case: dict[str, Any]) -> tuple[Robot, Array, Array, Array]:
+    """The 3-[R(RR-RRR)SP] robot of a reference grasp, its pose and slides."""
     robot = krhpr.load("spatial_r_fivebar_c", backend="numpy")
     p, Q, d = (np.array(case[name]) for name in ("p", "Q", "d"))
-    azimuth = np.radians(case["az_platform_deg"])  # type: ignore[arg-type]
+    azimuth = np.radians(case["az_platform_deg"])
     lengths = {
         name: 1000.0 * np.asarray(value)
         for name, value in robot.geometry.fields.items()
         if dict(robot.documentation["units"])[name] == "m"
     }
     robot = robot.with_geometry(platform_azimuth=azimuth, **lengths)
+    return robot, p, Q, d
+
+
+@pytest.mark.parametrize("case", GRASPS, ids=lambda case: f"d={case['d']}")
+def test_the_reference_grasps(case: dict[str, Any]) -> None:
+    """Torques (5.44) from the equilibrium of three jaws, platform and legs."""
+    robot, p, Q, d = in_millimetres(case)
     s = robot.end_points(p, Q, d)
     np.testing.assert_allclose(s, case["spheres"], rtol=0, atol=1e-9)
-    theta = np.reshape(case["theta"], (3, 3))  # type: ignore[arg-type]
-    applied, torques = np.array(case["F_sn"]), np.reshape(case["tau_Nmm"], (3, 3))  # type: ignore[arg-type]
+    theta = np.reshape(case["theta"], (3, 3))
+    applied, torques = np.array(case["F_sn"]), np.reshape(case["tau_Nmm"], (3, 3))
     got = robot.inverse_statics(p, Q, s, theta, applied[:6], applied[6:])
     np.testing.assert_allclose(got, torques, rtol=0, atol=1e-11 * np.abs(torques).max())
     wrench, along = robot.forward_statics(p, Q, s, theta, torques)
     np.testing.assert_allclose([*wrench, *along], applied, rtol=0, atol=1e-10 * np.abs(applied).max())
+
+
+@pytest.mark.parametrize("case", GRASPS, ids=lambda case: f"d={case['d']}")
+def test_the_reference_objects(case: dict[str, Any]) -> None:
+    """Forces of the jaws from the object's equilibrium, and the generalised force (5.62) corrected."""
+    robot, _, Q, _ = in_millimetres(case)
+    contacts, centre = np.array(case["w"]) @ Q, np.array(case["com_rel_O"]) @ Q
+    result = robot.grasp(Q, contacts, case["f_x"], case["weight"], centre, friction=1e3, check=True)
+    wanted, applied = np.array(case["f_jaw_frame"]), np.array(case["F_sn"])
+    np.testing.assert_allclose(result.contact_forces, wanted, rtol=0, atol=1e-12 * np.abs(wanted).max())
+    got = [*result.wrench, *result.redundant_forces]
+    np.testing.assert_allclose(got, applied, rtol=0, atol=1e-12 * np.abs(applied).max())
+
+
+def test_a_grasp_that_does_not_hold_says_why() -> None:
+    robot = krhpr.load("spatial_rrr_c", backend="numpy")
+    slides = robot.end_points(np.zeros(3), np.eye(3), np.ones(3))
+    contacts, load = 0.03 * slides, [0.0, 0.0, -3.0]
+    held = robot.grasp(np.eye(3), contacts, 5.0, load, friction=0.5, check=True)
+    np.testing.assert_allclose(held.contact_forces, [[5.0, 0.0, 1.0]] * 3, rtol=0, atol=1e-14)
+    np.testing.assert_allclose(held.friction_margins, 2.5**2 - 1.0, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(held.wrench, [0.0, 0.0, 3.0, 0.0, 0.0, 0.0], rtol=0, atol=1e-14)
+
+    def refused(status: Status, forces: Any = 5.0, at: Array = contacts, friction: float = 0.5) -> Any:
+        result, code = robot.grasp(np.eye(3), at, forces, load, friction=friction, status=True)
+        assert code == status and np.isnan(result.wrench).all()
+        with pytest.raises(krhpr.NoGrasp):
+            robot.grasp(np.eye(3), at, forces, load, friction=friction, check=True)
+        return result
+
+    slipping = refused(Status.SLIPS, friction=0.19)
+    np.testing.assert_allclose(slipping.friction_margins, 0.95**2 - 1.0, rtol=0, atol=1e-13)
+    refused(Status.NO_GRASP, [5.0, -0.1, 5.0])
+    line = np.array([[0.03, 0.01, 0.0], [-0.02, 0.01, 0.0], [0.01, 0.01, 0.0]])
+    refused(Status.UNDETERMINED, at=line)
+    about = 0.03 * np.stack([slides[:, 1], -slides[:, 0], slides[:, 2]], axis=-1)  # faces through one point
+    refused(Status.UNDETERMINED, at=about)
+    refused(Status.UNDETERMINED, at=np.zeros((3, 3)))
 
 
 def test_what_the_redundant_coordinates_hold_is_the_null_space() -> None:
@@ -213,7 +256,7 @@ def test_jaws_on_one_side_hold_nothing() -> None:
     result, status = robot.opening([0.1, 0.1, 0.1], status=True)
     assert status == Status.NO_GRASP and np.isnan(result.opening) and np.isnan(result.centre).all()
     assert result.shares.min() < 0
-    with pytest.raises(krhpr.NoGrasp, match="surround"):
+    with pytest.raises(krhpr.NoGrasp, match="positively span"):
         robot.opening([0.1, 0.1, 0.1], check=True)
 
 

@@ -50,7 +50,8 @@ class Platform(ABC):
     else it is a polynomial's roots, kernels `tie`, `sextic` and `assembly`.
     """
     carries_gripper: bool = False
-    """Whether jaws on its redundant links make a gripper, kernels `opening` and `redundant_of_opening`."""
+    """Whether jaws on its redundant links make a gripper, kernels `opening`, `redundant_of_opening`
+    and `grasp`."""
 
     # -- what an arrangement's file states ------------------------------------------------------------------
 

@@ -30,6 +30,7 @@ from krhpr.derivations.platforms.forward import (
     unit_sign,
     write_modes,
 )
+from krhpr.derivations.platforms.grasp import grasp_kernel
 from krhpr.derivations.platforms.kernels import PlatformPorts, all_legs
 from krhpr.derivations.platforms.opening import SLIDE, START, opening_kernels
 from krhpr.derivations.terms import Pose, Space
@@ -144,7 +145,7 @@ class SlidePlatform(Platform):
         return [det_a] if self.space is Space.PLANAR else [det_a, _area(points)]
 
     def kernels(self) -> tuple[Kernel, ...]:
-        return (*super().kernels(), *opening_kernels(self))
+        return (*super().kernels(), *opening_kernels(self), grasp_kernel(self))
 
     # -- forward kinematics, in closed form -----------------------------------------------------------------
 

@@ -76,7 +76,9 @@ typedef enum {
     KRHPR_INVALID_INPUT = 11, /* an input is NaN or infinite */
     KRHPR_NO_ASSEMBLY = 12, /* no platform fits the three end points */
     KRHPR_INCONSISTENT = 13, /* encoders contradict the end points by more than the tolerance */
-    KRHPR_NO_GRASP = 14 /* the jaws do not surround an object: their slides' directions lie on one side */
+    KRHPR_NO_GRASP = 14, /* the jaws hold nothing: the slides' directions lie on one side, or a contact would pull */
+    KRHPR_SLIPS = 15, /* friction does not hold the object at a contact */
+    KRHPR_UNDETERMINED = 16 /* the measured forces do not determine the others: the lines through the contacts along the jaws' faces meet in a point, or the contacts are in line */
 } krhpr_status;
 
 /* Where the first operand is NaN the second is the result. */

@@ -1289,7 +1289,6 @@ KRHPR_API int krhpr_planar_fivebar_coupler_a_indices(
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(condition + 1 * i, 1);
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {

@@ -2730,7 +2730,6 @@ KRHPR_OUTLINE void krhpr_planar_prr2_a_indices_lanes(
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
-        krhpr_poses_keep(kept_1, condition + 1 * i, 1);
     }
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);

@@ -862,6 +862,70 @@ KRHPR_API int krhpr_planar_rp_b_redundant_of_opening(
     return status;
 }
 
+KRHPR_API int krhpr_planar_rp_b_grasp(
+    const krhpr_planar_rp_b_geometry *g, double phi, const double contacts[6], const double mass_centre[2],
+    const double weight[2], const double normal_forces[3], double friction,
+    double *KRHPR_RESTRICT contact_forces, double *KRHPR_RESTRICT wrench,
+    double *KRHPR_RESTRICT redundant_forces, double *KRHPR_RESTRICT friction_margins)
+{
+    int status = KRHPR_OK;
+    double Q[4];
+    double slide[6];
+    double determined[1];
+    if (!krhpr_is_clean(krhpr_taint(&phi, 1) + krhpr_taint(contacts, 6) + krhpr_taint(mass_centre, 2) + krhpr_taint(weight, 2) +
+          krhpr_taint(normal_forces, 3) + krhpr_taint(&friction, 1))) {
+        krhpr_fill_nan(contact_forces, 6);
+        krhpr_fill_nan(wrench, 3);
+        krhpr_fill_nan(redundant_forces, 3);
+        krhpr_fill_nan(friction_margins, 3);
+        return KRHPR_INVALID_INPUT;
+    }
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
+    krhpr_algebra_planar_rotation_angles(phi, angle);
+    krhpr_sincos_array(1, angle, sine, cosine);
+    krhpr_algebra_planar_rotation(sine, cosine, Q);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_lanes distance_legs[1];
+        krhpr_lanes start_legs[1];
+        krhpr_platform_planar_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    }
+    krhpr_platform_planar_b_grasp(
+        Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
+        redundant_forces, friction_margins, determined);
+    if (!(determined[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_UNDETERMINED : status;
+    }
+    if (!(redundant_forces[0] <= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_NO_GRASP : status;
+    }
+    if (!(redundant_forces[1] <= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_NO_GRASP : status;
+    }
+    if (!(redundant_forces[2] <= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_NO_GRASP : status;
+    }
+    if (!(friction_margins[0] >= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_SLIPS : status;
+    }
+    if (!(friction_margins[1] >= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_SLIPS : status;
+    }
+    if (!(friction_margins[2] >= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_SLIPS : status;
+    }
+    if (status != KRHPR_OK) {
+        krhpr_fill_nan(contact_forces, 6);
+        krhpr_fill_nan(wrench, 3);
+        krhpr_fill_nan(redundant_forces, 3);
+        krhpr_fill_nan(friction_margins, 3);
+    }
+    return status;
+}
+
 KRHPR_API int krhpr_planar_rp_b_passive_joints(
     const krhpr_planar_rp_b_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT wrist, double *KRHPR_RESTRICT platform_joint)

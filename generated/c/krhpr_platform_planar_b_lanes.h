@@ -969,4 +969,76 @@ KRHPR_INLINE void krhpr_platform_planar_b_redundant_of_opening_lanes(
     *redundant = jaws + opening * 0.5 + g_t_0 * centre[0] + g_t_1 * centre[1] - g_k_0 - g_k_1;
 }
 
+/* Forces of the jaws on the object that they hold, from the measured ones, and what they mean for the
+ * robot.  Thesis: (5.38), (5.39), (5.62) to (5.68) corrected.  (64 add, 91 multiply, 2 divide) */
+KRHPR_INLINE void krhpr_platform_planar_b_grasp_lanes(
+    const krhpr_lanes_at Q[4], const krhpr_lanes_at slide[6], const krhpr_lanes_at contacts[6],
+    const krhpr_lanes_at mass_centre[2], const krhpr_lanes_at weight[2],
+    const krhpr_lanes_at normal_forces[3], krhpr_lanes friction,
+    krhpr_lanes_at *KRHPR_RESTRICT contact_forces, krhpr_lanes_at *KRHPR_RESTRICT wrench,
+    krhpr_lanes_at *KRHPR_RESTRICT redundant_forces, krhpr_lanes_at *KRHPR_RESTRICT friction_margins,
+    krhpr_lanes_at *KRHPR_RESTRICT determined)
+{
+    const krhpr_lanes w_l_0 = Q[0] * weight[0] + Q[2] * weight[1]; /* weight in the platform frame */
+    const krhpr_lanes w_l_1 = Q[1] * weight[0] + Q[3] * weight[1];
+    const krhpr_lanes r_1_0 = contacts[0] - mass_centre[0]; /* from the mass centre */
+    const krhpr_lanes r_1_1 = contacts[1] - mass_centre[1];
+    const krhpr_lanes r_2_0 = contacts[2] - mass_centre[0];
+    const krhpr_lanes r_2_1 = contacts[3] - mass_centre[1];
+    const krhpr_lanes r_3_0 = contacts[4] - mass_centre[0];
+    const krhpr_lanes r_3_1 = contacts[5] - mass_centre[1];
+    const krhpr_lanes t1 = slide[0] * normal_forces[0];
+    const krhpr_lanes t2 = slide[2] * normal_forces[1];
+    const krhpr_lanes t3 = slide[4] * normal_forces[2];
+    const krhpr_lanes t4 = slide[1] * normal_forces[0];
+    const krhpr_lanes t5 = slide[3] * normal_forces[1];
+    const krhpr_lanes t6 = slide[5] * normal_forces[2];
+    const krhpr_lanes b_a_0 = t1 + t2 + t3 - w_l_0;
+    const krhpr_lanes b_a_1 = t4 + t5 + t6 - w_l_1;
+    const krhpr_lanes t7 = normal_forces[0] * (slide[1] * r_1_0 - slide[0] * r_1_1) + normal_forces[1] * (slide[3] * r_2_0 - slide[2] * r_2_1);
+    const krhpr_lanes b_a_2 = t7 + normal_forces[2] * (slide[5] * r_3_0 - slide[4] * r_3_1);
+    const krhpr_lanes t8 = slide[2] * r_2_0 + slide[3] * r_2_1;
+    const krhpr_lanes t9 = slide[4] * r_3_0 + slide[5] * r_3_1;
+    const krhpr_lanes t10 = slide[2] * t9 - slide[4] * t8;
+    const krhpr_lanes t11 = slide[0] * r_1_0 + slide[1] * r_1_1;
+    const krhpr_lanes t12 = slide[4] * t11 - slide[0] * t9;
+    const krhpr_lanes t13 = slide[0] * t8 - slide[2] * t11;
+    const krhpr_lanes det_a = slide[1] * t10 + slide[3] * t12 + slide[5] * t13; /* zero where the lines along y_i meet */
+    const krhpr_lanes inv_a = 1.0 / det_a;
+    const krhpr_lanes t14 = b_a_0 * t10 + b_a_1 * (slide[3] * t9 - slide[5] * t8) + b_a_2 * (slide[2] * slide[5] - slide[3] * slide[4]);
+    const krhpr_lanes f_y_0 = inv_a * t14;
+    const krhpr_lanes t15 = b_a_0 * t12 + b_a_1 * (slide[5] * t11 - slide[1] * t9) + b_a_2 * (slide[1] * slide[4] - slide[0] * slide[5]);
+    const krhpr_lanes f_y_1 = inv_a * t15;
+    const krhpr_lanes t16 = b_a_0 * t13 + b_a_1 * (slide[1] * t8 - slide[3] * t11) + b_a_2 * (slide[0] * slide[3] - slide[1] * slide[2]);
+    const krhpr_lanes f_y_2 = inv_a * t16;
+    const krhpr_lanes f_1_0 = slide[1] * f_y_0 - t1; /* in the platform's plane */
+    const krhpr_lanes t17 = t4 + slide[0] * f_y_0;
+    const krhpr_lanes f_2_0 = slide[3] * f_y_1 - t2; /* in the platform's plane */
+    const krhpr_lanes t18 = t5 + slide[2] * f_y_1;
+    const krhpr_lanes f_3_0 = slide[5] * f_y_2 - t3; /* in the platform's plane */
+    const krhpr_lanes t19 = t6 + slide[4] * f_y_2;
+    const krhpr_lanes t20 = contacts[0] * contacts[0] + contacts[1] * contacts[1] + contacts[2] * contacts[2];
+    const krhpr_lanes size = t20 + contacts[3] * contacts[3] + contacts[4] * contacts[4] + contacts[5] * contacts[5];
+    const krhpr_lanes F_l_0 = f_3_0 + (f_1_0 + f_2_0);
+    const krhpr_lanes t21 = t19 + (t17 + t18);
+    const krhpr_lanes t22 = contacts[0] * t17 + contacts[2] * t18 + contacts[4] * t19 + contacts[1] * f_1_0;
+    const krhpr_lanes t23 = friction * friction;
+    contact_forces[0] = normal_forces[0];
+    contact_forces[1] = f_y_0;
+    contact_forces[2] = normal_forces[1];
+    contact_forces[3] = f_y_1;
+    contact_forces[4] = normal_forces[2];
+    contact_forces[5] = f_y_2;
+    wrench[0] = Q[0] * F_l_0 - Q[1] * t21;
+    wrench[1] = Q[2] * F_l_0 - Q[3] * t21;
+    wrench[2] = -(t22 + contacts[3] * f_2_0 + contacts[5] * f_3_0);
+    redundant_forces[0] = -normal_forces[0];
+    redundant_forces[1] = -normal_forces[1];
+    redundant_forces[2] = -normal_forces[2];
+    friction_margins[0] = t23 * (normal_forces[0] * normal_forces[0]) - f_y_0 * f_y_0;
+    friction_margins[1] = t23 * (normal_forces[1] * normal_forces[1]) - f_y_1 * f_y_1;
+    friction_margins[2] = t23 * (normal_forces[2] * normal_forces[2]) - f_y_2 * f_y_2;
+    determined[0] = det_a * det_a / size;
+}
+
 #endif

@@ -1326,4 +1326,109 @@ KRHPR_INLINE void krhpr_platform_spatial_c_redundant_of_opening_lanes(
     *redundant = jaws + opening * 0.5 + g_t_0 * centre[0] + g_t_1 * centre[1];
 }
 
+/* Forces of the jaws on the object that they hold, from the measured ones, and what they mean for the
+ * robot.  Thesis: (5.38), (5.39), (5.62) to (5.68) corrected.  (120 add, 151 multiply, 4 divide) */
+KRHPR_INLINE void krhpr_platform_spatial_c_grasp_lanes(
+    const krhpr_lanes_at Q[9], const krhpr_lanes_at slide[6], const krhpr_lanes_at contacts[9],
+    const krhpr_lanes_at mass_centre[3], const krhpr_lanes_at weight[3],
+    const krhpr_lanes_at normal_forces[3], krhpr_lanes friction,
+    krhpr_lanes_at *KRHPR_RESTRICT contact_forces, krhpr_lanes_at *KRHPR_RESTRICT wrench,
+    krhpr_lanes_at *KRHPR_RESTRICT redundant_forces, krhpr_lanes_at *KRHPR_RESTRICT friction_margins,
+    krhpr_lanes_at *KRHPR_RESTRICT determined)
+{
+    const krhpr_lanes w_l_0 = Q[0] * weight[0] + Q[3] * weight[1] + Q[6] * weight[2]; /* weight in the platform frame */
+    const krhpr_lanes w_l_1 = Q[1] * weight[0] + Q[4] * weight[1] + Q[7] * weight[2];
+    const krhpr_lanes w_l_2 = Q[2] * weight[0] + Q[5] * weight[1] + Q[8] * weight[2];
+    const krhpr_lanes r_1_0 = contacts[0] - mass_centre[0]; /* from the mass centre */
+    const krhpr_lanes r_1_1 = contacts[1] - mass_centre[1];
+    const krhpr_lanes r_1_2 = contacts[2] - mass_centre[2];
+    const krhpr_lanes r_2_0 = contacts[3] - mass_centre[0];
+    const krhpr_lanes r_2_1 = contacts[4] - mass_centre[1];
+    const krhpr_lanes r_2_2 = contacts[5] - mass_centre[2];
+    const krhpr_lanes r_3_0 = contacts[6] - mass_centre[0];
+    const krhpr_lanes r_3_1 = contacts[7] - mass_centre[1];
+    const krhpr_lanes r_3_2 = contacts[8] - mass_centre[2];
+    const krhpr_lanes t1 = slide[0] * normal_forces[0];
+    const krhpr_lanes t2 = slide[2] * normal_forces[1];
+    const krhpr_lanes t3 = slide[4] * normal_forces[2];
+    const krhpr_lanes t4 = slide[1] * normal_forces[0];
+    const krhpr_lanes t5 = slide[3] * normal_forces[1];
+    const krhpr_lanes t6 = slide[5] * normal_forces[2];
+    const krhpr_lanes b_a_0 = t1 + t2 + t3 - w_l_0;
+    const krhpr_lanes b_a_1 = t4 + t5 + t6 - w_l_1;
+    const krhpr_lanes t7 = normal_forces[0] * (slide[1] * r_1_0 - slide[0] * r_1_1) + normal_forces[1] * (slide[3] * r_2_0 - slide[2] * r_2_1);
+    const krhpr_lanes b_a_2 = t7 + normal_forces[2] * (slide[5] * r_3_0 - slide[4] * r_3_1);
+    const krhpr_lanes t8 = slide[2] * r_2_0 + slide[3] * r_2_1;
+    const krhpr_lanes t9 = slide[4] * r_3_0 + slide[5] * r_3_1;
+    const krhpr_lanes t10 = slide[2] * t9 - slide[4] * t8;
+    const krhpr_lanes t11 = slide[0] * r_1_0 + slide[1] * r_1_1;
+    const krhpr_lanes t12 = slide[4] * t11 - slide[0] * t9;
+    const krhpr_lanes t13 = slide[0] * t8 - slide[2] * t11;
+    const krhpr_lanes det_a = slide[1] * t10 + slide[3] * t12 + slide[5] * t13; /* zero where the lines along y_i meet */
+    const krhpr_lanes inv_a = 1.0 / det_a;
+    const krhpr_lanes t14 = b_a_0 * t10 + b_a_1 * (slide[3] * t9 - slide[5] * t8) + b_a_2 * (slide[2] * slide[5] - slide[3] * slide[4]);
+    const krhpr_lanes f_y_0 = inv_a * t14;
+    const krhpr_lanes t15 = b_a_0 * t12 + b_a_1 * (slide[5] * t11 - slide[1] * t9) + b_a_2 * (slide[1] * slide[4] - slide[0] * slide[5]);
+    const krhpr_lanes f_y_1 = inv_a * t15;
+    const krhpr_lanes t16 = b_a_0 * t13 + b_a_1 * (slide[1] * t8 - slide[3] * t11) + b_a_2 * (slide[0] * slide[3] - slide[1] * slide[2]);
+    const krhpr_lanes f_y_2 = inv_a * t16;
+    const krhpr_lanes f_1_0 = slide[1] * f_y_0 - t1; /* in the platform's plane */
+    const krhpr_lanes t17 = t4 + slide[0] * f_y_0;
+    const krhpr_lanes f_2_0 = slide[3] * f_y_1 - t2; /* in the platform's plane */
+    const krhpr_lanes t18 = t5 + slide[2] * f_y_1;
+    const krhpr_lanes f_3_0 = slide[5] * f_y_2 - t3; /* in the platform's plane */
+    const krhpr_lanes t19 = t6 + slide[4] * f_y_2;
+    const krhpr_lanes t20 = contacts[0] * contacts[0] + contacts[1] * contacts[1] + contacts[3] * contacts[3];
+    const krhpr_lanes size = t20 + contacts[4] * contacts[4] + contacts[6] * contacts[6] + contacts[7] * contacts[7];
+    const krhpr_lanes t21 = r_1_2 * t17 + r_2_2 * t18 + r_3_2 * t19;
+    const krhpr_lanes t22 = r_1_2 * f_1_0 + r_2_2 * f_2_0 + r_3_2 * f_3_0;
+    const krhpr_lanes t23 = r_1_0 * r_2_1;
+    const krhpr_lanes t24 = r_1_1 * r_3_0;
+    const krhpr_lanes t25 = r_2_0 * r_3_1;
+    const krhpr_lanes t26 = r_1_0 * r_3_1;
+    const krhpr_lanes t27 = r_1_1 * r_2_0;
+    const krhpr_lanes t28 = r_2_1 * r_3_0;
+    const krhpr_lanes det_n = t23 + t24 + t25 - t26 - t27 - t28; /* zero where the contacts are in line */
+    const krhpr_lanes inv_n = 1.0 / det_n;
+    const krhpr_lanes t29 = inv_n * (w_l_2 * (t25 - t28) + t21 * (r_3_0 - r_2_0) + t22 * (r_3_1 - r_2_1));
+    const krhpr_lanes f_z_0 = -t29;
+    const krhpr_lanes t30 = inv_n * (w_l_2 * (t24 - t26) + t21 * (r_1_0 - r_3_0) + t22 * (r_1_1 - r_3_1));
+    const krhpr_lanes f_z_1 = -t30;
+    const krhpr_lanes t31 = inv_n * (w_l_2 * (t23 - t27) + t21 * (r_2_0 - r_1_0) + t22 * (r_2_1 - r_1_1));
+    const krhpr_lanes f_z_2 = -t31;
+    const krhpr_lanes F_l_0 = f_3_0 + (f_1_0 + f_2_0);
+    const krhpr_lanes t32 = t19 + (t17 + t18);
+    const krhpr_lanes t33 = t31 + (t29 + t30);
+    const krhpr_lanes t34 = contacts[2] * t17 - (contacts[1] * t29 + contacts[4] * t30 + contacts[7] * t31);
+    const krhpr_lanes m_l_0 = t34 + contacts[5] * t18 + contacts[8] * t19;
+    const krhpr_lanes t35 = contacts[2] * f_1_0 + contacts[5] * f_2_0 + contacts[8] * f_3_0 + contacts[0] * t29;
+    const krhpr_lanes m_l_1 = t35 + contacts[3] * t30 + contacts[6] * t31;
+    const krhpr_lanes t36 = contacts[0] * t17 + contacts[3] * t18 + contacts[6] * t19 + contacts[1] * f_1_0;
+    const krhpr_lanes t37 = t36 + contacts[4] * f_2_0 + contacts[7] * f_3_0;
+    const krhpr_lanes t38 = friction * friction;
+    contact_forces[0] = normal_forces[0];
+    contact_forces[1] = f_y_0;
+    contact_forces[2] = f_z_0;
+    contact_forces[3] = normal_forces[1];
+    contact_forces[4] = f_y_1;
+    contact_forces[5] = f_z_1;
+    contact_forces[6] = normal_forces[2];
+    contact_forces[7] = f_y_2;
+    contact_forces[8] = f_z_2;
+    wrench[0] = Q[0] * F_l_0 - Q[1] * t32 - Q[2] * t33;
+    wrench[1] = Q[3] * F_l_0 - Q[4] * t32 - Q[5] * t33;
+    wrench[2] = Q[6] * F_l_0 - Q[7] * t32 - Q[8] * t33;
+    wrench[3] = Q[0] * m_l_0 + Q[1] * m_l_1 - Q[2] * t37;
+    wrench[4] = Q[3] * m_l_0 + Q[4] * m_l_1 - Q[5] * t37;
+    wrench[5] = Q[6] * m_l_0 + Q[7] * m_l_1 - Q[8] * t37;
+    redundant_forces[0] = -normal_forces[0];
+    redundant_forces[1] = -normal_forces[1];
+    redundant_forces[2] = -normal_forces[2];
+    friction_margins[0] = t38 * (normal_forces[0] * normal_forces[0]) - f_y_0 * f_y_0 - t29 * t29;
+    friction_margins[1] = t38 * (normal_forces[1] * normal_forces[1]) - f_y_1 * f_y_1 - t30 * t30;
+    friction_margins[2] = t38 * (normal_forces[2] * normal_forces[2]) - f_y_2 * f_y_2 - t31 * t31;
+    determined[0] = det_a * det_a / size;
+    determined[1] = det_n * det_n / (size * size);
+}
+
 #endif

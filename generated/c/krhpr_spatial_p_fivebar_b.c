@@ -944,6 +944,66 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_redundant_of_opening(
     return status;
 }
 
+KRHPR_API int krhpr_spatial_p_fivebar_b_grasp(
+    const krhpr_spatial_p_fivebar_b_geometry *g, const double Q[9], const double contacts[9],
+    const double mass_centre[3], const double weight[3], const double normal_forces[3], double friction,
+    double *KRHPR_RESTRICT contact_forces, double *KRHPR_RESTRICT wrench,
+    double *KRHPR_RESTRICT redundant_forces, double *KRHPR_RESTRICT friction_margins)
+{
+    int status = KRHPR_OK;
+    double slide[6];
+    double determined[2];
+    if (!krhpr_is_clean(krhpr_taint(Q, 9) + krhpr_taint(contacts, 9) + krhpr_taint(mass_centre, 3) + krhpr_taint(weight, 3) +
+          krhpr_taint(normal_forces, 3) + krhpr_taint(&friction, 1))) {
+        krhpr_fill_nan(contact_forces, 9);
+        krhpr_fill_nan(wrench, 6);
+        krhpr_fill_nan(redundant_forces, 3);
+        krhpr_fill_nan(friction_margins, 3);
+        return KRHPR_INVALID_INPUT;
+    }
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes slide_legs[2];
+        krhpr_lanes distance_legs[1];
+        krhpr_lanes start_legs[1];
+        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
+        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    }
+    krhpr_platform_spatial_b_grasp(
+        Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
+        redundant_forces, friction_margins, determined);
+    if (!(determined[0] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_UNDETERMINED : status;
+    }
+    if (!(determined[1] >= 1e-24)) {
+        status = status == KRHPR_OK ? KRHPR_UNDETERMINED : status;
+    }
+    if (!(redundant_forces[0] <= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_NO_GRASP : status;
+    }
+    if (!(redundant_forces[1] <= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_NO_GRASP : status;
+    }
+    if (!(redundant_forces[2] <= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_NO_GRASP : status;
+    }
+    if (!(friction_margins[0] >= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_SLIPS : status;
+    }
+    if (!(friction_margins[1] >= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_SLIPS : status;
+    }
+    if (!(friction_margins[2] >= 0.0)) {
+        status = status == KRHPR_OK ? KRHPR_SLIPS : status;
+    }
+    if (status != KRHPR_OK) {
+        krhpr_fill_nan(contact_forces, 9);
+        krhpr_fill_nan(wrench, 6);
+        krhpr_fill_nan(redundant_forces, 3);
+        krhpr_fill_nan(friction_margins, 3);
+    }
+    return status;
+}
+
 KRHPR_API int krhpr_spatial_p_fivebar_b_passive_joints(
     const krhpr_spatial_p_fivebar_b_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT passive, double *KRHPR_RESTRICT spherical,
@@ -1178,7 +1238,6 @@ KRHPR_API int krhpr_spatial_p_fivebar_b_indices(
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(condition + 1 * i, 1);
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {

@@ -309,6 +309,30 @@ KRHPR_API int krhpr_spatial_prr_b_redundant_of_opening(
     const krhpr_spatial_prr_b_geometry *g, double opening, const double centre[2], const double jaws[3],
     double *KRHPR_RESTRICT redundant);
 
+/* Forces of the jaws on the object between them by its equilibrium, the normal ones measured; and what they
+ * are for the robot: a wrench, and forces along the redundant coordinates, as inverse_statics takes them.
+ * Thesis: (5.38), (5.39), (5.62) to (5.68) corrected.
+ *   in     Q (3 x 3, base frame): orientation, base from platform
+ *   in     contacts (3 x 3, m, platform frame): w_i, from O' to the jaw's contact
+ *   in     mass_centre (3, m, platform frame): from O' to the object's mass centre
+ *   in     weight (3, N, base frame): of the object, m g
+ *   in     normal_forces (3, N, joint frame): f_xi, measured: what jaw i presses on the object with
+ *   in     friction (scalar): coefficient of friction, not negative
+ *   out    contact_forces (3 x 3, N, joint frame): [f_x, f_y, f_z] that each jaw applies to the object, in
+ *          the jaw's frame
+ *   out    wrench (6, N, N m, base frame): force and moment about O' that the robot applies to its
+ *          environment
+ *   out    redundant_forces (3, N m or N, joint frame): force that the robot applies to its environment
+ *          along d, between redundant link and platform: -f_xi
+ *   out    friction_margins (3, mixed): (mu f_xi)^2 less the square of the tangential force (N^2): negative
+ *          where the contact slips
+ */
+KRHPR_API int krhpr_spatial_prr_b_grasp(
+    const krhpr_spatial_prr_b_geometry *g, const double Q[9], const double contacts[9],
+    const double mass_centre[3], const double weight[3], const double normal_forces[3], double friction,
+    double *KRHPR_RESTRICT contact_forces, double *KRHPR_RESTRICT wrench,
+    double *KRHPR_RESTRICT redundant_forces, double *KRHPR_RESTRICT friction_margins);
+
 /* Every passive joint, from the base to the platform.
  *   in     p (3, m, base frame): position of O'
  *   in     Q (3 x 3, base frame): orientation, base from platform
@@ -677,6 +701,14 @@ KRHPR_API int krhpr_spatial_prr_b_redundant_of_opening_batch(
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
 KRHPR_API int krhpr_spatial_prr_b_redundant_of_opening_soa(
+    const krhpr_spatial_prr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* grasp: in = Q (9), contacts (9), mass_centre (3), weight (3), normal_forces (3), friction (1); out = contact_forces (9), wrench (6), redundant_forces (3), friction_margins (3). */
+KRHPR_API int krhpr_spatial_prr_b_grasp_batch(
+    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_prr_b_grasp_soa(
     const krhpr_spatial_prr_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 /* passive_joints: in = p (3), Q (9), s (9), theta (9); out = spherical (27), platform_joint (3). */

@@ -2151,6 +2151,166 @@ KRHPR_API int krhpr_spatial_tripteron_c_redundant_of_opening_soa(
 }
 #endif
 
+/* grasp of KRHPR_LANES poses side by side. */
+KRHPR_OUTLINE void krhpr_spatial_tripteron_c_grasp_lanes(
+    const krhpr_spatial_tripteron_c_geometry *g, const krhpr_lanes_at Q[9], const krhpr_lanes_at contacts[9],
+    const krhpr_lanes_at mass_centre[3], const krhpr_lanes_at weight[3],
+    const krhpr_lanes_at normal_forces[3], const krhpr_lanes_at friction[1],
+    krhpr_lanes_at *KRHPR_RESTRICT contact_forces, krhpr_lanes_at *KRHPR_RESTRICT wrench,
+    krhpr_lanes_at *KRHPR_RESTRICT redundant_forces, krhpr_lanes_at *KRHPR_RESTRICT friction_margins,
+    krhpr_ints *answer)
+{
+    const krhpr_lanes taint = krhpr_poses_taint(Q, 9) + krhpr_poses_taint(contacts, 9) + krhpr_poses_taint(mass_centre, 3) +
+        krhpr_poses_taint(weight, 3) + krhpr_poses_taint(normal_forces, 3) + krhpr_poses_taint(friction, 1);
+    krhpr_lanes slide[6];
+    krhpr_lanes determined[2];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide + 2 * i);
+    }
+    krhpr_platform_spatial_c_grasp_lanes(
+        Q, slide, contacts, mass_centre, weight, normal_forces, friction[0], contact_forces, wrench,
+        redundant_forces, friction_margins, determined);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(1e-24), determined[0]);
+    fine &= krhpr_at_most(krhpr_all(1e-24), determined[1]);
+    fine &= krhpr_at_most(redundant_forces[0], krhpr_all(0.0));
+    fine &= krhpr_at_most(redundant_forces[1], krhpr_all(0.0));
+    fine &= krhpr_at_most(redundant_forces[2], krhpr_all(0.0));
+    fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[1]);
+    fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[2]);
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), determined[0]), status, KRHPR_UNDETERMINED);
+    status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), determined[1]), status, KRHPR_UNDETERMINED);
+    status = krhpr_expect(krhpr_at_most(redundant_forces[0], krhpr_all(0.0)), status, KRHPR_NO_GRASP);
+    status = krhpr_expect(krhpr_at_most(redundant_forces[1], krhpr_all(0.0)), status, KRHPR_NO_GRASP);
+    status = krhpr_expect(krhpr_at_most(redundant_forces[2], krhpr_all(0.0)), status, KRHPR_NO_GRASP);
+    status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), friction_margins[0]), status, KRHPR_SLIPS);
+    status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), friction_margins[1]), status, KRHPR_SLIPS);
+    status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), friction_margins[2]), status, KRHPR_SLIPS);
+    const krhpr_ints valid = krhpr_is_ok(status);
+    krhpr_poses_keep(valid, contact_forces, 9);
+    krhpr_poses_keep(valid, wrench, 6);
+    krhpr_poses_keep(valid, redundant_forces, 3);
+    krhpr_poses_keep(valid, friction_margins, 3);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, contact_forces, 9);
+    krhpr_poses_keep(finite, wrench, 6);
+    krhpr_poses_keep(finite, redundant_forces, 3);
+    krhpr_poses_keep(finite, friction_margins, 3);
+}
+
+KRHPR_API int krhpr_spatial_tripteron_c_grasp_batch(
+    const krhpr_spatial_tripteron_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t together = krhpr_poses_together(count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+        const int here = krhpr_poses_here(count - (size_t)k);
+        krhpr_ints answer;
+        krhpr_lanes Q_lanes[9];
+        krhpr_poses_load(Q_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
+        krhpr_lanes contacts_lanes[9];
+        krhpr_poses_load(contacts_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes mass_centre_lanes[3];
+        krhpr_poses_load(mass_centre_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
+        krhpr_lanes weight_lanes[3];
+        krhpr_poses_load(weight_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        krhpr_lanes normal_forces_lanes[3];
+        krhpr_poses_load(normal_forces_lanes, in[4] + k * in_step[4], in_step[4], 3, here);
+        krhpr_lanes friction_lanes[1];
+        krhpr_poses_load(friction_lanes, in[5] + k * in_step[5], in_step[5], 1, here);
+        krhpr_lanes contact_forces_lanes[9];
+        krhpr_lanes wrench_lanes[6];
+        krhpr_lanes redundant_forces_lanes[3];
+        krhpr_lanes friction_margins_lanes[3];
+        krhpr_spatial_tripteron_c_grasp_lanes(
+            g, Q_lanes, contacts_lanes, mass_centre_lanes, weight_lanes, normal_forces_lanes,
+            friction_lanes, contact_forces_lanes, wrench_lanes, redundant_forces_lanes,
+            friction_margins_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], contact_forces_lanes, 9, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], wrench_lanes, 6, here);
+        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_forces_lanes, 3, here);
+        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], friction_margins_lanes, 3, here);
+        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+    }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_tripteron_c_grasp(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], in[4] + k * in_step[4], *(in[5] + k * in_step[5]),
+            out[0] + k * out_step[0], out[1] + k * out_step[1], out[2] + k * out_step[2],
+            out[3] + k * out_step[3]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+#ifndef KRHPR_WITHOUT_SOA
+KRHPR_API int krhpr_spatial_tripteron_c_grasp_soa(
+    const krhpr_spatial_tripteron_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes Q_room[9];
+            const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[0] + b * in_step[0] + k, row, 9, here);
+            krhpr_lanes contacts_room[9];
+            const krhpr_lanes_at *const contacts_lanes = krhpr_poses_in(contacts_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes mass_centre_room[3];
+            const krhpr_lanes_at *const mass_centre_lanes = krhpr_poses_in(mass_centre_room, in[2] + b * in_step[2] + k, row, 3, here);
+            krhpr_lanes weight_room[3];
+            const krhpr_lanes_at *const weight_lanes = krhpr_poses_in(weight_room, in[3] + b * in_step[3] + k, row, 3, here);
+            krhpr_lanes normal_forces_room[3];
+            const krhpr_lanes_at *const normal_forces_lanes = krhpr_poses_in(normal_forces_room, in[4] + b * in_step[4] + k, row, 3, here);
+            krhpr_lanes friction_room[1];
+            const krhpr_lanes_at *const friction_lanes = krhpr_poses_in(friction_room, in[5] + b * in_step[5] + k, row, 1, here);
+            krhpr_lanes contact_forces_room[9];
+            double *const contact_forces_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const contact_forces_lanes = krhpr_poses_out(contact_forces_room, contact_forces_at, row, here);
+            krhpr_lanes wrench_room[6];
+            double *const wrench_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const wrench_lanes = krhpr_poses_out(wrench_room, wrench_at, row, here);
+            krhpr_lanes redundant_forces_room[3];
+            double *const redundant_forces_at = out[2] + b * out_step[2] + k;
+            krhpr_lanes_at *const redundant_forces_lanes = krhpr_poses_out(redundant_forces_room, redundant_forces_at, row, here);
+            krhpr_lanes friction_margins_room[3];
+            double *const friction_margins_at = out[3] + b * out_step[3] + k;
+            krhpr_lanes_at *const friction_margins_lanes = krhpr_poses_out(friction_margins_room, friction_margins_at, row, here);
+            krhpr_spatial_tripteron_c_grasp_lanes(
+                g, Q_lanes, contacts_lanes, mass_centre_lanes, weight_lanes, normal_forces_lanes,
+                friction_lanes, contact_forces_lanes, wrench_lanes, redundant_forces_lanes,
+                friction_margins_lanes, &answer);
+            krhpr_poses_done(contact_forces_room, contact_forces_at, row, 9, here);
+            krhpr_poses_done(wrench_room, wrench_at, row, 6, here);
+            krhpr_poses_done(redundant_forces_room, redundant_forces_at, row, 3, here);
+            krhpr_poses_done(friction_margins_room, friction_margins_at, row, 3, here);
+            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+        }
+    }
+    return first;
+}
+#endif
+
 /* passive_joints of KRHPR_LANES poses side by side. */
 KRHPR_OUTLINE void krhpr_spatial_tripteron_c_passive_joints_lanes(
     const krhpr_spatial_tripteron_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],

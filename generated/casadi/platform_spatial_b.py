@@ -1545,3 +1545,123 @@ def redundant_of_opening(g: Any, opening: Any, centre: Any, jaws: Any) -> tuple[
     return (
         jaws + opening * 0.5 + g.t[0] * centre_0 + g.t[1] * centre_1 - g.k[0] - g.k[1],
     )
+
+
+def grasp(
+    Q: Any, slide: Any, contacts: Any, mass_centre: Any, weight: Any, normal_forces: Any,
+    friction: Any) -> tuple[Any, ...]:
+    """Forces of the jaws on the object that they hold, from the measured ones, and what they mean for
+    the robot.  Thesis: (5.38), (5.39), (5.62) to (5.68) corrected.  (120 add, 151 multiply, 4
+    divide)"""
+    Q_00, Q_01, Q_02, Q_10, Q_11, Q_12, Q_20, Q_21, Q_22 = Q
+    slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
+    contacts_00, contacts_01, contacts_02, contacts_10, contacts_11, contacts_12, contacts_20, contacts_21, contacts_22 = contacts
+    mass_centre_0, mass_centre_1, mass_centre_2 = mass_centre
+    weight_0, weight_1, weight_2 = weight
+    normal_forces_0, normal_forces_1, normal_forces_2 = normal_forces
+    friction, = friction
+    w_l_0 = Q_00 * weight_0 + Q_10 * weight_1 + Q_20 * weight_2  # weight in the platform frame
+    w_l_1 = Q_01 * weight_0 + Q_11 * weight_1 + Q_21 * weight_2
+    w_l_2 = Q_02 * weight_0 + Q_12 * weight_1 + Q_22 * weight_2
+    r_1_0 = contacts_00 - mass_centre_0  # from the mass centre
+    r_1_1 = contacts_01 - mass_centre_1
+    r_1_2 = contacts_02 - mass_centre_2
+    r_2_0 = contacts_10 - mass_centre_0
+    r_2_1 = contacts_11 - mass_centre_1
+    r_2_2 = contacts_12 - mass_centre_2
+    r_3_0 = contacts_20 - mass_centre_0
+    r_3_1 = contacts_21 - mass_centre_1
+    r_3_2 = contacts_22 - mass_centre_2
+    t1 = slide_00 * normal_forces_0
+    t2 = slide_10 * normal_forces_1
+    t3 = slide_20 * normal_forces_2
+    t4 = slide_01 * normal_forces_0
+    t5 = slide_11 * normal_forces_1
+    t6 = slide_21 * normal_forces_2
+    b_a_0 = t1 + t2 + t3 - w_l_0
+    b_a_1 = t4 + t5 + t6 - w_l_1
+    t7 = normal_forces_0 * (slide_01 * r_1_0 - slide_00 * r_1_1) + normal_forces_1 * (slide_11 * r_2_0 - slide_10 * r_2_1)
+    b_a_2 = t7 + normal_forces_2 * (slide_21 * r_3_0 - slide_20 * r_3_1)
+    t8 = slide_10 * r_2_0 + slide_11 * r_2_1
+    t9 = slide_20 * r_3_0 + slide_21 * r_3_1
+    t10 = slide_10 * t9 - slide_20 * t8
+    t11 = slide_00 * r_1_0 + slide_01 * r_1_1
+    t12 = slide_20 * t11 - slide_00 * t9
+    t13 = slide_00 * t8 - slide_10 * t11
+    det_a = slide_01 * t10 + slide_11 * t12 + slide_21 * t13  # zero where the lines along y_i meet
+    inv_a = 1 / det_a
+    t14 = b_a_0 * t10 + b_a_1 * (slide_11 * t9 - slide_21 * t8) + b_a_2 * (slide_10 * slide_21 - slide_11 * slide_20)
+    f_y_0 = inv_a * t14
+    t15 = b_a_0 * t12 + b_a_1 * (slide_21 * t11 - slide_01 * t9) + b_a_2 * (slide_01 * slide_20 - slide_00 * slide_21)
+    f_y_1 = inv_a * t15
+    t16 = b_a_0 * t13 + b_a_1 * (slide_01 * t8 - slide_11 * t11) + b_a_2 * (slide_00 * slide_11 - slide_01 * slide_10)
+    f_y_2 = inv_a * t16
+    f_1_0 = slide_01 * f_y_0 - t1  # in the platform's plane
+    t17 = t4 + slide_00 * f_y_0
+    f_2_0 = slide_11 * f_y_1 - t2  # in the platform's plane
+    t18 = t5 + slide_10 * f_y_1
+    f_3_0 = slide_21 * f_y_2 - t3  # in the platform's plane
+    t19 = t6 + slide_20 * f_y_2
+    t20 = contacts_00 * contacts_00 + contacts_01 * contacts_01 + contacts_10 * contacts_10
+    size = t20 + contacts_11 * contacts_11 + contacts_20 * contacts_20 + contacts_21 * contacts_21
+    t21 = r_1_2 * t17 + r_2_2 * t18 + r_3_2 * t19
+    t22 = r_1_2 * f_1_0 + r_2_2 * f_2_0 + r_3_2 * f_3_0
+    t23 = r_1_0 * r_2_1
+    t24 = r_1_1 * r_3_0
+    t25 = r_2_0 * r_3_1
+    t26 = r_1_0 * r_3_1
+    t27 = r_1_1 * r_2_0
+    t28 = r_2_1 * r_3_0
+    det_n = t23 + t24 + t25 - t26 - t27 - t28  # zero where the contacts are in line
+    inv_n = 1 / det_n
+    t29 = inv_n * (w_l_2 * (t25 - t28) + t21 * (r_3_0 - r_2_0) + t22 * (r_3_1 - r_2_1))
+    f_z_0 = -t29
+    t30 = inv_n * (w_l_2 * (t24 - t26) + t21 * (r_1_0 - r_3_0) + t22 * (r_1_1 - r_3_1))
+    f_z_1 = -t30
+    t31 = inv_n * (w_l_2 * (t23 - t27) + t21 * (r_2_0 - r_1_0) + t22 * (r_2_1 - r_1_1))
+    f_z_2 = -t31
+    F_l_0 = f_3_0 + (f_1_0 + f_2_0)
+    t32 = t19 + (t17 + t18)
+    t33 = t31 + (t29 + t30)
+    t34 = contacts_02 * t17 - (contacts_01 * t29 + contacts_11 * t30 + contacts_21 * t31)
+    m_l_0 = t34 + contacts_12 * t18 + contacts_22 * t19
+    t35 = contacts_02 * f_1_0 + contacts_12 * f_2_0 + contacts_22 * f_3_0 + contacts_00 * t29
+    m_l_1 = t35 + contacts_10 * t30 + contacts_20 * t31
+    t36 = contacts_00 * t17 + contacts_10 * t18 + contacts_20 * t19 + contacts_01 * f_1_0
+    t37 = t36 + contacts_11 * f_2_0 + contacts_21 * f_3_0
+    t38 = friction * friction
+    return (
+        (  # contact_forces
+            normal_forces_0,
+            f_y_0,
+            f_z_0,
+            normal_forces_1,
+            f_y_1,
+            f_z_1,
+            normal_forces_2,
+            f_y_2,
+            f_z_2,
+        ),
+        (  # wrench
+            Q_00 * F_l_0 - Q_01 * t32 - Q_02 * t33,
+            Q_10 * F_l_0 - Q_11 * t32 - Q_12 * t33,
+            Q_20 * F_l_0 - Q_21 * t32 - Q_22 * t33,
+            Q_00 * m_l_0 + Q_01 * m_l_1 - Q_02 * t37,
+            Q_10 * m_l_0 + Q_11 * m_l_1 - Q_12 * t37,
+            Q_20 * m_l_0 + Q_21 * m_l_1 - Q_22 * t37,
+        ),
+        (  # redundant_forces
+            -normal_forces_0,
+            -normal_forces_1,
+            -normal_forces_2,
+        ),
+        (  # friction_margins
+            t38 * (normal_forces_0 * normal_forces_0) - f_y_0 * f_y_0 - t29 * t29,
+            t38 * (normal_forces_1 * normal_forces_1) - f_y_1 * f_y_1 - t30 * t30,
+            t38 * (normal_forces_2 * normal_forces_2) - f_y_2 * f_y_2 - t31 * t31,
+        ),
+        (  # determined
+            det_a * det_a / size,
+            det_n * det_n / (size * size),
+        ),
+    )

@@ -596,6 +596,39 @@ def redundant_of_opening(geometry: Any) -> Any:
     return call.function({"redundant": redundant})
 
 
+def grasp(geometry: Any) -> Any:
+    """Forces of the jaws on the object between them by its equilibrium, the normal ones measured; and
+    what they are for the robot: a wrench, and forces along the redundant coordinates, as
+    inverse_statics takes them."""
+    call = rt.Call(
+        "grasp",
+        (
+            rt.Port("Q", (3, 3), "shared"),
+            rt.Port("contacts", (3, 3), "stacked"),
+            rt.Port("mass_centre", (3,), "shared"),
+            rt.Port("weight", (3,), "shared"),
+            rt.Port("normal_forces", (3,), "stacked"),
+            rt.Port("friction", (), "shared"),
+        ),
+        (
+            rt.Port("contact_forces", (3, 3), "shared"),
+            rt.Port("wrench", (6,), "shared"),
+            rt.Port("redundant_forces", (3,), "shared"),
+            rt.Port("friction_margins", (3,), "shared"),
+        ),
+        geometry,
+    )
+    slide: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        slide_i, _distance, _start = platform.tie(platform.prepare(fields))
+        slide += slide_i
+    contact_forces, wrench, redundant_forces, friction_margins, _determined = platform.grasp(
+            call.whole("Q"), slide, call.whole("contacts"), call.whole("mass_centre"), call.whole("weight"),
+            call.whole("normal_forces"), call.whole("friction"))
+    return call.function({"contact_forces": contact_forces, "wrench": wrench, "redundant_forces": redundant_forces, "friction_margins": friction_margins})
+
+
 def passive_joints(geometry: Any) -> Any:
     """Every passive joint, from the base to the platform."""
     call = rt.Call(
@@ -970,6 +1003,7 @@ FUNCTIONS = {
     "forward_statics": forward_statics,
     "opening": opening,
     "redundant_of_opening": redundant_of_opening,
+    "grasp": grasp,
     "passive_joints": passive_joints,
     "link_points": link_points,
     "singularity": singularity,

@@ -38,6 +38,7 @@ __all__ = [
     "forward_gauss_newton_2",
     "forward_gauss_newton_3",
     "forward_statics",
+    "grasp",
     "index_bounds",
     "indices",
     "inverse",
@@ -459,6 +460,26 @@ SIGNATURES = {
         ),
         "(),(2),(3)->(3),()",
     ),
+    "grasp": rt.Signature(
+        "grasp",
+        "Forces of the jaws on the object between them by its equilibrium, the normal ones measured; and what they are for the robot: a wrench, and forces along the redundant coordinates, as inverse_statics takes them.",
+        "(5.38), (5.39), (5.62) to (5.68) corrected",
+        (
+            rt.Port("phi", (), "rad", "base", "orientation of the platform, base from platform", "shared", ()),
+            rt.Port("contacts", (3, 2), "m", "platform", "w_i, from O' to the jaw's contact", "stacked", ()),
+            rt.Port("mass_centre", (2,), "m", "platform", "from O' to the object's mass centre", "shared", ()),
+            rt.Port("weight", (2,), "N", "base", "of the object, m g", "shared", ()),
+            rt.Port("normal_forces", (3,), "N", "joint", "f_xi, measured: what jaw i presses on the object with", "stacked", ()),
+            rt.Port("friction", (), "1", "-", "coefficient of friction, not negative", "shared", ()),
+        ),
+        (
+            rt.Port("contact_forces", (3, 2), "N", "joint", "[f_x, f_y] that each jaw applies to the object, in the jaw's frame", "shared", ()),
+            rt.Port("wrench", (3,), "N, N m", "base", "force and moment about O' that the robot applies to its environment", "shared", ()),
+            rt.Port("redundant_forces", (3,), "N m or N", "joint", "force that the robot applies to its environment along delta, between redundant link and platform: -f_xi", "shared", ()),
+            rt.Port("friction_margins", (3,), "mixed", "-", "(mu f_xi)^2 less the square of the tangential force (N^2): negative where the contact slips", "shared", ()),
+        ),
+        "(),(3,2),(2),(2),(3),()->(3,2),(3),(3),(3),()",
+    ),
     "passive_joints": rt.Signature(
         "passive_joints",
         "Every passive joint, from the base to the platform.",
@@ -709,6 +730,15 @@ class Opening(NamedTuple):
     opening: Any
     centre: Any
     shares: Any
+
+
+class Grasp(NamedTuple):
+    """Results of `grasp`."""
+
+    contact_forces: Any
+    wrench: Any
+    redundant_forces: Any
+    friction_margins: Any
 
 
 class PassiveJoints(NamedTuple):
@@ -1567,6 +1597,64 @@ def redundant_of_opening(
             },
         )
     answer = results[0]
+    return (answer, results[-1]) if status else answer
+
+
+def grasp(
+    phi: Any, contacts: Any, mass_centre: Any, weight: Any, normal_forces: Any, friction: Any, *,
+    geometry: Geometry = DEFAULT_GEOMETRY, status: bool = False) -> Any:
+    """Forces of the jaws on the object between them by its equilibrium, the normal ones measured; and
+    what they are for the robot: a wrench, and forces along the redundant coordinates, as
+    inverse_statics takes them.
+
+    Thesis: (5.38), (5.39), (5.62) to (5.68) corrected.
+
+    Args:
+        phi (...) [rad] in the base frame: orientation of the platform, base from platform
+        contacts (..., 3, 2) [m] in the platform frame: w_i, from O' to the jaw's contact
+        mass_centre (..., 2) [m] in the platform frame: from O' to the object's mass centre
+        weight (..., 2) [N] in the base frame: of the object, m g
+        normal_forces (..., 3) [N]: f_xi, measured: what jaw i presses on the object with
+        friction (...): coefficient of friction, not negative
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        contact_forces (..., 3, 2) [N]: [f_x, f_y] that each jaw applies to the object, in the
+            jaw's frame
+        wrench (..., 3) [N, N m] in the base frame: force and moment about O' that the robot
+            applies to its environment
+        redundant_forces (..., 3) [N m or N]: force that the robot applies to its environment
+            along delta, between redundant link and platform: -f_xi
+        friction_margins (..., 3) [mixed]: (mu f_xi)^2 less the square of the tangential force
+            (N^2): negative where the contact slips
+    """
+    arguments = rt.Arguments(SIGNATURES["grasp"], (phi, contacts, mass_centre, weight, normal_forces, friction,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        Q = algebra.rotation(arguments.whole("phi"))
+        slide = platform.tie(g.platform)
+        contact_forces, wrench, redundant_forces, friction_margins, determined = platform.grasp(
+            Q, rt.legs(slide), arguments.whole("contacts"), arguments.whole("mass_centre"),
+            arguments.whole("weight"), arguments.whole("normal_forces"), arguments.whole("friction"))
+        results = arguments.finish(
+            {
+                "contact_forces": contact_forces,
+                "wrench": wrench,
+                "redundant_forces": redundant_forces,
+                "friction_margins": friction_margins,
+            },
+            (
+                rt.Guard(determined[0], True, 1e-24, Status.UNDETERMINED, False, ("contact_forces", "wrench", "redundant_forces", "friction_margins", )),
+                rt.Guard(redundant_forces[0], False, 0.0, Status.NO_GRASP, False, ("wrench", )),
+                rt.Guard(redundant_forces[1], False, 0.0, Status.NO_GRASP, False, ("wrench", )),
+                rt.Guard(redundant_forces[2], False, 0.0, Status.NO_GRASP, False, ("wrench", )),
+                rt.Guard(friction_margins[0], True, 0.0, Status.SLIPS, False, ("wrench", "redundant_forces", )),
+                rt.Guard(friction_margins[1], True, 0.0, Status.SLIPS, False, ("wrench", "redundant_forces", )),
+                rt.Guard(friction_margins[2], True, 0.0, Status.SLIPS, False, ("wrench", "redundant_forces", )),
+            ),
+        )
+    answer = Grasp(*results[:-1])
     return (answer, results[-1]) if status else answer
 
 

@@ -52,7 +52,11 @@ class Status(IntEnum):
     INCONSISTENT = 13
     """encoders contradict the end points by more than the tolerance"""
     NO_GRASP = 14
-    """the jaws do not surround an object: their slides' directions lie on one side"""
+    """the jaws hold nothing: the slides' directions lie on one side, or a contact would pull"""
+    SLIPS = 15
+    """friction does not hold the object at a contact"""
+    UNDETERMINED = 16
+    """the measured forces do not determine the others: the lines through the contacts along the jaws' faces meet in a point, or the contacts are in line"""
 
 
 class Port(NamedTuple):

@@ -31,6 +31,8 @@ _ZERO_UNLESS_GIVEN = {
     ("opening", "jaws"),
     ("redundant_of_opening", "centre"),
     ("redundant_of_opening", "jaws"),
+    ("grasp", "weight"),
+    ("grasp", "mass_centre"),
     ("joint_accelerations", "redundant_accelerations"),
     ("joint_accelerations", "swivel_accelerations"),
 }

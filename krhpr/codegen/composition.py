@@ -35,6 +35,8 @@ class Status(IntEnum):
     NO_ASSEMBLY = 12
     INCONSISTENT = 13
     NO_GRASP = 14
+    SLIPS = 15
+    UNDETERMINED = 16
 
 
 LEG_STATUSES = frozenset({Status.UNREACHABLE_LEG_1, Status.SINGULAR_LEG_1})
@@ -57,7 +59,12 @@ STATUS_DOC = {
     Status.INVALID_INPUT: "an input is NaN or infinite",
     Status.NO_ASSEMBLY: "no platform fits the three end points",
     Status.INCONSISTENT: "encoders contradict the end points by more than the tolerance",
-    Status.NO_GRASP: "the jaws do not surround an object: their slides' directions lie on one side",
+    Status.NO_GRASP: "the jaws hold nothing: the slides' directions lie on one side, or a contact would pull",
+    Status.SLIPS: "friction does not hold the object at a contact",
+    Status.UNDETERMINED: (
+        "the measured forces do not determine the others: the lines through the contacts along the jaws' "
+        "faces meet in a point, or the contacts are in line"
+    ),
 }
 
 SINGULAR_TOLERANCE = 1e-12

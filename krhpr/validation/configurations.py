@@ -83,6 +83,11 @@ def configuration(subject: Subject, source: Draw) -> Configuration:
         "swivel_forces": LEGS,
         "actuator_forces": LEGS * n,
         "jaws": LEGS,
+        "contacts": LEGS * subject.platform.space.dimension,
+        "mass_centre": subject.platform.space.dimension,
+        "weight": subject.platform.space.dimension,
+        "normal_forces": LEGS,
+        "friction": 1,
     }
     rates = {name: [kind(source.nonzero().fraction) for _ in range(size)] for name, size in sizes.items()}
     # statics are linear in forces: any will do at every configuration

@@ -108,6 +108,10 @@ class Draw:
         size = port.full_size if full else port.size
         if port.name == "Q":
             return self.rotation(port.shape[0])
+        if port.name == "friction":  # enough for any draw of the forces
+            return [Exact(10**6)]
+        if port.name == "normal_forces":
+            return [self.length() for _ in range(size)]
         if port.name in ("mode", "assembly"):
             return [Exact(self.sign()) for _ in range(size)]
         if port.unit is Unit.RADIAN and port.name != "box":  # which is compared, not turned by

@@ -129,7 +129,7 @@ def _drawn(subject: Subject, seed: int, count: int, spread: float) -> Batch:
         geometry = draw_geometry(subject, rng, spread)
         found = _draw(subject, rng, count, geometry)
         if found is not None:
-            found |= _forces(subject, rng, count) | _objects(rng, count)
+            found |= _forces(subject, rng, count) | _objects(subject, rng, count, geometry)
             for values in found.values():
                 values.flags.writeable = False
             return Batch(subject, geometry, found)
@@ -203,9 +203,20 @@ def _forces(subject: Subject, rng: np.random.Generator, count: int) -> Values:
     return {name: rng.uniform(-1, 1, (count, *shape)) for name, shape in shapes.items()}
 
 
-def _objects(rng: np.random.Generator, count: int) -> Values:
-    """Jaws, and objects between them."""
+def _objects(subject: Subject, rng: np.random.Generator, count: int, geometry: Mapping[str, Any]) -> Values:
+    """Jaws, and objects between them, which weigh less than friction holds."""
+    d = subject.platform.space.dimension
+    still: Values = {"p": np.zeros((1, d)), "phi": np.zeros(1), "Q": np.eye(3)[None]}
+    near, far = (
+        evaluate(subject, "end_points", {**still, "redundant": np.full((1, LEGS), value)}, geometry)["s"]
+        for value in (0.0, 0.03)
+    )
     return {
+        "contacts": far - near + rng.uniform(-0.005, 0.005, (count, LEGS, d)),
+        "mass_centre": rng.uniform(-0.003, 0.003, (count, d)),
+        "weight": rng.uniform(-0.3, 0.3, (count, d)),
+        "normal_forces": rng.uniform(1.5, 2.0, (count, LEGS)),
+        "friction": rng.uniform(20.0, 30.0, count),
         "jaws": rng.uniform(0.0, 0.03, (count, LEGS)),
         "opening": rng.uniform(0.1, 0.2, count),
         "centre": rng.uniform(-0.01, 0.01, (count, 2)),

@@ -94,6 +94,7 @@ def configurations(identifier: str, count: int) -> list[dict[str, np.ndarray]]:
     factors = robot.singularity(p, turn, s, theta, check=False).factors
     good = np.flatnonzero((status == 0) & (np.abs(factors) > 0.1).all(axis=(1, 2)))[:count]
     assert len(good) == count
+    held = grasp(robot) if "grasp" in robot.functions else {}
     return [
         {
             "p": p[k],
@@ -102,10 +103,24 @@ def configurations(identifier: str, count: int) -> list[dict[str, np.ndarray]]:
             "theta": theta[k],
             "s": s[k],
             "swivel": np.full(3, 0.3),
+            **held,
             "rates": rng.normal(size=100),
         }
         for k in good
     ]
+
+
+def grasp(robot: krhpr.Robot) -> dict[str, np.ndarray]:
+    """Jaws that hold an object by friction, whatever it weighs, with contacts along the slides."""
+    still = (np.zeros(2), 0.0) if robot.planar else (np.zeros(3), np.eye(3))
+    near, far = (robot.end_points(*still, np.full(3, slide)) for slide in (0.0, 0.03))
+    centre = np.full(len(still[0]), 0.001)
+    return {
+        "contacts": far - near,
+        "mass_centre": centre,
+        "normal_forces": np.array([2.0, 2.1, 1.9]),
+        "friction": np.full(1, 10.0),
+    }
 
 
 def arguments(identifier: str, function: Any, at: Mapping[str, np.ndarray]) -> list[Any]:

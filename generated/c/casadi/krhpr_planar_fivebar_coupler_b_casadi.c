@@ -44,6 +44,7 @@
 #define krhpr_planar_fivebar_coupler_b_forward_statics plain_forward_statics
 #define krhpr_planar_fivebar_coupler_b_opening plain_opening
 #define krhpr_planar_fivebar_coupler_b_redundant_of_opening plain_redundant_of_opening
+#define krhpr_planar_fivebar_coupler_b_grasp plain_grasp
 #define krhpr_planar_fivebar_coupler_b_passive_joints plain_passive_joints
 #define krhpr_planar_fivebar_coupler_b_link_points plain_link_points
 #define krhpr_planar_fivebar_coupler_b_singularity plain_singularity
@@ -75,6 +76,7 @@
 #undef krhpr_planar_fivebar_coupler_b_forward_statics
 #undef krhpr_planar_fivebar_coupler_b_opening
 #undef krhpr_planar_fivebar_coupler_b_redundant_of_opening
+#undef krhpr_planar_fivebar_coupler_b_grasp
 #undef krhpr_planar_fivebar_coupler_b_passive_joints
 #undef krhpr_planar_fivebar_coupler_b_link_points
 #undef krhpr_planar_fivebar_coupler_b_singularity
@@ -182,35 +184,41 @@ static const casadi_int P53[3] = {6, 6, 1};
 static const casadi_int P54[7] = {3, 2, 0, 1, 2, 2, 2};
 static const casadi_int P55[3] = {1, 3, 1};
 static const casadi_int P56[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P57[5] = {9, 2, 0, 0, 0};
-static const casadi_int P58[4] = {9, 1, 0, 0};
-static const casadi_int P59[27] = {9, 6, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5,
+static const casadi_int P57[7] = {6, 1, 0, 3, 3, 4, 5};
+static const casadi_int P58[27] = {6, 6, 0, 3, 6, 9, 12, 15, 18, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4,
+    5};
+static const casadi_int P59[11] = {6, 2, 0, 3, 6, 3, 4, 5, 3, 4, 5};
+static const casadi_int P60[18] = {6, 3, 0, 4, 8, 12, 0, 3, 4, 5, 1, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P61[4] = {6, 1, 0, 0};
+static const casadi_int P62[5] = {9, 2, 0, 0, 0};
+static const casadi_int P63[4] = {9, 1, 0, 0};
+static const casadi_int P64[27] = {9, 6, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5,
     8};
-static const casadi_int P60[24] = {9, 6, 0, 3, 6, 9, 11, 13, 15, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7, 5, 8};
-static const casadi_int P61[12] = {3, 6, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
-static const casadi_int P62[5] = {12, 2, 0, 0, 0};
-static const casadi_int P63[4] = {12, 1, 0, 0};
-static const casadi_int P64[13] = {12, 6, 0, 2, 2, 2, 4, 4, 4, 4, 5, 10, 11};
-static const casadi_int P65[15] = {12, 6, 0, 4, 4, 4, 6, 6, 6, 2, 4, 8, 10, 3, 9};
-static const casadi_int P66[13] = {12, 6, 0, 0, 2, 2, 2, 4, 4, 4, 5, 10, 11};
-static const casadi_int P67[15] = {12, 6, 0, 0, 4, 4, 4, 6, 6, 2, 4, 8, 10, 3, 9};
-static const casadi_int P68[13] = {12, 6, 0, 0, 0, 2, 2, 2, 4, 4, 5, 10, 11};
-static const casadi_int P69[15] = {12, 6, 0, 0, 0, 4, 4, 4, 6, 2, 4, 8, 10, 3, 9};
-static const casadi_int P70[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P71[3] = {1, 6, 1};
-static const casadi_int P72[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P73[3] = {4, 6, 1};
-static const casadi_int P74[3] = {2, 6, 1};
-static const casadi_int P75[6] = {1, 3, 0, 0, 0, 0};
-static const casadi_int P76[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P77[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
-static const casadi_int P78[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P79[4] = {4, 1, 0, 0};
-static const casadi_int P80[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
-static const casadi_int P81[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
-static const casadi_int P82[3] = {4, 3, 1};
-static const casadi_int P83[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
-static const casadi_int P84[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P65[24] = {9, 6, 0, 3, 6, 9, 11, 13, 15, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7, 5, 8};
+static const casadi_int P66[12] = {3, 6, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
+static const casadi_int P67[5] = {12, 2, 0, 0, 0};
+static const casadi_int P68[4] = {12, 1, 0, 0};
+static const casadi_int P69[13] = {12, 6, 0, 2, 2, 2, 4, 4, 4, 4, 5, 10, 11};
+static const casadi_int P70[15] = {12, 6, 0, 4, 4, 4, 6, 6, 6, 2, 4, 8, 10, 3, 9};
+static const casadi_int P71[13] = {12, 6, 0, 0, 2, 2, 2, 4, 4, 4, 5, 10, 11};
+static const casadi_int P72[15] = {12, 6, 0, 0, 4, 4, 4, 6, 6, 2, 4, 8, 10, 3, 9};
+static const casadi_int P73[13] = {12, 6, 0, 0, 0, 2, 2, 2, 4, 4, 5, 10, 11};
+static const casadi_int P74[15] = {12, 6, 0, 0, 0, 4, 4, 4, 6, 2, 4, 8, 10, 3, 9};
+static const casadi_int P75[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P76[3] = {1, 6, 1};
+static const casadi_int P77[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P78[3] = {4, 6, 1};
+static const casadi_int P79[3] = {2, 6, 1};
+static const casadi_int P80[6] = {1, 3, 0, 0, 0, 0};
+static const casadi_int P81[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P82[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
+static const casadi_int P83[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P84[4] = {4, 1, 0, 0};
+static const casadi_int P85[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
+static const casadi_int P86[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
+static const casadi_int P87[3] = {4, 3, 1};
+static const casadi_int P88[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P89[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- end_points -- */
 
@@ -1181,6 +1189,72 @@ static const krhpr_casadi_function function_redundant_of_opening = {
 KRHPR_CASADI_FUNCTION(NAME(redundant_of_opening), function_redundant_of_opening)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(redundant_of_opening), function_redundant_of_opening)
 
+/* -- grasp -- */
+
+static int value_grasp(const double *x, double *y)
+{
+    return plain_grasp(&geometry, x[0], x + 1, x + 7, x + 9, x + 11, x[14], y, y + 6, y + 9, y + 12);
+}
+
+static void tangent_grasp(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const phi = given;
+    const krhpr_dual *const contacts = given + 1;
+    const krhpr_dual *const mass_centre = given + 7;
+    const krhpr_dual *const weight = given + 9;
+    const krhpr_dual *const normal_forces = given + 11;
+    const krhpr_dual *const friction = given + 14;
+    krhpr_dual *const contact_forces = found;
+    krhpr_dual *const wrench = found + 6;
+    krhpr_dual *const redundant_forces = found + 9;
+    krhpr_dual *const friction_margins = found + 12;
+    krhpr_dual Q[4];
+    krhpr_dual slide[6];
+    krhpr_dual determined[1];
+    krhpr_algebra_planar_rotation_tangent(phi, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual distance[1];
+        krhpr_dual start[1];
+        krhpr_platform_planar_b_tie_tangent(&geometry.platform, i, slide + 2 * i, distance, start);
+    }
+    krhpr_platform_planar_b_grasp_tangent(
+        Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
+        redundant_forces, friction_margins, determined);
+}
+
+static const krhpr_casadi_slot in_grasp[] = {
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_contacts", 3, 2, 1, NULL, P6, P7},
+    {"out_mass_centre", 2, 1, 1, NULL, P0, P1},
+    {"out_weight", 2, 1, 1, NULL, P0, P1},
+    {"out_normal_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_friction", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_grasp[] = {
+    {"out_contact_forces", 3, 2, 1, NULL, P6, P7},
+    {"out_wrench", 3, 1, 1, NULL, P4, P5},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_grasp[] = {
+    P57, P58, P59, P59, P60, P61, P4, P50, P6, P6, P12, P5, P5, P15, P7, P7, P56, P5, P4, P50, P6, P6, P12, P4
+};
+static const char *const names_grasp[] = {
+    "jac_contact_forces_phi", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
+    "jac_contact_forces_weight", "jac_contact_forces_normal_forces", "jac_contact_forces_friction", "jac_wrench_phi",
+    "jac_wrench_contacts", "jac_wrench_mass_centre", "jac_wrench_weight", "jac_wrench_normal_forces",
+    "jac_wrench_friction", "jac_redundant_forces_phi", "jac_redundant_forces_contacts",
+    "jac_redundant_forces_mass_centre", "jac_redundant_forces_weight", "jac_redundant_forces_normal_forces",
+    "jac_redundant_forces_friction", "jac_friction_margins_phi", "jac_friction_margins_contacts",
+    "jac_friction_margins_mass_centre", "jac_friction_margins_weight", "jac_friction_margins_normal_forces",
+    "jac_friction_margins_friction"
+};
+static const krhpr_casadi_function function_grasp = {
+    6, in_grasp, 4, out_grasp, value_grasp, tangent_grasp, structure_grasp, names_grasp
+};
+KRHPR_CASADI_FUNCTION(NAME(grasp), function_grasp)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(grasp), function_grasp)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -1227,7 +1301,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P57, P58, P59, P60, P7, P4, P25, P61, P6, P4, P25, P15
+    P62, P63, P64, P65, P7, P4, P25, P66, P6, P4, P25, P15
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_phi", "jac_passive_s", "jac_passive_theta", "jac_wrist_p", "jac_wrist_phi",
@@ -1281,7 +1355,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_link_points[] = {
-    P62, P63, P64, P65, P62, P63, P66, P67, P62, P63, P68, P69, P19, P23, P70, P44
+    P67, P68, P69, P70, P67, P68, P71, P72, P67, P68, P73, P74, P19, P23, P75, P44
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_phi", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_phi",
@@ -1344,7 +1418,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_singularity[] = {
-    P7, P5, P25, P25, P57, P58, P59, P60, P16, P2, P71, P72, P16, P2, P71, P72
+    P7, P5, P25, P25, P62, P63, P64, P65, P16, P2, P76, P77, P16, P2, P76, P77
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_phi", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_phi",
@@ -1483,7 +1557,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P16, P2, P71, P71, P16, P2, P71, P71, P17, P3, P71, P71
+    P16, P2, P76, P76, P16, P2, P76, P76, P17, P3, P76, P76
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_phi", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_2_p", "jac_eta_2_phi", "jac_eta_2_s",
@@ -1533,7 +1607,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P73, P74, P53, P74, P72
+    P78, P79, P53, P79, P77
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_phi_s", "jac_redundant_s", "jac_det_J_s", "jac_count_s"
@@ -1593,7 +1667,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P74, P21, P0, P71, P75, P2, P50, P13, P4, P72, P75, P3, P72, P75, P3
+    P79, P21, P0, P76, P80, P2, P50, P13, P4, P77, P80, P3, P77, P80, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_assembly", "jac_p_side", "jac_phi_theta", "jac_phi_assembly", "jac_phi_side",
@@ -1650,7 +1724,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P76, P8, P1, P77, P16, P3, P78, P10, P79, P77, P16, P3
+    P81, P8, P1, P82, P16, P3, P83, P10, P84, P82, P16, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",
@@ -1706,7 +1780,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P80, P20, P1, P71, P55, P3, P81, P82, P79, P83, P84, P5
+    P85, P20, P1, P76, P55, P3, P86, P87, P84, P88, P89, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",

@@ -43,6 +43,7 @@
 #define krhpr_planar_pr_c_forward_statics plain_forward_statics
 #define krhpr_planar_pr_c_opening plain_opening
 #define krhpr_planar_pr_c_redundant_of_opening plain_redundant_of_opening
+#define krhpr_planar_pr_c_grasp plain_grasp
 #define krhpr_planar_pr_c_passive_joints plain_passive_joints
 #define krhpr_planar_pr_c_link_points plain_link_points
 #define krhpr_planar_pr_c_singularity plain_singularity
@@ -73,6 +74,7 @@
 #undef krhpr_planar_pr_c_forward_statics
 #undef krhpr_planar_pr_c_opening
 #undef krhpr_planar_pr_c_redundant_of_opening
+#undef krhpr_planar_pr_c_grasp
 #undef krhpr_planar_pr_c_passive_joints
 #undef krhpr_planar_pr_c_link_points
 #undef krhpr_planar_pr_c_singularity
@@ -174,30 +176,35 @@ static const casadi_int P56[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 2, 2, 2, 2, 2, 2};
 static const casadi_int P57[12] = {3, 6, 0, 0, 0, 0, 1, 2, 3, 0, 1, 2};
 static const casadi_int P58[3] = {1, 3, 1};
 static const casadi_int P59[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P60[5] = {6, 2, 0, 0, 0};
-static const casadi_int P61[4] = {6, 1, 0, 0};
-static const casadi_int P62[13] = {6, 6, 0, 2, 2, 2, 4, 4, 4, 1, 2, 4, 5};
-static const casadi_int P63[11] = {6, 6, 0, 0, 0, 0, 2, 2, 2, 1, 4};
-static const casadi_int P64[13] = {6, 6, 0, 0, 2, 2, 2, 4, 4, 1, 2, 4, 5};
-static const casadi_int P65[11] = {6, 6, 0, 0, 0, 0, 0, 2, 2, 1, 4};
-static const casadi_int P66[13] = {6, 6, 0, 0, 0, 2, 2, 2, 4, 1, 2, 4, 5};
-static const casadi_int P67[11] = {6, 6, 0, 0, 0, 0, 0, 0, 2, 1, 4};
-static const casadi_int P68[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P69[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P70[3] = {1, 6, 1};
-static const casadi_int P71[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P72[12] = {1, 6, 0, 0, 0, 0, 1, 2, 3, 0, 0, 0};
-static const casadi_int P73[3] = {4, 6, 1};
-static const casadi_int P74[3] = {2, 6, 1};
-static const casadi_int P75[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P76[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
-static const casadi_int P77[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P78[4] = {4, 1, 0, 0};
-static const casadi_int P79[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
-static const casadi_int P80[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
-static const casadi_int P81[3] = {4, 3, 1};
-static const casadi_int P82[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
-static const casadi_int P83[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P60[7] = {6, 1, 0, 3, 3, 4, 5};
+static const casadi_int P61[27] = {6, 6, 0, 3, 6, 9, 12, 15, 18, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4,
+    5};
+static const casadi_int P62[11] = {6, 2, 0, 3, 6, 3, 4, 5, 3, 4, 5};
+static const casadi_int P63[18] = {6, 3, 0, 4, 8, 12, 0, 3, 4, 5, 1, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P64[4] = {6, 1, 0, 0};
+static const casadi_int P65[5] = {6, 2, 0, 0, 0};
+static const casadi_int P66[13] = {6, 6, 0, 2, 2, 2, 4, 4, 4, 1, 2, 4, 5};
+static const casadi_int P67[11] = {6, 6, 0, 0, 0, 0, 2, 2, 2, 1, 4};
+static const casadi_int P68[13] = {6, 6, 0, 0, 2, 2, 2, 4, 4, 1, 2, 4, 5};
+static const casadi_int P69[11] = {6, 6, 0, 0, 0, 0, 0, 2, 2, 1, 4};
+static const casadi_int P70[13] = {6, 6, 0, 0, 0, 2, 2, 2, 4, 1, 2, 4, 5};
+static const casadi_int P71[11] = {6, 6, 0, 0, 0, 0, 0, 0, 2, 1, 4};
+static const casadi_int P72[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P73[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P74[3] = {1, 6, 1};
+static const casadi_int P75[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P76[12] = {1, 6, 0, 0, 0, 0, 1, 2, 3, 0, 0, 0};
+static const casadi_int P77[3] = {4, 6, 1};
+static const casadi_int P78[3] = {2, 6, 1};
+static const casadi_int P79[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P80[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
+static const casadi_int P81[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P82[4] = {4, 1, 0, 0};
+static const casadi_int P83[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
+static const casadi_int P84[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
+static const casadi_int P85[3] = {4, 3, 1};
+static const casadi_int P86[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P87[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- end_points -- */
 
@@ -1092,6 +1099,70 @@ static const krhpr_casadi_function function_redundant_of_opening = {
 KRHPR_CASADI_FUNCTION(NAME(redundant_of_opening), function_redundant_of_opening)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(redundant_of_opening), function_redundant_of_opening)
 
+/* -- grasp -- */
+
+static int value_grasp(const double *x, double *y)
+{
+    return plain_grasp(&geometry, x[0], x + 1, x + 7, x + 9, x + 11, x[14], y, y + 6, y + 9, y + 12);
+}
+
+static void tangent_grasp(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const phi = given;
+    const krhpr_dual *const contacts = given + 1;
+    const krhpr_dual *const mass_centre = given + 7;
+    const krhpr_dual *const weight = given + 9;
+    const krhpr_dual *const normal_forces = given + 11;
+    const krhpr_dual *const friction = given + 14;
+    krhpr_dual *const contact_forces = found;
+    krhpr_dual *const wrench = found + 6;
+    krhpr_dual *const redundant_forces = found + 9;
+    krhpr_dual *const friction_margins = found + 12;
+    krhpr_dual Q[4];
+    krhpr_dual slide[6];
+    krhpr_dual determined[1];
+    krhpr_algebra_planar_rotation_tangent(phi, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
+    }
+    krhpr_platform_planar_c_grasp_tangent(
+        Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
+        redundant_forces, friction_margins, determined);
+}
+
+static const krhpr_casadi_slot in_grasp[] = {
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_contacts", 3, 2, 1, NULL, P6, P7},
+    {"out_mass_centre", 2, 1, 1, NULL, P0, P1},
+    {"out_weight", 2, 1, 1, NULL, P0, P1},
+    {"out_normal_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_friction", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_grasp[] = {
+    {"out_contact_forces", 3, 2, 1, NULL, P6, P7},
+    {"out_wrench", 3, 1, 1, NULL, P4, P5},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_grasp[] = {
+    P60, P61, P62, P62, P63, P64, P4, P49, P6, P6, P10, P5, P5, P13, P7, P7, P59, P5, P4, P49, P6, P6, P10, P4
+};
+static const char *const names_grasp[] = {
+    "jac_contact_forces_phi", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
+    "jac_contact_forces_weight", "jac_contact_forces_normal_forces", "jac_contact_forces_friction", "jac_wrench_phi",
+    "jac_wrench_contacts", "jac_wrench_mass_centre", "jac_wrench_weight", "jac_wrench_normal_forces",
+    "jac_wrench_friction", "jac_redundant_forces_phi", "jac_redundant_forces_contacts",
+    "jac_redundant_forces_mass_centre", "jac_redundant_forces_weight", "jac_redundant_forces_normal_forces",
+    "jac_redundant_forces_friction", "jac_friction_margins_phi", "jac_friction_margins_contacts",
+    "jac_friction_margins_mass_centre", "jac_friction_margins_weight", "jac_friction_margins_normal_forces",
+    "jac_friction_margins_friction"
+};
+static const krhpr_casadi_function function_grasp = {
+    6, in_grasp, 4, out_grasp, value_grasp, tangent_grasp, structure_grasp, names_grasp
+};
+KRHPR_CASADI_FUNCTION(NAME(grasp), function_grasp)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(grasp), function_grasp)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -1178,7 +1249,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_link_points[] = {
-    P60, P61, P62, P63, P60, P61, P64, P65, P60, P61, P66, P67, P60, P61, P68, P69
+    P65, P64, P66, P67, P65, P64, P68, P69, P65, P64, P70, P71, P65, P64, P72, P73
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_phi", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_phi",
@@ -1237,7 +1308,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_singularity[] = {
-    P7, P5, P13, P57, P7, P5, P13, P57, P14, P2, P70, P71, P14, P2, P70, P71
+    P7, P5, P13, P57, P7, P5, P13, P57, P14, P2, P74, P75, P14, P2, P74, P75
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_phi", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_phi",
@@ -1376,7 +1447,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P14, P2, P70, P72, P2, P14, P2, P70, P72, P2, P15, P3, P71, P72, P2
+    P14, P2, P74, P76, P2, P14, P2, P74, P76, P2, P15, P3, P75, P76, P2
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_phi", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_1_characteristic_length", "jac_eta_2_p",
@@ -1425,7 +1496,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P73, P74, P53, P74, P71
+    P77, P78, P53, P78, P75
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_phi_s", "jac_redundant_s", "jac_det_J_s", "jac_count_s"
@@ -1477,7 +1548,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P74, P0, P70, P2, P49, P4, P71, P3, P71, P3
+    P78, P0, P74, P2, P49, P4, P75, P3, P75, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_side", "jac_phi_theta", "jac_phi_side", "jac_redundant_theta", "jac_redundant_side",
@@ -1531,7 +1602,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P75, P8, P1, P76, P14, P3, P77, P44, P78, P76, P14, P3
+    P79, P8, P1, P80, P14, P3, P81, P44, P82, P80, P14, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",
@@ -1585,7 +1656,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P79, P16, P1, P70, P58, P3, P80, P81, P78, P82, P83, P5
+    P83, P16, P1, P74, P58, P3, P84, P85, P82, P86, P87, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",

@@ -44,6 +44,7 @@
 #define krhpr_planar_prr2_b_forward_statics plain_forward_statics
 #define krhpr_planar_prr2_b_opening plain_opening
 #define krhpr_planar_prr2_b_redundant_of_opening plain_redundant_of_opening
+#define krhpr_planar_prr2_b_grasp plain_grasp
 #define krhpr_planar_prr2_b_passive_joints plain_passive_joints
 #define krhpr_planar_prr2_b_link_points plain_link_points
 #define krhpr_planar_prr2_b_singularity plain_singularity
@@ -75,6 +76,7 @@
 #undef krhpr_planar_prr2_b_forward_statics
 #undef krhpr_planar_prr2_b_opening
 #undef krhpr_planar_prr2_b_redundant_of_opening
+#undef krhpr_planar_prr2_b_grasp
 #undef krhpr_planar_prr2_b_passive_joints
 #undef krhpr_planar_prr2_b_link_points
 #undef krhpr_planar_prr2_b_singularity
@@ -184,35 +186,41 @@ static const casadi_int P54[3] = {6, 6, 1};
 static const casadi_int P55[7] = {3, 2, 0, 1, 2, 2, 2};
 static const casadi_int P56[3] = {1, 3, 1};
 static const casadi_int P57[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P58[5] = {9, 2, 0, 0, 0};
-static const casadi_int P59[4] = {9, 1, 0, 0};
-static const casadi_int P60[27] = {9, 6, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5,
+static const casadi_int P58[7] = {6, 1, 0, 3, 3, 4, 5};
+static const casadi_int P59[27] = {6, 6, 0, 3, 6, 9, 12, 15, 18, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4,
+    5};
+static const casadi_int P60[11] = {6, 2, 0, 3, 6, 3, 4, 5, 3, 4, 5};
+static const casadi_int P61[18] = {6, 3, 0, 4, 8, 12, 0, 3, 4, 5, 1, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P62[4] = {6, 1, 0, 0};
+static const casadi_int P63[5] = {9, 2, 0, 0, 0};
+static const casadi_int P64[4] = {9, 1, 0, 0};
+static const casadi_int P65[27] = {9, 6, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5,
     8};
-static const casadi_int P61[21] = {9, 6, 0, 2, 4, 6, 8, 10, 12, 0, 6, 1, 7, 2, 8, 3, 6, 4, 7, 5, 8};
-static const casadi_int P62[12] = {3, 6, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
-static const casadi_int P63[5] = {10, 2, 0, 0, 0};
-static const casadi_int P64[4] = {10, 1, 0, 0};
-static const casadi_int P65[15] = {10, 6, 0, 3, 3, 3, 6, 6, 6, 1, 3, 4, 6, 8, 9};
-static const casadi_int P66[13] = {10, 6, 0, 2, 2, 2, 4, 4, 4, 1, 6, 3, 8};
-static const casadi_int P67[15] = {10, 6, 0, 0, 3, 3, 3, 6, 6, 1, 3, 4, 6, 8, 9};
-static const casadi_int P68[13] = {10, 6, 0, 0, 2, 2, 2, 4, 4, 1, 6, 3, 8};
-static const casadi_int P69[15] = {10, 6, 0, 0, 0, 3, 3, 3, 6, 1, 3, 4, 6, 8, 9};
-static const casadi_int P70[13] = {10, 6, 0, 0, 0, 2, 2, 2, 4, 1, 6, 3, 8};
-static const casadi_int P71[5] = {6, 2, 0, 0, 0};
-static const casadi_int P72[3] = {1, 6, 1};
-static const casadi_int P73[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P74[3] = {4, 6, 1};
-static const casadi_int P75[3] = {2, 6, 1};
-static const casadi_int P76[6] = {1, 3, 0, 0, 0, 0};
-static const casadi_int P77[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P78[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
-static const casadi_int P79[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P80[4] = {4, 1, 0, 0};
-static const casadi_int P81[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
-static const casadi_int P82[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
-static const casadi_int P83[3] = {4, 3, 1};
-static const casadi_int P84[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
-static const casadi_int P85[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P66[21] = {9, 6, 0, 2, 4, 6, 8, 10, 12, 0, 6, 1, 7, 2, 8, 3, 6, 4, 7, 5, 8};
+static const casadi_int P67[12] = {3, 6, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
+static const casadi_int P68[5] = {10, 2, 0, 0, 0};
+static const casadi_int P69[4] = {10, 1, 0, 0};
+static const casadi_int P70[15] = {10, 6, 0, 3, 3, 3, 6, 6, 6, 1, 3, 4, 6, 8, 9};
+static const casadi_int P71[13] = {10, 6, 0, 2, 2, 2, 4, 4, 4, 1, 6, 3, 8};
+static const casadi_int P72[15] = {10, 6, 0, 0, 3, 3, 3, 6, 6, 1, 3, 4, 6, 8, 9};
+static const casadi_int P73[13] = {10, 6, 0, 0, 2, 2, 2, 4, 4, 1, 6, 3, 8};
+static const casadi_int P74[15] = {10, 6, 0, 0, 0, 3, 3, 3, 6, 1, 3, 4, 6, 8, 9};
+static const casadi_int P75[13] = {10, 6, 0, 0, 0, 2, 2, 2, 4, 1, 6, 3, 8};
+static const casadi_int P76[5] = {6, 2, 0, 0, 0};
+static const casadi_int P77[3] = {1, 6, 1};
+static const casadi_int P78[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P79[3] = {4, 6, 1};
+static const casadi_int P80[3] = {2, 6, 1};
+static const casadi_int P81[6] = {1, 3, 0, 0, 0, 0};
+static const casadi_int P82[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P83[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
+static const casadi_int P84[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P85[4] = {4, 1, 0, 0};
+static const casadi_int P86[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
+static const casadi_int P87[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
+static const casadi_int P88[3] = {4, 3, 1};
+static const casadi_int P89[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P90[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- end_points -- */
 
@@ -1157,6 +1165,72 @@ static const krhpr_casadi_function function_redundant_of_opening = {
 KRHPR_CASADI_FUNCTION(NAME(redundant_of_opening), function_redundant_of_opening)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(redundant_of_opening), function_redundant_of_opening)
 
+/* -- grasp -- */
+
+static int value_grasp(const double *x, double *y)
+{
+    return plain_grasp(&geometry, x[0], x + 1, x + 7, x + 9, x + 11, x[14], y, y + 6, y + 9, y + 12);
+}
+
+static void tangent_grasp(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const phi = given;
+    const krhpr_dual *const contacts = given + 1;
+    const krhpr_dual *const mass_centre = given + 7;
+    const krhpr_dual *const weight = given + 9;
+    const krhpr_dual *const normal_forces = given + 11;
+    const krhpr_dual *const friction = given + 14;
+    krhpr_dual *const contact_forces = found;
+    krhpr_dual *const wrench = found + 6;
+    krhpr_dual *const redundant_forces = found + 9;
+    krhpr_dual *const friction_margins = found + 12;
+    krhpr_dual Q[4];
+    krhpr_dual slide[6];
+    krhpr_dual determined[1];
+    krhpr_algebra_planar_rotation_tangent(phi, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual distance[1];
+        krhpr_dual start[1];
+        krhpr_platform_planar_b_tie_tangent(&geometry.platform, i, slide + 2 * i, distance, start);
+    }
+    krhpr_platform_planar_b_grasp_tangent(
+        Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
+        redundant_forces, friction_margins, determined);
+}
+
+static const krhpr_casadi_slot in_grasp[] = {
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_contacts", 3, 2, 1, NULL, P6, P7},
+    {"out_mass_centre", 2, 1, 1, NULL, P0, P1},
+    {"out_weight", 2, 1, 1, NULL, P0, P1},
+    {"out_normal_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_friction", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_grasp[] = {
+    {"out_contact_forces", 3, 2, 1, NULL, P6, P7},
+    {"out_wrench", 3, 1, 1, NULL, P4, P5},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_grasp[] = {
+    P58, P59, P60, P60, P61, P62, P4, P51, P6, P6, P12, P5, P5, P15, P7, P7, P57, P5, P4, P51, P6, P6, P12, P4
+};
+static const char *const names_grasp[] = {
+    "jac_contact_forces_phi", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
+    "jac_contact_forces_weight", "jac_contact_forces_normal_forces", "jac_contact_forces_friction", "jac_wrench_phi",
+    "jac_wrench_contacts", "jac_wrench_mass_centre", "jac_wrench_weight", "jac_wrench_normal_forces",
+    "jac_wrench_friction", "jac_redundant_forces_phi", "jac_redundant_forces_contacts",
+    "jac_redundant_forces_mass_centre", "jac_redundant_forces_weight", "jac_redundant_forces_normal_forces",
+    "jac_redundant_forces_friction", "jac_friction_margins_phi", "jac_friction_margins_contacts",
+    "jac_friction_margins_mass_centre", "jac_friction_margins_weight", "jac_friction_margins_normal_forces",
+    "jac_friction_margins_friction"
+};
+static const krhpr_casadi_function function_grasp = {
+    6, in_grasp, 4, out_grasp, value_grasp, tangent_grasp, structure_grasp, names_grasp
+};
+KRHPR_CASADI_FUNCTION(NAME(grasp), function_grasp)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(grasp), function_grasp)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -1200,7 +1274,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P58, P59, P60, P61, P7, P4, P25, P62, P6, P4, P25, P15
+    P63, P64, P65, P66, P7, P4, P25, P67, P6, P4, P25, P15
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_phi", "jac_passive_s", "jac_passive_theta", "jac_wrist_p", "jac_wrist_phi",
@@ -1251,7 +1325,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_link_points[] = {
-    P63, P64, P65, P66, P63, P64, P67, P68, P63, P64, P69, P70, P71, P23, P52, P45
+    P68, P69, P70, P71, P68, P69, P72, P73, P68, P69, P74, P75, P76, P23, P52, P45
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_phi", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_phi",
@@ -1311,7 +1385,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_singularity[] = {
-    P7, P5, P25, P25, P58, P59, P60, P61, P16, P2, P72, P73, P16, P2, P72, P73
+    P7, P5, P25, P25, P63, P64, P65, P66, P16, P2, P77, P78, P16, P2, P77, P78
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_phi", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_phi",
@@ -1451,7 +1525,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P16, P2, P72, P72, P2, P16, P2, P72, P72, P2, P17, P3, P72, P72, P2
+    P16, P2, P77, P77, P2, P16, P2, P77, P77, P2, P17, P3, P77, P77, P2
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_phi", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_1_characteristic_length", "jac_eta_2_p",
@@ -1502,7 +1576,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P74, P75, P54, P75, P73
+    P79, P80, P54, P80, P78
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_phi_s", "jac_redundant_s", "jac_det_J_s", "jac_count_s"
@@ -1562,7 +1636,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P75, P21, P0, P72, P76, P2, P51, P13, P4, P73, P76, P3, P73, P76, P3
+    P80, P21, P0, P77, P81, P2, P51, P13, P4, P78, P81, P3, P78, P81, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_assembly", "jac_p_side", "jac_phi_theta", "jac_phi_assembly", "jac_phi_side",
@@ -1619,7 +1693,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P77, P8, P1, P78, P16, P3, P79, P10, P80, P78, P16, P3
+    P82, P8, P1, P83, P16, P3, P84, P10, P85, P83, P16, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",
@@ -1675,7 +1749,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P81, P20, P1, P72, P56, P3, P82, P83, P80, P84, P85, P5
+    P86, P20, P1, P77, P56, P3, P87, P88, P85, P89, P90, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",

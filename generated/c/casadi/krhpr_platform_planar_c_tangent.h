@@ -2011,4 +2011,175 @@ KRHPR_STATIC void krhpr_platform_planar_c_redundant_of_opening_tangent(
     }
 }
 
+/* `grasp` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.38), (5.39),
+ * (5.62) to (5.68) corrected.  (220 add, 263 multiply, 3 divide) */
+KRHPR_STATIC void krhpr_platform_planar_c_grasp_tangent(
+    const krhpr_dual *Q, const krhpr_dual *slide, const krhpr_dual *contacts, const krhpr_dual *mass_centre,
+    const krhpr_dual *weight, const krhpr_dual *normal_forces, const krhpr_dual *friction,
+    krhpr_dual *KRHPR_RESTRICT contact_forces, krhpr_dual *KRHPR_RESTRICT wrench,
+    krhpr_dual *KRHPR_RESTRICT redundant_forces, krhpr_dual *KRHPR_RESTRICT friction_margins,
+    krhpr_dual *KRHPR_RESTRICT determined)
+{
+    const double w_l_0 = Q[0].v * weight[0].v + Q[2].v * weight[1].v;
+    const double w_l_1 = Q[1].v * weight[0].v + Q[3].v * weight[1].v;
+    const double r_1_0 = contacts[0].v - mass_centre[0].v;
+    const double r_1_1 = contacts[1].v - mass_centre[1].v;
+    const double r_2_0 = contacts[2].v - mass_centre[0].v;
+    const double r_2_1 = contacts[3].v - mass_centre[1].v;
+    const double r_3_0 = contacts[4].v - mass_centre[0].v;
+    const double r_3_1 = contacts[5].v - mass_centre[1].v;
+    const double t1 = slide[0].v * normal_forces[0].v;
+    const double t2 = slide[2].v * normal_forces[1].v;
+    const double t3 = slide[4].v * normal_forces[2].v;
+    const double t4 = slide[1].v * normal_forces[0].v;
+    const double t5 = slide[3].v * normal_forces[1].v;
+    const double t6 = slide[5].v * normal_forces[2].v;
+    const double b_a_0 = t1 + t2 + t3 - w_l_0;
+    const double b_a_1 = t4 + t5 + t6 - w_l_1;
+    const double h1 = slide[1].v * r_1_0 - slide[0].v * r_1_1;
+    const double h2 = slide[3].v * r_2_0 - slide[2].v * r_2_1;
+    const double h3 = slide[5].v * r_3_0 - slide[4].v * r_3_1;
+    const double b_a_2 = normal_forces[0].v * h1 + normal_forces[1].v * h2 + normal_forces[2].v * h3;
+    const double h4 = slide[2].v * r_2_0 + slide[3].v * r_2_1;
+    const double h5 = slide[4].v * r_3_0 + slide[5].v * r_3_1;
+    const double h6 = slide[2].v * h5 - slide[4].v * h4;
+    const double h7 = slide[0].v * r_1_0 + slide[1].v * r_1_1;
+    const double h8 = slide[4].v * h7 - slide[0].v * h5;
+    const double h9 = slide[0].v * h4 - slide[2].v * h7;
+    const double det_a = slide[1].v * h6 + slide[3].v * h8 + slide[5].v * h9;
+    const double inv_a = 1.0 / det_a;
+    const double h10 = slide[3].v * h5 - slide[5].v * h4;
+    const double h11 = slide[2].v * slide[5].v - slide[3].v * slide[4].v;
+    const double h12 = b_a_0 * h6 + b_a_1 * h10 + b_a_2 * h11;
+    const double f_y_0 = inv_a * h12;
+    const double h13 = slide[5].v * h7 - slide[1].v * h5;
+    const double h14 = slide[1].v * slide[4].v - slide[0].v * slide[5].v;
+    const double h15 = b_a_0 * h8 + b_a_1 * h13 + b_a_2 * h14;
+    const double f_y_1 = inv_a * h15;
+    const double h16 = slide[1].v * h4 - slide[3].v * h7;
+    const double h17 = slide[0].v * slide[3].v - slide[1].v * slide[2].v;
+    const double h18 = b_a_0 * h9 + b_a_1 * h16 + b_a_2 * h17;
+    const double f_y_2 = inv_a * h18;
+    const double f_1_0 = slide[1].v * f_y_0 - t1;
+    const double h20 = t4 + slide[0].v * f_y_0;
+    const double f_2_0 = slide[3].v * f_y_1 - t2;
+    const double h21 = t5 + slide[2].v * f_y_1;
+    const double f_3_0 = slide[5].v * f_y_2 - t3;
+    const double h22 = t6 + slide[4].v * f_y_2;
+    const double t7 = contacts[0].v * contacts[0].v + contacts[1].v * contacts[1].v + contacts[2].v * contacts[2].v;
+    const double size = t7 + contacts[3].v * contacts[3].v + contacts[4].v * contacts[4].v + contacts[5].v * contacts[5].v;
+    const double F_l_0 = f_3_0 + (f_1_0 + f_2_0);
+    const double h19 = h22 + (h20 + h21);
+    const double t8 = contacts[0].v * h20 + contacts[2].v * h21 + contacts[4].v * h22 + contacts[1].v * f_1_0;
+    const double h24 = friction[0].v * friction[0].v;
+    const double h23 = normal_forces[0].v * normal_forces[0].v;
+    const double h25 = normal_forces[1].v * normal_forces[1].v;
+    const double h26 = normal_forces[2].v * normal_forces[2].v;
+    const double determined_0 = det_a * det_a / size;
+    const double h27 = 1.0 / size;
+    contact_forces[0].v = normal_forces[0].v;
+    contact_forces[1].v = f_y_0;
+    contact_forces[2].v = normal_forces[1].v;
+    contact_forces[3].v = f_y_1;
+    contact_forces[4].v = normal_forces[2].v;
+    contact_forces[5].v = f_y_2;
+    wrench[0].v = Q[0].v * F_l_0 - Q[1].v * h19;
+    wrench[1].v = Q[2].v * F_l_0 - Q[3].v * h19;
+    wrench[2].v = -(t8 + contacts[3].v * f_2_0 + contacts[5].v * f_3_0);
+    redundant_forces[0].v = -normal_forces[0].v;
+    redundant_forces[1].v = -normal_forces[1].v;
+    redundant_forces[2].v = -normal_forces[2].v;
+    friction_margins[0].v = h24 * h23 - f_y_0 * f_y_0;
+    friction_margins[1].v = h24 * h25 - f_y_1 * f_y_1;
+    friction_margins[2].v = h24 * h26 - f_y_2 * f_y_2;
+    determined[0].v = determined_0;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t9 = weight[0].v * Q[0].t[k] + Q[0].v * weight[0].t[k] + (weight[1].v * Q[2].t[k] + Q[2].v * weight[1].t[k]);
+        const double t10 = weight[0].v * Q[1].t[k] + Q[1].v * weight[0].t[k] + (weight[1].v * Q[3].t[k] + Q[3].v * weight[1].t[k]);
+        const double t11 = contacts[0].t[k] - mass_centre[0].t[k];
+        const double t12 = contacts[1].t[k] - mass_centre[1].t[k];
+        const double t13 = contacts[2].t[k] - mass_centre[0].t[k];
+        const double t14 = contacts[3].t[k] - mass_centre[1].t[k];
+        const double t15 = contacts[4].t[k] - mass_centre[0].t[k];
+        const double t16 = contacts[5].t[k] - mass_centre[1].t[k];
+        const double t17 = normal_forces[0].v * slide[0].t[k] + slide[0].v * normal_forces[0].t[k];
+        const double t18 = normal_forces[1].v * slide[2].t[k] + slide[2].v * normal_forces[1].t[k];
+        const double t19 = normal_forces[2].v * slide[4].t[k] + slide[4].v * normal_forces[2].t[k];
+        const double t20 = normal_forces[0].v * slide[1].t[k] + slide[1].v * normal_forces[0].t[k];
+        const double t21 = normal_forces[1].v * slide[3].t[k] + slide[3].v * normal_forces[1].t[k];
+        const double t22 = normal_forces[2].v * slide[5].t[k] + slide[5].v * normal_forces[2].t[k];
+        const double t23 = t17 + t18 + t19 - t9;
+        const double t24 = t20 + t21 + t22 - t10;
+        const double t25 = r_1_0 * slide[1].t[k] + slide[1].v * t11 - (r_1_1 * slide[0].t[k] + slide[0].v * t12);
+        const double t26 = r_2_0 * slide[3].t[k] + slide[3].v * t13 - (r_2_1 * slide[2].t[k] + slide[2].v * t14);
+        const double t27 = h1 * normal_forces[0].t[k] + normal_forces[0].v * t25 + (h2 * normal_forces[1].t[k] + normal_forces[1].v * t26);
+        const double t28 = r_3_0 * slide[5].t[k] + slide[5].v * t15 - (r_3_1 * slide[4].t[k] + slide[4].v * t16);
+        const double t29 = t27 + (h3 * normal_forces[2].t[k] + normal_forces[2].v * t28);
+        const double t30 = r_2_0 * slide[2].t[k] + slide[2].v * t13 + (r_2_1 * slide[3].t[k] + slide[3].v * t14);
+        const double t31 = r_3_0 * slide[4].t[k] + slide[4].v * t15 + (r_3_1 * slide[5].t[k] + slide[5].v * t16);
+        const double t32 = h5 * slide[2].t[k] + slide[2].v * t31 - (h4 * slide[4].t[k] + slide[4].v * t30);
+        const double t33 = r_1_0 * slide[0].t[k] + slide[0].v * t11 + (r_1_1 * slide[1].t[k] + slide[1].v * t12);
+        const double t34 = h7 * slide[4].t[k] + slide[4].v * t33 - (h5 * slide[0].t[k] + slide[0].v * t31);
+        const double t35 = h6 * slide[1].t[k] + slide[1].v * t32 + (h8 * slide[3].t[k] + slide[3].v * t34);
+        const double t36 = h4 * slide[0].t[k] + slide[0].v * t30 - (h7 * slide[2].t[k] + slide[2].v * t33);
+        const double t37 = t35 + (h9 * slide[5].t[k] + slide[5].v * t36);
+        const double t38 = inv_a * (inv_a * t37);
+        const double t39 = h5 * slide[3].t[k] + slide[3].v * t31 - (h4 * slide[5].t[k] + slide[5].v * t30);
+        const double t40 = slide[5].v * slide[2].t[k] + slide[2].v * slide[5].t[k] - (slide[4].v * slide[3].t[k] + slide[3].v * slide[4].t[k]);
+        const double t41 = inv_a * (h6 * t23 + b_a_0 * t32 + (h10 * t24 + b_a_1 * t39) + (h11 * t29 + b_a_2 * t40));
+        const double t42 = t41 - h12 * t38;
+        const double t43 = h7 * slide[5].t[k] + slide[5].v * t33 - (h5 * slide[1].t[k] + slide[1].v * t31);
+        const double t44 = slide[4].v * slide[1].t[k] + slide[1].v * slide[4].t[k] - (slide[5].v * slide[0].t[k] + slide[0].v * slide[5].t[k]);
+        const double t45 = inv_a * (h8 * t23 + b_a_0 * t34 + (h13 * t24 + b_a_1 * t43) + (h14 * t29 + b_a_2 * t44));
+        const double t46 = t45 - h15 * t38;
+        const double t47 = h4 * slide[1].t[k] + slide[1].v * t30 - (h7 * slide[3].t[k] + slide[3].v * t33);
+        const double t48 = slide[3].v * slide[0].t[k] + slide[0].v * slide[3].t[k] - (slide[2].v * slide[1].t[k] + slide[1].v * slide[2].t[k]);
+        const double t49 = inv_a * (h9 * t23 + b_a_0 * t36 + (h16 * t24 + b_a_1 * t47) + (h17 * t29 + b_a_2 * t48));
+        const double t50 = t49 - h18 * t38;
+        const double t51 = f_y_0 * slide[1].t[k] + slide[1].v * t42 - t17;
+        const double t52 = t20 + (f_y_0 * slide[0].t[k] + slide[0].v * t42);
+        const double t53 = f_y_1 * slide[3].t[k] + slide[3].v * t46 - t18;
+        const double t54 = t21 + (f_y_1 * slide[2].t[k] + slide[2].v * t46);
+        const double t55 = f_y_2 * slide[5].t[k] + slide[5].v * t50 - t19;
+        const double t56 = t22 + (f_y_2 * slide[4].t[k] + slide[4].v * t50);
+        const double t57 = contacts[0].v * contacts[0].t[k];
+        const double t58 = contacts[1].v * contacts[1].t[k];
+        const double t59 = contacts[2].v * contacts[2].t[k];
+        const double t60 = contacts[3].v * contacts[3].t[k];
+        const double t61 = contacts[4].v * contacts[4].t[k];
+        const double t62 = contacts[5].v * contacts[5].t[k];
+        const double t63 = t57 + t57 + (t58 + t58) + (t59 + t59) + (t60 + t60) + (t61 + t61) + (t62 + t62);
+        const double t64 = t55 + (t51 + t53);
+        const double t65 = t56 + (t52 + t54);
+        const double t66 = h20 * contacts[0].t[k] + contacts[0].v * t52 + (h21 * contacts[2].t[k] + contacts[2].v * t54);
+        const double t67 = t66 + (h22 * contacts[4].t[k] + contacts[4].v * t56) + (f_1_0 * contacts[1].t[k] + contacts[1].v * t51);
+        const double t68 = t67 + (f_2_0 * contacts[3].t[k] + contacts[3].v * t53) + (f_3_0 * contacts[5].t[k] + contacts[5].v * t55);
+        const double t69 = friction[0].v * friction[0].t[k];
+        const double t70 = t69 + t69;
+        const double t71 = normal_forces[0].v * normal_forces[0].t[k];
+        const double t72 = f_y_0 * t42;
+        const double t73 = normal_forces[1].v * normal_forces[1].t[k];
+        const double t74 = f_y_1 * t46;
+        const double t75 = normal_forces[2].v * normal_forces[2].t[k];
+        const double t76 = f_y_2 * t50;
+        const double t77 = det_a * t37;
+        contact_forces[0].t[k] = normal_forces[0].t[k];
+        contact_forces[1].t[k] = t42;
+        contact_forces[2].t[k] = normal_forces[1].t[k];
+        contact_forces[3].t[k] = t46;
+        contact_forces[4].t[k] = normal_forces[2].t[k];
+        contact_forces[5].t[k] = t50;
+        wrench[0].t[k] = F_l_0 * Q[0].t[k] + Q[0].v * t64 - (h19 * Q[1].t[k] + Q[1].v * t65);
+        wrench[1].t[k] = F_l_0 * Q[2].t[k] + Q[2].v * t64 - (h19 * Q[3].t[k] + Q[3].v * t65);
+        wrench[2].t[k] = -t68;
+        redundant_forces[0].t[k] = -normal_forces[0].t[k];
+        redundant_forces[1].t[k] = -normal_forces[1].t[k];
+        redundant_forces[2].t[k] = -normal_forces[2].t[k];
+        friction_margins[0].t[k] = h23 * t70 + h24 * (t71 + t71) - (t72 + t72);
+        friction_margins[1].t[k] = h25 * t70 + h24 * (t73 + t73) - (t74 + t74);
+        friction_margins[2].t[k] = h26 * t70 + h24 * (t75 + t75) - (t76 + t76);
+        determined[0].t[k] = h27 * (t77 + t77 - determined_0 * t63);
+    }
+}
+
 #endif

@@ -43,6 +43,7 @@
 #define krhpr_spatial_cpr3_c_forward_statics plain_forward_statics
 #define krhpr_spatial_cpr3_c_opening plain_opening
 #define krhpr_spatial_cpr3_c_redundant_of_opening plain_redundant_of_opening
+#define krhpr_spatial_cpr3_c_grasp plain_grasp
 #define krhpr_spatial_cpr3_c_passive_joints plain_passive_joints
 #define krhpr_spatial_cpr3_c_link_points plain_link_points
 #define krhpr_spatial_cpr3_c_singularity plain_singularity
@@ -72,6 +73,7 @@
 #undef krhpr_spatial_cpr3_c_forward_statics
 #undef krhpr_spatial_cpr3_c_opening
 #undef krhpr_spatial_cpr3_c_redundant_of_opening
+#undef krhpr_spatial_cpr3_c_grasp
 #undef krhpr_spatial_cpr3_c_passive_joints
 #undef krhpr_spatial_cpr3_c_link_points
 #undef krhpr_spatial_cpr3_c_singularity
@@ -226,41 +228,47 @@ static const casadi_int P65[3] = {9, 9, 1};
 static const casadi_int P66[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
 static const casadi_int P67[3] = {3, 2, 1};
 static const casadi_int P68[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P69[6] = {18, 3, 0, 0, 0, 0};
-static const casadi_int P70[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P71[66] = {18, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13,
+static const casadi_int P69[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8,
+    3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8, 6, 7, 8};
+static const casadi_int P70[21] = {9, 3, 0, 6, 12, 15, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8};
+static const casadi_int P71[24] = {9, 3, 0, 6, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P72[27] = {9, 3, 0, 7, 14, 21, 0, 3, 4, 5, 6, 7, 8, 1, 3, 4, 5, 6, 7, 8, 2, 3, 4, 5, 6, 7,
+    8};
+static const casadi_int P73[4] = {9, 1, 0, 0};
+static const casadi_int P74[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P75[3] = {3, 9, 1};
+static const casadi_int P76[6] = {18, 3, 0, 0, 0, 0};
+static const casadi_int P77[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P78[66] = {18, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13,
     16, 2, 5, 8, 11, 14, 17, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13, 16, 2, 5, 8, 11, 14, 17, 0, 3, 6, 9, 12, 15, 1, 4, 7,
     10, 13, 16, 2, 5, 8, 11, 14, 17};
-static const casadi_int P72[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P73[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P79[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P80[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P74[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P75[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P76[6] = {12, 3, 0, 0, 0, 0};
-static const casadi_int P77[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P78[42] = {12, 9, 0, 10, 10, 10, 20, 20, 20, 30, 30, 30, 0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 0,
+static const casadi_int P81[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P82[6] = {12, 3, 0, 0, 0, 0};
+static const casadi_int P83[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P84[42] = {12, 9, 0, 10, 10, 10, 20, 20, 20, 30, 30, 30, 0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 0,
     1, 2, 4, 5, 6, 7, 8, 9, 10, 0, 1, 2, 4, 5, 6, 8, 9, 10, 11};
-static const casadi_int P79[42] = {12, 9, 0, 0, 10, 10, 10, 20, 20, 20, 30, 30, 0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 0, 1,
+static const casadi_int P85[42] = {12, 9, 0, 0, 10, 10, 10, 20, 20, 20, 30, 30, 0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 0, 1,
     2, 4, 5, 6, 7, 8, 9, 10, 0, 1, 2, 4, 5, 6, 8, 9, 10, 11};
-static const casadi_int P80[42] = {12, 9, 0, 0, 0, 10, 10, 10, 20, 20, 20, 30, 0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 0, 1,
+static const casadi_int P86[42] = {12, 9, 0, 0, 0, 10, 10, 10, 20, 20, 20, 30, 0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 0, 1,
     2, 4, 5, 6, 7, 8, 9, 10, 0, 1, 2, 4, 5, 6, 8, 9, 10, 11};
-static const casadi_int P81[21] = {12, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 10, 11, 9, 10, 11, 9, 10, 11};
-static const casadi_int P82[21] = {12, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P83[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P84[3] = {2, 9, 1};
-static const casadi_int P85[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P86[3] = {1, 9, 1};
-static const casadi_int P87[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P88[3] = {9, 1, 1};
-static const casadi_int P89[3] = {3, 9, 1};
-static const casadi_int P90[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P91[4] = {9, 1, 0, 0};
-static const casadi_int P92[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P93[3] = {1, 2, 1};
-static const casadi_int P94[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P95[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P87[21] = {12, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 10, 11, 9, 10, 11, 9, 10, 11};
+static const casadi_int P88[21] = {12, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P89[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P90[3] = {2, 9, 1};
+static const casadi_int P91[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P92[3] = {1, 9, 1};
+static const casadi_int P93[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P94[3] = {9, 1, 1};
+static const casadi_int P95[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P96[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P97[3] = {1, 2, 1};
+static const casadi_int P98[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P99[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P96[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P100[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -1127,6 +1135,68 @@ static const krhpr_casadi_function function_redundant_of_opening = {
 KRHPR_CASADI_FUNCTION(NAME(redundant_of_opening), function_redundant_of_opening)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(redundant_of_opening), function_redundant_of_opening)
 
+/* -- grasp -- */
+
+static int value_grasp(const double *x, double *y)
+{
+    return plain_grasp(&geometry, x, x + 9, x + 18, x + 21, x + 24, x[27], y, y + 9, y + 15, y + 18);
+}
+
+static void tangent_grasp(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const Q = given;
+    const krhpr_dual *const contacts = given + 9;
+    const krhpr_dual *const mass_centre = given + 18;
+    const krhpr_dual *const weight = given + 21;
+    const krhpr_dual *const normal_forces = given + 24;
+    const krhpr_dual *const friction = given + 27;
+    krhpr_dual *const contact_forces = found;
+    krhpr_dual *const wrench = found + 9;
+    krhpr_dual *const redundant_forces = found + 15;
+    krhpr_dual *const friction_margins = found + 18;
+    krhpr_dual slide[6];
+    krhpr_dual determined[2];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
+    }
+    krhpr_platform_spatial_c_grasp_tangent(
+        Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
+        redundant_forces, friction_margins, determined);
+}
+
+static const krhpr_casadi_slot in_grasp[] = {
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_contacts", 3, 3, 1, NULL, P0, P1},
+    {"out_mass_centre", 3, 1, 1, NULL, P4, P5},
+    {"out_weight", 3, 1, 1, NULL, P4, P5},
+    {"out_normal_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_friction", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_grasp[] = {
+    {"out_contact_forces", 3, 3, 1, NULL, P0, P1},
+    {"out_wrench", 6, 1, 1, NULL, P8, P9},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_grasp[] = {
+    P69, P69, P70, P71, P72, P73, P61, P61, P38, P38, P38, P9, P74, P74, P1, P1, P68, P5, P75, P75, P0, P0, P0, P4
+};
+static const char *const names_grasp[] = {
+    "jac_contact_forces_Q", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
+    "jac_contact_forces_weight", "jac_contact_forces_normal_forces", "jac_contact_forces_friction", "jac_wrench_Q",
+    "jac_wrench_contacts", "jac_wrench_mass_centre", "jac_wrench_weight", "jac_wrench_normal_forces",
+    "jac_wrench_friction", "jac_redundant_forces_Q", "jac_redundant_forces_contacts",
+    "jac_redundant_forces_mass_centre", "jac_redundant_forces_weight", "jac_redundant_forces_normal_forces",
+    "jac_redundant_forces_friction", "jac_friction_margins_Q", "jac_friction_margins_contacts",
+    "jac_friction_margins_mass_centre", "jac_friction_margins_weight", "jac_friction_margins_normal_forces",
+    "jac_friction_margins_friction"
+};
+static const krhpr_casadi_function function_grasp = {
+    6, in_grasp, 4, out_grasp, value_grasp, tangent_grasp, structure_grasp, names_grasp
+};
+KRHPR_CASADI_FUNCTION(NAME(grasp), function_grasp)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(grasp), function_grasp)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -1171,7 +1241,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P69, P70, P71, P70, P72, P73, P74, P74, P72, P73, P74, P74, P72, P73, P74, P74, P0, P27, P28, P75
+    P76, P77, P78, P77, P79, P80, P81, P81, P79, P80, P81, P81, P79, P80, P81, P81, P0, P27, P28, P74
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -1221,7 +1291,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P76, P77, P78, P77, P76, P77, P79, P77, P76, P77, P80, P77, P72, P74, P63, P74
+    P82, P83, P84, P83, P82, P83, P85, P83, P82, P83, P86, P83, P79, P81, P63, P81
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1280,7 +1350,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 2, 1, 1, NULL, P16, P17},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P75, P28, P28, P76, P77, P81, P82, P14, P83, P84, P85, P14, P83, P84, P85
+    P1, P74, P28, P28, P82, P83, P87, P88, P14, P89, P90, P91, P14, P89, P90, P91
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1419,7 +1489,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P6, P86, P86, P86, P2, P6, P86, P86, P86, P2, P7, P87, P86, P86, P2
+    P6, P92, P92, P92, P2, P6, P92, P92, P92, P2, P7, P93, P92, P92, P2
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_Q", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_1_characteristic_length", "jac_eta_2_p",
@@ -1473,7 +1543,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P61, P8, P65, P88, P65, P88, P61, P8, P84, P16, P87, P3
+    P61, P8, P65, P94, P65, P94, P61, P8, P90, P16, P93, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1529,7 +1599,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P89, P67, P5, P65, P90, P91, P65, P90, P91, P92, P93, P3
+    P75, P67, P5, P65, P95, P73, P65, P95, P73, P96, P97, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1585,7 +1655,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P89, P0, P5, P65, P94, P91, P65, P94, P91, P95, P96, P5
+    P75, P0, P5, P65, P98, P73, P65, P98, P73, P99, P100, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

@@ -45,6 +45,7 @@
 #define krhpr_spatial_p_fivebar_c_forward_statics plain_forward_statics
 #define krhpr_spatial_p_fivebar_c_opening plain_opening
 #define krhpr_spatial_p_fivebar_c_redundant_of_opening plain_redundant_of_opening
+#define krhpr_spatial_p_fivebar_c_grasp plain_grasp
 #define krhpr_spatial_p_fivebar_c_passive_joints plain_passive_joints
 #define krhpr_spatial_p_fivebar_c_link_points plain_link_points
 #define krhpr_spatial_p_fivebar_c_singularity plain_singularity
@@ -77,6 +78,7 @@
 #undef krhpr_spatial_p_fivebar_c_forward_statics
 #undef krhpr_spatial_p_fivebar_c_opening
 #undef krhpr_spatial_p_fivebar_c_redundant_of_opening
+#undef krhpr_spatial_p_fivebar_c_grasp
 #undef krhpr_spatial_p_fivebar_c_passive_joints
 #undef krhpr_spatial_p_fivebar_c_link_points
 #undef krhpr_spatial_p_fivebar_c_singularity
@@ -248,51 +250,57 @@ static const casadi_int P80[63] = {6, 9, 0, 5, 10, 15, 21, 27, 33, 39, 45, 51, 0
 static const casadi_int P81[18] = {3, 9, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
 static const casadi_int P82[3] = {1, 3, 1};
 static const casadi_int P83[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P84[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P85[27] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 11, 13, 15, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7, 5,
+static const casadi_int P84[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8,
+    3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8, 6, 7, 8};
+static const casadi_int P85[21] = {9, 3, 0, 6, 12, 15, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8};
+static const casadi_int P86[24] = {9, 3, 0, 6, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P87[27] = {9, 3, 0, 7, 14, 21, 0, 3, 4, 5, 6, 7, 8, 1, 3, 4, 5, 6, 7, 8, 2, 3, 4, 5, 6, 7,
     8};
-static const casadi_int P86[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P88[4] = {9, 1, 0, 0};
+static const casadi_int P89[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P90[3] = {3, 9, 1};
+static const casadi_int P91[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P92[27] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 11, 13, 15, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7, 5,
+    8};
+static const casadi_int P93[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P87[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P94[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P88[18] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P89[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P95[18] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P96[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P90[18] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P91[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
+static const casadi_int P97[18] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P98[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
     3, 4, 6, 7};
-static const casadi_int P92[18] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P93[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P94[6] = {21, 3, 0, 0, 0, 0};
-static const casadi_int P95[12] = {21, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P96[51] = {21, 9, 0, 13, 13, 13, 26, 26, 26, 39, 39, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
+static const casadi_int P99[18] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P100[6] = {21, 3, 0, 0, 0, 0};
+static const casadi_int P101[12] = {21, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P102[51] = {21, 9, 0, 13, 13, 13, 26, 26, 26, 39, 39, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
     17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 13, 16, 17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 16, 17, 18, 19, 20};
-static const casadi_int P97[21] = {21, 9, 0, 0, 0, 0, 6, 6, 6, 9, 9, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
-static const casadi_int P98[51] = {21, 9, 0, 0, 13, 13, 13, 26, 26, 26, 39, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
+static const casadi_int P103[21] = {21, 9, 0, 0, 0, 0, 6, 6, 6, 9, 9, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
+static const casadi_int P104[51] = {21, 9, 0, 0, 13, 13, 13, 26, 26, 26, 39, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
     17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 13, 16, 17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 16, 17, 18, 19, 20};
-static const casadi_int P99[21] = {21, 9, 0, 0, 0, 0, 0, 6, 6, 6, 9, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
-static const casadi_int P100[51] = {21, 9, 0, 0, 0, 13, 13, 13, 26, 26, 26, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
+static const casadi_int P105[21] = {21, 9, 0, 0, 0, 0, 0, 6, 6, 6, 9, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
+static const casadi_int P106[51] = {21, 9, 0, 0, 0, 13, 13, 13, 26, 26, 26, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
     17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 13, 16, 17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 16, 17, 18, 19, 20};
-static const casadi_int P101[21] = {21, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
-static const casadi_int P102[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P103[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P104[3] = {2, 9, 1};
-static const casadi_int P105[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P106[3] = {1, 9, 1};
-static const casadi_int P107[18] = {1, 9, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P108[6] = {1, 3, 0, 0, 0, 0};
-static const casadi_int P109[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P110[3] = {9, 1, 1};
-static const casadi_int P111[3] = {3, 9, 1};
-static const casadi_int P112[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P113[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P114[4] = {9, 1, 0, 0};
-static const casadi_int P115[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P116[3] = {1, 2, 1};
-static const casadi_int P117[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P118[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P107[21] = {21, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
+static const casadi_int P108[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P109[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P110[3] = {2, 9, 1};
+static const casadi_int P111[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P112[3] = {1, 9, 1};
+static const casadi_int P113[18] = {1, 9, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P114[6] = {1, 3, 0, 0, 0, 0};
+static const casadi_int P115[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P116[3] = {9, 1, 1};
+static const casadi_int P117[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P118[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P119[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P120[3] = {1, 2, 1};
+static const casadi_int P121[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P122[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P119[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P123[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -1236,6 +1244,68 @@ static const krhpr_casadi_function function_redundant_of_opening = {
 KRHPR_CASADI_FUNCTION(NAME(redundant_of_opening), function_redundant_of_opening)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(redundant_of_opening), function_redundant_of_opening)
 
+/* -- grasp -- */
+
+static int value_grasp(const double *x, double *y)
+{
+    return plain_grasp(&geometry, x, x + 9, x + 18, x + 21, x + 24, x[27], y, y + 9, y + 15, y + 18);
+}
+
+static void tangent_grasp(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const Q = given;
+    const krhpr_dual *const contacts = given + 9;
+    const krhpr_dual *const mass_centre = given + 18;
+    const krhpr_dual *const weight = given + 21;
+    const krhpr_dual *const normal_forces = given + 24;
+    const krhpr_dual *const friction = given + 27;
+    krhpr_dual *const contact_forces = found;
+    krhpr_dual *const wrench = found + 9;
+    krhpr_dual *const redundant_forces = found + 15;
+    krhpr_dual *const friction_margins = found + 18;
+    krhpr_dual slide[6];
+    krhpr_dual determined[2];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
+    }
+    krhpr_platform_spatial_c_grasp_tangent(
+        Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
+        redundant_forces, friction_margins, determined);
+}
+
+static const krhpr_casadi_slot in_grasp[] = {
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_contacts", 3, 3, 1, NULL, P0, P1},
+    {"out_mass_centre", 3, 1, 1, NULL, P4, P5},
+    {"out_weight", 3, 1, 1, NULL, P4, P5},
+    {"out_normal_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_friction", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_grasp[] = {
+    {"out_contact_forces", 3, 3, 1, NULL, P0, P1},
+    {"out_wrench", 6, 1, 1, NULL, P10, P11},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_grasp[] = {
+    P84, P84, P85, P86, P87, P88, P68, P68, P41, P41, P41, P11, P89, P89, P1, P1, P83, P5, P90, P90, P0, P0, P0, P4
+};
+static const char *const names_grasp[] = {
+    "jac_contact_forces_Q", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
+    "jac_contact_forces_weight", "jac_contact_forces_normal_forces", "jac_contact_forces_friction", "jac_wrench_Q",
+    "jac_wrench_contacts", "jac_wrench_mass_centre", "jac_wrench_weight", "jac_wrench_normal_forces",
+    "jac_wrench_friction", "jac_redundant_forces_Q", "jac_redundant_forces_contacts",
+    "jac_redundant_forces_mass_centre", "jac_redundant_forces_weight", "jac_redundant_forces_normal_forces",
+    "jac_redundant_forces_friction", "jac_friction_margins_Q", "jac_friction_margins_contacts",
+    "jac_friction_margins_mass_centre", "jac_friction_margins_weight", "jac_friction_margins_normal_forces",
+    "jac_friction_margins_friction"
+};
+static const krhpr_casadi_function function_grasp = {
+    6, in_grasp, 4, out_grasp, value_grasp, tangent_grasp, structure_grasp, names_grasp
+};
+KRHPR_CASADI_FUNCTION(NAME(grasp), function_grasp)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(grasp), function_grasp)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -1280,7 +1350,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P28, P84, P71, P85, P28, P86, P87, P88, P28, P86, P89, P90, P28, P86, P91, P92, P0, P25, P26, P93
+    P28, P91, P71, P92, P28, P93, P94, P95, P28, P93, P96, P97, P28, P93, P98, P99, P0, P25, P26, P89
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -1330,7 +1400,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P94, P95, P96, P97, P94, P95, P98, P99, P94, P95, P100, P101, P28, P84, P102, P84
+    P100, P101, P102, P103, P100, P101, P104, P105, P100, P101, P106, P107, P28, P91, P108, P91
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1390,7 +1460,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 2, 1, 1, NULL, P18, P19},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P93, P26, P81, P28, P84, P71, P85, P6, P103, P104, P105, P6, P103, P104, P105
+    P1, P89, P26, P81, P28, P91, P71, P92, P6, P109, P110, P111, P6, P109, P110, P111
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1530,7 +1600,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P82, P106, P106, P107, P2, P82, P106, P106, P107, P2, P108, P109, P106, P107, P2
+    P82, P112, P112, P113, P2, P82, P112, P112, P113, P2, P114, P115, P112, P113, P2
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_Q", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_1_characteristic_length", "jac_eta_2_p",
@@ -1584,7 +1654,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P68, P10, P77, P110, P77, P110, P68, P10, P104, P18, P109, P3
+    P68, P10, P77, P116, P77, P116, P68, P10, P110, P18, P115, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1643,7 +1713,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P111, P1, P4, P77, P28, P112, P111, P1, P4, P109, P108, P3, P109, P108, P3
+    P90, P1, P4, P77, P28, P117, P90, P1, P4, P115, P114, P3, P115, P114, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_assembly", "jac_p_side", "jac_Q_theta", "jac_Q_assembly", "jac_Q_side", "jac_redundant_theta",
@@ -1700,7 +1770,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P111, P16, P5, P77, P113, P114, P77, P113, P114, P115, P116, P3
+    P90, P16, P5, P77, P118, P88, P77, P118, P88, P119, P120, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1756,7 +1826,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P111, P0, P5, P77, P117, P114, P77, P117, P114, P118, P119, P5
+    P90, P0, P5, P77, P121, P88, P77, P121, P88, P122, P123, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

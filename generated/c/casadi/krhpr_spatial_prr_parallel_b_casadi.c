@@ -44,6 +44,7 @@
 #define krhpr_spatial_prr_parallel_b_forward_statics plain_forward_statics
 #define krhpr_spatial_prr_parallel_b_opening plain_opening
 #define krhpr_spatial_prr_parallel_b_redundant_of_opening plain_redundant_of_opening
+#define krhpr_spatial_prr_parallel_b_grasp plain_grasp
 #define krhpr_spatial_prr_parallel_b_passive_joints plain_passive_joints
 #define krhpr_spatial_prr_parallel_b_link_points plain_link_points
 #define krhpr_spatial_prr_parallel_b_singularity plain_singularity
@@ -75,6 +76,7 @@
 #undef krhpr_spatial_prr_parallel_b_forward_statics
 #undef krhpr_spatial_prr_parallel_b_opening
 #undef krhpr_spatial_prr_parallel_b_redundant_of_opening
+#undef krhpr_spatial_prr_parallel_b_grasp
 #undef krhpr_spatial_prr_parallel_b_passive_joints
 #undef krhpr_spatial_prr_parallel_b_link_points
 #undef krhpr_spatial_prr_parallel_b_singularity
@@ -234,49 +236,55 @@ static const casadi_int P73[15] = {3, 9, 0, 0, 0, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
 static const casadi_int P74[3] = {1, 3, 1};
 static const casadi_int P75[3] = {3, 2, 1};
 static const casadi_int P76[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P77[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P77[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8,
+    3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8, 6, 7, 8};
+static const casadi_int P78[21] = {9, 3, 0, 6, 12, 15, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8};
+static const casadi_int P79[24] = {9, 3, 0, 6, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P80[27] = {9, 3, 0, 7, 14, 21, 0, 3, 4, 5, 6, 7, 8, 1, 3, 4, 5, 6, 7, 8, 2, 3, 4, 5, 6, 7,
+    8};
+static const casadi_int P81[4] = {9, 1, 0, 0};
+static const casadi_int P82[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P83[3] = {3, 9, 1};
+static const casadi_int P84[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P78[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P85[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P79[18] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P80[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P86[18] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P87[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P81[18] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P82[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
+static const casadi_int P88[18] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P89[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
     3, 4, 6, 7};
-static const casadi_int P83[18] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P84[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P85[6] = {15, 3, 0, 0, 0, 0};
-static const casadi_int P86[12] = {15, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P87[33] = {15, 9, 0, 7, 7, 7, 14, 14, 14, 21, 21, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
+static const casadi_int P90[18] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P91[6] = {15, 3, 0, 0, 0, 0};
+static const casadi_int P92[12] = {15, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P93[33] = {15, 9, 0, 7, 7, 7, 14, 14, 14, 21, 21, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
     12, 13, 2, 3, 7, 8, 12, 13, 14};
-static const casadi_int P88[15] = {15, 9, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 3, 8, 13};
-static const casadi_int P89[33] = {15, 9, 0, 0, 7, 7, 7, 14, 14, 14, 21, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
+static const casadi_int P94[15] = {15, 9, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 3, 8, 13};
+static const casadi_int P95[33] = {15, 9, 0, 0, 7, 7, 7, 14, 14, 14, 21, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
     12, 13, 2, 3, 7, 8, 12, 13, 14};
-static const casadi_int P90[15] = {15, 9, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 8, 13};
-static const casadi_int P91[33] = {15, 9, 0, 0, 0, 7, 7, 7, 14, 14, 14, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
+static const casadi_int P96[15] = {15, 9, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 8, 13};
+static const casadi_int P97[33] = {15, 9, 0, 0, 0, 7, 7, 7, 14, 14, 14, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
     12, 13, 2, 3, 7, 8, 12, 13, 14};
-static const casadi_int P92[15] = {15, 9, 0, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 8, 13};
-static const casadi_int P93[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P94[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P95[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P96[3] = {2, 9, 1};
-static const casadi_int P97[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P98[3] = {1, 9, 1};
-static const casadi_int P99[15] = {1, 9, 0, 0, 0, 0, 1, 2, 3, 3, 3, 3, 0, 0, 0};
-static const casadi_int P100[6] = {1, 3, 0, 0, 0, 0};
-static const casadi_int P101[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P102[3] = {9, 1, 1};
-static const casadi_int P103[3] = {3, 9, 1};
-static const casadi_int P104[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P105[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P106[4] = {9, 1, 0, 0};
-static const casadi_int P107[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P108[3] = {1, 2, 1};
-static const casadi_int P109[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P110[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P98[15] = {15, 9, 0, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 8, 13};
+static const casadi_int P99[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P100[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P101[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P102[3] = {2, 9, 1};
+static const casadi_int P103[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P104[3] = {1, 9, 1};
+static const casadi_int P105[15] = {1, 9, 0, 0, 0, 0, 1, 2, 3, 3, 3, 3, 0, 0, 0};
+static const casadi_int P106[6] = {1, 3, 0, 0, 0, 0};
+static const casadi_int P107[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P108[3] = {9, 1, 1};
+static const casadi_int P109[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P110[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P111[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P112[3] = {1, 2, 1};
+static const casadi_int P113[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P114[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P111[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P115[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -1175,6 +1183,70 @@ static const krhpr_casadi_function function_redundant_of_opening = {
 KRHPR_CASADI_FUNCTION(NAME(redundant_of_opening), function_redundant_of_opening)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(redundant_of_opening), function_redundant_of_opening)
 
+/* -- grasp -- */
+
+static int value_grasp(const double *x, double *y)
+{
+    return plain_grasp(&geometry, x, x + 9, x + 18, x + 21, x + 24, x[27], y, y + 9, y + 15, y + 18);
+}
+
+static void tangent_grasp(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const Q = given;
+    const krhpr_dual *const contacts = given + 9;
+    const krhpr_dual *const mass_centre = given + 18;
+    const krhpr_dual *const weight = given + 21;
+    const krhpr_dual *const normal_forces = given + 24;
+    const krhpr_dual *const friction = given + 27;
+    krhpr_dual *const contact_forces = found;
+    krhpr_dual *const wrench = found + 9;
+    krhpr_dual *const redundant_forces = found + 15;
+    krhpr_dual *const friction_margins = found + 18;
+    krhpr_dual slide[6];
+    krhpr_dual determined[2];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual distance[1];
+        krhpr_dual start[1];
+        krhpr_platform_spatial_b_tie_tangent(&geometry.platform, i, slide + 2 * i, distance, start);
+    }
+    krhpr_platform_spatial_b_grasp_tangent(
+        Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
+        redundant_forces, friction_margins, determined);
+}
+
+static const krhpr_casadi_slot in_grasp[] = {
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_contacts", 3, 3, 1, NULL, P0, P1},
+    {"out_mass_centre", 3, 1, 1, NULL, P4, P5},
+    {"out_weight", 3, 1, 1, NULL, P4, P5},
+    {"out_normal_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_friction", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_grasp[] = {
+    {"out_contact_forces", 3, 3, 1, NULL, P0, P1},
+    {"out_wrench", 6, 1, 1, NULL, P8, P9},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_grasp[] = {
+    P77, P77, P78, P79, P80, P81, P60, P60, P33, P33, P33, P9, P82, P82, P1, P1, P76, P5, P83, P83, P0, P0, P0, P4
+};
+static const char *const names_grasp[] = {
+    "jac_contact_forces_Q", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
+    "jac_contact_forces_weight", "jac_contact_forces_normal_forces", "jac_contact_forces_friction", "jac_wrench_Q",
+    "jac_wrench_contacts", "jac_wrench_mass_centre", "jac_wrench_weight", "jac_wrench_normal_forces",
+    "jac_wrench_friction", "jac_redundant_forces_Q", "jac_redundant_forces_contacts",
+    "jac_redundant_forces_mass_centre", "jac_redundant_forces_weight", "jac_redundant_forces_normal_forces",
+    "jac_redundant_forces_friction", "jac_friction_margins_Q", "jac_friction_margins_contacts",
+    "jac_friction_margins_mass_centre", "jac_friction_margins_weight", "jac_friction_margins_normal_forces",
+    "jac_friction_margins_friction"
+};
+static const krhpr_casadi_function function_grasp = {
+    6, in_grasp, 4, out_grasp, value_grasp, tangent_grasp, structure_grasp, names_grasp
+};
+KRHPR_CASADI_FUNCTION(NAME(grasp), function_grasp)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(grasp), function_grasp)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -1216,7 +1288,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P54, P77, P78, P79, P54, P77, P80, P81, P54, P77, P82, P83, P0, P21, P22, P84
+    P54, P84, P85, P86, P54, P84, P87, P88, P54, P84, P89, P90, P0, P21, P22, P82
 };
 static const char *const names_passive_joints[] = {
     "jac_spherical1_p", "jac_spherical1_Q", "jac_spherical1_s", "jac_spherical1_theta", "jac_spherical2_p",
@@ -1266,7 +1338,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P85, P86, P87, P88, P85, P86, P89, P90, P85, P86, P91, P92, P54, P19, P93, P94
+    P91, P92, P93, P94, P91, P92, P95, P96, P91, P92, P97, P98, P54, P19, P99, P100
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1324,7 +1396,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 2, 1, 1, NULL, P14, P15},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P84, P22, P73, P1, P84, P22, P73, P6, P95, P96, P97, P6, P95, P96, P97
+    P1, P82, P22, P73, P1, P82, P22, P73, P6, P101, P102, P103, P6, P101, P102, P103
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1462,7 +1534,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P74, P98, P98, P99, P2, P74, P98, P98, P99, P2, P100, P101, P98, P99, P2
+    P74, P104, P104, P105, P2, P74, P104, P104, P105, P2, P106, P107, P104, P105, P2
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_Q", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_1_characteristic_length", "jac_eta_2_p",
@@ -1518,7 +1590,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P60, P8, P69, P102, P69, P102, P60, P8, P96, P14, P101, P3
+    P60, P8, P69, P108, P69, P108, P60, P8, P102, P14, P107, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1575,7 +1647,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P103, P4, P69, P104, P103, P4, P101, P3, P101, P3
+    P83, P4, P69, P109, P83, P4, P107, P3, P107, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_side", "jac_Q_theta", "jac_Q_side", "jac_redundant_theta", "jac_redundant_side",
@@ -1634,7 +1706,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P103, P75, P5, P69, P105, P106, P69, P105, P106, P107, P108, P3
+    P83, P75, P5, P69, P110, P81, P69, P110, P81, P111, P112, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1693,7 +1765,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P103, P0, P5, P69, P109, P106, P69, P109, P106, P110, P111, P5
+    P83, P0, P5, P69, P113, P81, P69, P113, P81, P114, P115, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

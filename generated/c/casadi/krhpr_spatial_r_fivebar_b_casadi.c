@@ -45,6 +45,7 @@
 #define krhpr_spatial_r_fivebar_b_forward_statics plain_forward_statics
 #define krhpr_spatial_r_fivebar_b_opening plain_opening
 #define krhpr_spatial_r_fivebar_b_redundant_of_opening plain_redundant_of_opening
+#define krhpr_spatial_r_fivebar_b_grasp plain_grasp
 #define krhpr_spatial_r_fivebar_b_passive_joints plain_passive_joints
 #define krhpr_spatial_r_fivebar_b_link_points plain_link_points
 #define krhpr_spatial_r_fivebar_b_singularity plain_singularity
@@ -77,6 +78,7 @@
 #undef krhpr_spatial_r_fivebar_b_forward_statics
 #undef krhpr_spatial_r_fivebar_b_opening
 #undef krhpr_spatial_r_fivebar_b_redundant_of_opening
+#undef krhpr_spatial_r_fivebar_b_grasp
 #undef krhpr_spatial_r_fivebar_b_passive_joints
 #undef krhpr_spatial_r_fivebar_b_link_points
 #undef krhpr_spatial_r_fivebar_b_singularity
@@ -248,61 +250,67 @@ static const casadi_int P67[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
 static const casadi_int P68[3] = {1, 3, 1};
 static const casadi_int P69[3] = {3, 2, 1};
 static const casadi_int P70[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P71[36] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 20, 22, 24, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P71[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8,
+    3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8, 6, 7, 8};
+static const casadi_int P72[21] = {9, 3, 0, 6, 12, 15, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8};
+static const casadi_int P73[24] = {9, 3, 0, 6, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P74[27] = {9, 3, 0, 7, 14, 21, 0, 3, 4, 5, 6, 7, 8, 1, 3, 4, 5, 6, 7, 8, 2, 3, 4, 5, 6, 7,
+    8};
+static const casadi_int P75[4] = {9, 1, 0, 0};
+static const casadi_int P76[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P77[3] = {3, 9, 1};
+static const casadi_int P78[36] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 20, 22, 24, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 3, 6, 4, 7, 5, 8};
-static const casadi_int P72[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P79[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P73[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P80[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P74[27] = {9, 9, 0, 9, 9, 9, 15, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
+static const casadi_int P81[27] = {9, 9, 0, 9, 9, 9, 15, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
     6, 7};
-static const casadi_int P75[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P82[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P76[27] = {9, 9, 0, 0, 9, 9, 9, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
+static const casadi_int P83[27] = {9, 9, 0, 0, 9, 9, 9, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
     6, 7};
-static const casadi_int P77[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
+static const casadi_int P84[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
     3, 4, 6, 7};
-static const casadi_int P78[27] = {9, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4, 6,
+static const casadi_int P85[27] = {9, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4, 6,
     7};
-static const casadi_int P79[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P80[6] = {18, 3, 0, 0, 0, 0};
-static const casadi_int P81[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P82[24] = {18, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 4, 5, 10, 16, 4, 10, 11, 16, 4, 10, 16,
+static const casadi_int P86[6] = {18, 3, 0, 0, 0, 0};
+static const casadi_int P87[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P88[24] = {18, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 4, 5, 10, 16, 4, 10, 11, 16, 4, 10, 16,
     17};
-static const casadi_int P83[30] = {18, 9, 0, 9, 9, 9, 15, 15, 15, 18, 18, 18, 2, 3, 4, 8, 9, 10, 14, 15, 16, 2, 4,
+static const casadi_int P89[30] = {18, 9, 0, 9, 9, 9, 15, 15, 15, 18, 18, 18, 2, 3, 4, 8, 9, 10, 14, 15, 16, 2, 4,
     8, 10, 14, 16, 3, 9, 15};
-static const casadi_int P84[24] = {18, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 4, 5, 10, 16, 4, 10, 11, 16, 4, 10, 16,
+static const casadi_int P90[24] = {18, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 4, 5, 10, 16, 4, 10, 11, 16, 4, 10, 16,
     17};
-static const casadi_int P85[30] = {18, 9, 0, 0, 9, 9, 9, 15, 15, 15, 18, 18, 2, 3, 4, 8, 9, 10, 14, 15, 16, 2, 4, 8,
+static const casadi_int P91[30] = {18, 9, 0, 0, 9, 9, 9, 15, 15, 15, 18, 18, 2, 3, 4, 8, 9, 10, 14, 15, 16, 2, 4, 8,
     10, 14, 16, 3, 9, 15};
-static const casadi_int P86[24] = {18, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 4, 5, 10, 16, 4, 10, 11, 16, 4, 10, 16,
+static const casadi_int P92[24] = {18, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 4, 5, 10, 16, 4, 10, 11, 16, 4, 10, 16,
     17};
-static const casadi_int P87[30] = {18, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 18, 2, 3, 4, 8, 9, 10, 14, 15, 16, 2, 4, 8,
+static const casadi_int P93[30] = {18, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 18, 2, 3, 4, 8, 9, 10, 14, 15, 16, 2, 4, 8,
     10, 14, 16, 3, 9, 15};
-static const casadi_int P88[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P89[6] = {12, 3, 0, 0, 0, 0};
-static const casadi_int P90[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P91[48] = {12, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11,
+static const casadi_int P94[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P95[6] = {12, 3, 0, 0, 0, 0};
+static const casadi_int P96[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P97[48] = {12, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11,
     0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11};
-static const casadi_int P92[39] = {12, 9, 0, 4, 8, 12, 15, 18, 21, 23, 25, 27, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11,
+static const casadi_int P98[39] = {12, 9, 0, 4, 8, 12, 15, 18, 21, 23, 25, 27, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11,
     3, 6, 9, 4, 7, 10, 5, 8, 11, 6, 9, 7, 10, 8, 11};
-static const casadi_int P93[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P94[3] = {2, 9, 1};
-static const casadi_int P95[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P96[3] = {1, 9, 1};
-static const casadi_int P97[6] = {1, 3, 0, 0, 0, 0};
-static const casadi_int P98[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P99[3] = {9, 1, 1};
-static const casadi_int P100[3] = {3, 9, 1};
-static const casadi_int P101[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P102[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P103[4] = {9, 1, 0, 0};
-static const casadi_int P104[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P105[3] = {1, 2, 1};
-static const casadi_int P106[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P107[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P99[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P100[3] = {2, 9, 1};
+static const casadi_int P101[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P102[3] = {1, 9, 1};
+static const casadi_int P103[6] = {1, 3, 0, 0, 0, 0};
+static const casadi_int P104[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P105[3] = {9, 1, 1};
+static const casadi_int P106[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P107[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P108[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P109[3] = {1, 2, 1};
+static const casadi_int P110[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P111[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P108[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P112[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -1280,6 +1288,70 @@ static const krhpr_casadi_function function_redundant_of_opening = {
 KRHPR_CASADI_FUNCTION(NAME(redundant_of_opening), function_redundant_of_opening)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(redundant_of_opening), function_redundant_of_opening)
 
+/* -- grasp -- */
+
+static int value_grasp(const double *x, double *y)
+{
+    return plain_grasp(&geometry, x, x + 9, x + 18, x + 21, x + 24, x[27], y, y + 9, y + 15, y + 18);
+}
+
+static void tangent_grasp(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const Q = given;
+    const krhpr_dual *const contacts = given + 9;
+    const krhpr_dual *const mass_centre = given + 18;
+    const krhpr_dual *const weight = given + 21;
+    const krhpr_dual *const normal_forces = given + 24;
+    const krhpr_dual *const friction = given + 27;
+    krhpr_dual *const contact_forces = found;
+    krhpr_dual *const wrench = found + 9;
+    krhpr_dual *const redundant_forces = found + 15;
+    krhpr_dual *const friction_margins = found + 18;
+    krhpr_dual slide[6];
+    krhpr_dual determined[2];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual distance[1];
+        krhpr_dual start[1];
+        krhpr_platform_spatial_b_tie_tangent(&geometry.platform, i, slide + 2 * i, distance, start);
+    }
+    krhpr_platform_spatial_b_grasp_tangent(
+        Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
+        redundant_forces, friction_margins, determined);
+}
+
+static const krhpr_casadi_slot in_grasp[] = {
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_contacts", 3, 3, 1, NULL, P0, P1},
+    {"out_mass_centre", 3, 1, 1, NULL, P4, P5},
+    {"out_weight", 3, 1, 1, NULL, P4, P5},
+    {"out_normal_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_friction", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_grasp[] = {
+    {"out_contact_forces", 3, 3, 1, NULL, P0, P1},
+    {"out_wrench", 6, 1, 1, NULL, P10, P11},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_grasp[] = {
+    P71, P71, P72, P73, P74, P75, P62, P62, P18, P18, P18, P11, P76, P76, P1, P1, P70, P5, P77, P77, P0, P0, P0, P4
+};
+static const char *const names_grasp[] = {
+    "jac_contact_forces_Q", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
+    "jac_contact_forces_weight", "jac_contact_forces_normal_forces", "jac_contact_forces_friction", "jac_wrench_Q",
+    "jac_wrench_contacts", "jac_wrench_mass_centre", "jac_wrench_weight", "jac_wrench_normal_forces",
+    "jac_wrench_friction", "jac_redundant_forces_Q", "jac_redundant_forces_contacts",
+    "jac_redundant_forces_mass_centre", "jac_redundant_forces_weight", "jac_redundant_forces_normal_forces",
+    "jac_redundant_forces_friction", "jac_friction_margins_Q", "jac_friction_margins_contacts",
+    "jac_friction_margins_mass_centre", "jac_friction_margins_weight", "jac_friction_margins_normal_forces",
+    "jac_friction_margins_friction"
+};
+static const krhpr_casadi_function function_grasp = {
+    6, in_grasp, 4, out_grasp, value_grasp, tangent_grasp, structure_grasp, names_grasp
+};
+KRHPR_CASADI_FUNCTION(NAME(grasp), function_grasp)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(grasp), function_grasp)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -1328,7 +1400,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P28, P56, P27, P71, P28, P72, P73, P74, P28, P72, P75, P76, P28, P72, P77, P78, P0, P25, P26, P79
+    P28, P56, P27, P78, P28, P79, P80, P81, P28, P79, P82, P83, P28, P79, P84, P85, P0, P25, P26, P76
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -1383,7 +1455,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P80, P81, P82, P83, P80, P81, P84, P85, P80, P81, P86, P87, P28, P23, P88, P56
+    P86, P87, P88, P89, P86, P87, P90, P91, P86, P87, P92, P93, P28, P23, P94, P56
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1446,7 +1518,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 2, 1, 1, NULL, P16, P17},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P79, P26, P26, P89, P90, P91, P92, P6, P93, P94, P95, P6, P93, P94, P95
+    P1, P76, P26, P26, P95, P96, P97, P98, P6, P99, P100, P101, P6, P99, P100, P101
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1585,7 +1657,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P68, P96, P96, P96, P68, P96, P96, P96, P97, P98, P96, P96
+    P68, P102, P102, P102, P68, P102, P102, P102, P103, P104, P102, P102
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_Q", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_2_p", "jac_eta_2_Q", "jac_eta_2_s",
@@ -1640,7 +1712,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P62, P10, P65, P99, P65, P99, P62, P10, P94, P16, P98, P3
+    P62, P10, P65, P105, P65, P105, P62, P10, P100, P16, P104, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1702,7 +1774,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P100, P1, P4, P65, P28, P101, P100, P1, P4, P98, P97, P3, P98, P97, P3
+    P77, P1, P4, P65, P28, P106, P77, P1, P4, P104, P103, P3, P104, P103, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_assembly", "jac_p_side", "jac_Q_theta", "jac_Q_assembly", "jac_Q_side", "jac_redundant_theta",
@@ -1762,7 +1834,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P100, P69, P5, P65, P102, P103, P65, P102, P103, P104, P105, P3
+    P77, P69, P5, P65, P107, P75, P65, P107, P75, P108, P109, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1821,7 +1893,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P100, P0, P5, P65, P106, P103, P65, P106, P103, P107, P108, P5
+    P77, P0, P5, P65, P110, P75, P65, P110, P75, P111, P112, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

@@ -44,6 +44,7 @@
 #define krhpr_spatial_rrr_c_forward_statics plain_forward_statics
 #define krhpr_spatial_rrr_c_opening plain_opening
 #define krhpr_spatial_rrr_c_redundant_of_opening plain_redundant_of_opening
+#define krhpr_spatial_rrr_c_grasp plain_grasp
 #define krhpr_spatial_rrr_c_passive_joints plain_passive_joints
 #define krhpr_spatial_rrr_c_link_points plain_link_points
 #define krhpr_spatial_rrr_c_singularity plain_singularity
@@ -75,6 +76,7 @@
 #undef krhpr_spatial_rrr_c_forward_statics
 #undef krhpr_spatial_rrr_c_opening
 #undef krhpr_spatial_rrr_c_redundant_of_opening
+#undef krhpr_spatial_rrr_c_grasp
 #undef krhpr_spatial_rrr_c_passive_joints
 #undef krhpr_spatial_rrr_c_link_points
 #undef krhpr_spatial_rrr_c_singularity
@@ -225,53 +227,59 @@ static const casadi_int P68[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
 static const casadi_int P69[18] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 0, 1, 2, 0, 1, 2};
 static const casadi_int P70[3] = {1, 3, 1};
 static const casadi_int P71[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P72[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P73[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P72[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8,
+    3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8, 6, 7, 8};
+static const casadi_int P73[21] = {9, 3, 0, 6, 12, 15, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8};
+static const casadi_int P74[24] = {9, 3, 0, 6, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P75[27] = {9, 3, 0, 7, 14, 21, 0, 3, 4, 5, 6, 7, 8, 1, 3, 4, 5, 6, 7, 8, 2, 3, 4, 5, 6, 7,
+    8};
+static const casadi_int P76[4] = {9, 1, 0, 0};
+static const casadi_int P77[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P78[3] = {3, 9, 1};
+static const casadi_int P79[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P80[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P74[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P81[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P75[27] = {9, 9, 0, 9, 9, 9, 15, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
+static const casadi_int P82[27] = {9, 9, 0, 9, 9, 9, 15, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
     6, 7};
-static const casadi_int P76[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P83[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P77[27] = {9, 9, 0, 0, 9, 9, 9, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
+static const casadi_int P84[27] = {9, 9, 0, 0, 9, 9, 9, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
     6, 7};
-static const casadi_int P78[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
+static const casadi_int P85[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
     3, 4, 6, 7};
-static const casadi_int P79[27] = {9, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4, 6,
+static const casadi_int P86[27] = {9, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4, 6,
     7};
-static const casadi_int P80[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P81[6] = {12, 3, 0, 0, 0, 0};
-static const casadi_int P82[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P83[24] = {12, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
-static const casadi_int P84[18] = {12, 9, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
-static const casadi_int P85[24] = {12, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
-static const casadi_int P86[18] = {12, 9, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
-static const casadi_int P87[24] = {12, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
-static const casadi_int P88[18] = {12, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
-static const casadi_int P89[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P90[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P91[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5, 0,
+static const casadi_int P87[6] = {12, 3, 0, 0, 0, 0};
+static const casadi_int P88[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P89[24] = {12, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P90[18] = {12, 9, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P91[24] = {12, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P92[18] = {12, 9, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P93[24] = {12, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P94[18] = {12, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P95[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P96[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P97[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5, 0,
     3, 1, 4, 2, 5};
-static const casadi_int P92[21] = {6, 9, 0, 2, 4, 6, 7, 8, 9, 9, 9, 9, 0, 3, 1, 4, 2, 5, 3, 4, 5};
-static const casadi_int P93[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P94[3] = {2, 9, 1};
-static const casadi_int P95[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P96[3] = {1, 9, 1};
-static const casadi_int P97[18] = {1, 9, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P98[6] = {1, 3, 0, 0, 0, 0};
-static const casadi_int P99[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P100[3] = {9, 1, 1};
-static const casadi_int P101[3] = {3, 9, 1};
-static const casadi_int P102[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P103[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P104[4] = {9, 1, 0, 0};
-static const casadi_int P105[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P106[3] = {1, 2, 1};
-static const casadi_int P107[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P108[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P98[21] = {6, 9, 0, 2, 4, 6, 7, 8, 9, 9, 9, 9, 0, 3, 1, 4, 2, 5, 3, 4, 5};
+static const casadi_int P99[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P100[3] = {2, 9, 1};
+static const casadi_int P101[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P102[3] = {1, 9, 1};
+static const casadi_int P103[18] = {1, 9, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P104[6] = {1, 3, 0, 0, 0, 0};
+static const casadi_int P105[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P106[3] = {9, 1, 1};
+static const casadi_int P107[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P108[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P109[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P110[3] = {1, 2, 1};
+static const casadi_int P111[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P112[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P109[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P113[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -1185,6 +1193,68 @@ static const krhpr_casadi_function function_redundant_of_opening = {
 KRHPR_CASADI_FUNCTION(NAME(redundant_of_opening), function_redundant_of_opening)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(redundant_of_opening), function_redundant_of_opening)
 
+/* -- grasp -- */
+
+static int value_grasp(const double *x, double *y)
+{
+    return plain_grasp(&geometry, x, x + 9, x + 18, x + 21, x + 24, x[27], y, y + 9, y + 15, y + 18);
+}
+
+static void tangent_grasp(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const Q = given;
+    const krhpr_dual *const contacts = given + 9;
+    const krhpr_dual *const mass_centre = given + 18;
+    const krhpr_dual *const weight = given + 21;
+    const krhpr_dual *const normal_forces = given + 24;
+    const krhpr_dual *const friction = given + 27;
+    krhpr_dual *const contact_forces = found;
+    krhpr_dual *const wrench = found + 9;
+    krhpr_dual *const redundant_forces = found + 15;
+    krhpr_dual *const friction_margins = found + 18;
+    krhpr_dual slide[6];
+    krhpr_dual determined[2];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
+    }
+    krhpr_platform_spatial_c_grasp_tangent(
+        Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
+        redundant_forces, friction_margins, determined);
+}
+
+static const krhpr_casadi_slot in_grasp[] = {
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_contacts", 3, 3, 1, NULL, P0, P1},
+    {"out_mass_centre", 3, 1, 1, NULL, P4, P5},
+    {"out_weight", 3, 1, 1, NULL, P4, P5},
+    {"out_normal_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_friction", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_grasp[] = {
+    {"out_contact_forces", 3, 3, 1, NULL, P0, P1},
+    {"out_wrench", 6, 1, 1, NULL, P8, P9},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_grasp[] = {
+    P72, P72, P73, P74, P75, P76, P61, P61, P35, P35, P35, P9, P77, P77, P1, P1, P71, P5, P78, P78, P0, P0, P0, P4
+};
+static const char *const names_grasp[] = {
+    "jac_contact_forces_Q", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
+    "jac_contact_forces_weight", "jac_contact_forces_normal_forces", "jac_contact_forces_friction", "jac_wrench_Q",
+    "jac_wrench_contacts", "jac_wrench_mass_centre", "jac_wrench_weight", "jac_wrench_normal_forces",
+    "jac_wrench_friction", "jac_redundant_forces_Q", "jac_redundant_forces_contacts",
+    "jac_redundant_forces_mass_centre", "jac_redundant_forces_weight", "jac_redundant_forces_normal_forces",
+    "jac_redundant_forces_friction", "jac_friction_margins_Q", "jac_friction_margins_contacts",
+    "jac_friction_margins_mass_centre", "jac_friction_margins_weight", "jac_friction_margins_normal_forces",
+    "jac_friction_margins_friction"
+};
+static const krhpr_casadi_function function_grasp = {
+    6, in_grasp, 4, out_grasp, value_grasp, tangent_grasp, structure_grasp, names_grasp
+};
+KRHPR_CASADI_FUNCTION(NAME(grasp), function_grasp)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(grasp), function_grasp)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -1228,7 +1298,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P72, P73, P74, P75, P72, P73, P76, P77, P72, P73, P78, P79, P0, P23, P24, P80
+    P79, P80, P81, P82, P79, P80, P83, P84, P79, P80, P85, P86, P0, P23, P24, P77
 };
 static const char *const names_passive_joints[] = {
     "jac_spherical1_p", "jac_spherical1_Q", "jac_spherical1_s", "jac_spherical1_theta", "jac_spherical2_p",
@@ -1279,7 +1349,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P81, P82, P83, P84, P81, P82, P85, P86, P81, P82, P87, P88, P72, P89, P90, P89
+    P87, P88, P89, P90, P87, P88, P91, P92, P87, P88, P93, P94, P79, P95, P96, P95
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1339,7 +1409,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 2, 1, 1, NULL, P18, P19},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P80, P24, P69, P46, P13, P91, P92, P14, P93, P94, P95, P14, P93, P94, P95
+    P1, P77, P24, P69, P46, P13, P97, P98, P14, P99, P100, P101, P14, P99, P100, P101
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1476,7 +1546,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P70, P96, P96, P97, P70, P96, P96, P97, P98, P99, P96, P97
+    P70, P102, P102, P103, P70, P102, P102, P103, P104, P105, P102, P103
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_Q", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_2_p", "jac_eta_2_Q", "jac_eta_2_s",
@@ -1529,7 +1599,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P61, P8, P66, P100, P66, P100, P61, P8, P94, P18, P99, P3
+    P61, P8, P66, P106, P66, P106, P61, P8, P100, P18, P105, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1583,7 +1653,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P101, P4, P66, P102, P101, P4, P99, P3, P99, P3
+    P78, P4, P66, P107, P78, P4, P105, P3, P105, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_side", "jac_Q_theta", "jac_Q_side", "jac_redundant_theta", "jac_redundant_side",
@@ -1639,7 +1709,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P101, P16, P5, P66, P103, P104, P66, P103, P104, P105, P106, P3
+    P78, P16, P5, P66, P108, P76, P66, P108, P76, P109, P110, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1695,7 +1765,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P101, P0, P5, P66, P107, P104, P66, P107, P104, P108, P109, P5
+    P78, P0, P5, P66, P111, P76, P66, P111, P76, P112, P113, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

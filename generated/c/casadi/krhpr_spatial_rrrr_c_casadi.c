@@ -45,6 +45,7 @@
 #define krhpr_spatial_rrrr_c_forward_statics plain_forward_statics
 #define krhpr_spatial_rrrr_c_opening plain_opening
 #define krhpr_spatial_rrrr_c_redundant_of_opening plain_redundant_of_opening
+#define krhpr_spatial_rrrr_c_grasp plain_grasp
 #define krhpr_spatial_rrrr_c_passive_joints plain_passive_joints
 #define krhpr_spatial_rrrr_c_link_points plain_link_points
 #define krhpr_spatial_rrrr_c_singularity plain_singularity
@@ -77,6 +78,7 @@
 #undef krhpr_spatial_rrrr_c_forward_statics
 #undef krhpr_spatial_rrrr_c_opening
 #undef krhpr_spatial_rrrr_c_redundant_of_opening
+#undef krhpr_spatial_rrrr_c_grasp
 #undef krhpr_spatial_rrrr_c_passive_joints
 #undef krhpr_spatial_rrrr_c_link_points
 #undef krhpr_spatial_rrrr_c_singularity
@@ -264,57 +266,63 @@ static const casadi_int P86[27] = {3, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 
 static const casadi_int P87[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P88[3] = {1, 3, 1};
 static const casadi_int P89[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P90[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P91[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P90[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8,
+    3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8, 6, 7, 8};
+static const casadi_int P91[21] = {9, 3, 0, 6, 12, 15, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8};
+static const casadi_int P92[24] = {9, 3, 0, 6, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P93[27] = {9, 3, 0, 7, 14, 21, 0, 3, 4, 5, 6, 7, 8, 1, 3, 4, 5, 6, 7, 8, 2, 3, 4, 5, 6, 7,
+    8};
+static const casadi_int P94[4] = {9, 1, 0, 0};
+static const casadi_int P95[3] = {3, 9, 1};
+static const casadi_int P96[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P97[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P92[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P98[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P93[39] = {9, 12, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
+static const casadi_int P99[39] = {9, 12, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
     0, 1, 2, 3, 4, 5, 6, 7, 8, 1, 2, 4, 5, 7, 8};
-static const casadi_int P94[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P100[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P95[39] = {9, 12, 0, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
+static const casadi_int P101[39] = {9, 12, 0, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
     0, 1, 2, 3, 4, 5, 6, 7, 8, 1, 2, 4, 5, 7, 8};
-static const casadi_int P96[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
-    3, 4, 6, 7};
-static const casadi_int P97[39] = {9, 12, 0, 0, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
+static const casadi_int P102[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+    1, 3, 4, 6, 7};
+static const casadi_int P103[39] = {9, 12, 0, 0, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
     0, 1, 2, 3, 4, 5, 6, 7, 8, 1, 2, 4, 5, 7, 8};
-static const casadi_int P98[15] = {3, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P99[6] = {12, 3, 0, 0, 0, 0};
-static const casadi_int P100[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P101[24] = {12, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
-static const casadi_int P102[21] = {12, 12, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
-static const casadi_int P103[24] = {12, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
-static const casadi_int P104[21] = {12, 12, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
-static const casadi_int P105[24] = {12, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
-static const casadi_int P106[21] = {12, 12, 0, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
-static const casadi_int P107[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P108[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P109[15] = {9, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P110[36] = {12, 12, 0, 4, 8, 12, 14, 16, 18, 19, 20, 21, 21, 21, 21, 0, 3, 6, 9, 1, 4, 7,
+static const casadi_int P104[15] = {3, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P105[6] = {12, 3, 0, 0, 0, 0};
+static const casadi_int P106[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P107[24] = {12, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P108[21] = {12, 12, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P109[24] = {12, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P110[21] = {12, 12, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P111[24] = {12, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P112[21] = {12, 12, 0, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P113[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P114[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P115[15] = {9, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P116[36] = {12, 12, 0, 4, 8, 12, 14, 16, 18, 19, 20, 21, 21, 21, 21, 0, 3, 6, 9, 1, 4, 7,
     10, 2, 5, 8, 11, 0, 3, 1, 4, 2, 5, 3, 4, 5};
-static const casadi_int P111[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P112[3] = {2, 9, 1};
-static const casadi_int P113[15] = {2, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P114[3] = {1, 9, 1};
-static const casadi_int P115[24] = {1, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P116[6] = {1, 3, 0, 0, 0, 0};
-static const casadi_int P117[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P118[3] = {9, 9, 1};
-static const casadi_int P119[3] = {9, 1, 1};
-static const casadi_int P120[3] = {3, 12, 1};
-static const casadi_int P121[3] = {9, 12, 1};
-static const casadi_int P122[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P123[15] = {1, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P124[3] = {3, 9, 1};
-static const casadi_int P125[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P126[4] = {9, 1, 0, 0};
-static const casadi_int P127[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P128[3] = {1, 2, 1};
-static const casadi_int P129[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P130[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P117[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P118[3] = {2, 9, 1};
+static const casadi_int P119[15] = {2, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P120[3] = {1, 9, 1};
+static const casadi_int P121[24] = {1, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P122[6] = {1, 3, 0, 0, 0, 0};
+static const casadi_int P123[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P124[3] = {9, 9, 1};
+static const casadi_int P125[3] = {9, 1, 1};
+static const casadi_int P126[3] = {3, 12, 1};
+static const casadi_int P127[3] = {9, 12, 1};
+static const casadi_int P128[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P129[15] = {1, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P130[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P131[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P132[3] = {1, 2, 1};
+static const casadi_int P133[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P134[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P131[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P135[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -1306,6 +1314,68 @@ static const krhpr_casadi_function function_redundant_of_opening = {
 KRHPR_CASADI_FUNCTION(NAME(redundant_of_opening), function_redundant_of_opening)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(redundant_of_opening), function_redundant_of_opening)
 
+/* -- grasp -- */
+
+static int value_grasp(const double *x, double *y)
+{
+    return plain_grasp(&geometry, x, x + 9, x + 18, x + 21, x + 24, x[27], y, y + 9, y + 15, y + 18);
+}
+
+static void tangent_grasp(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const Q = given;
+    const krhpr_dual *const contacts = given + 9;
+    const krhpr_dual *const mass_centre = given + 18;
+    const krhpr_dual *const weight = given + 21;
+    const krhpr_dual *const normal_forces = given + 24;
+    const krhpr_dual *const friction = given + 27;
+    krhpr_dual *const contact_forces = found;
+    krhpr_dual *const wrench = found + 9;
+    krhpr_dual *const redundant_forces = found + 15;
+    krhpr_dual *const friction_margins = found + 18;
+    krhpr_dual slide[6];
+    krhpr_dual determined[2];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
+    }
+    krhpr_platform_spatial_c_grasp_tangent(
+        Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
+        redundant_forces, friction_margins, determined);
+}
+
+static const krhpr_casadi_slot in_grasp[] = {
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_contacts", 3, 3, 1, NULL, P0, P1},
+    {"out_mass_centre", 3, 1, 1, NULL, P4, P5},
+    {"out_weight", 3, 1, 1, NULL, P4, P5},
+    {"out_normal_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_friction", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_grasp[] = {
+    {"out_contact_forces", 3, 3, 1, NULL, P0, P1},
+    {"out_wrench", 6, 1, 1, NULL, P10, P11},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_grasp[] = {
+    P90, P90, P91, P92, P93, P94, P74, P74, P45, P45, P45, P11, P87, P87, P1, P1, P89, P5, P95, P95, P0, P0, P0, P4
+};
+static const char *const names_grasp[] = {
+    "jac_contact_forces_Q", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
+    "jac_contact_forces_weight", "jac_contact_forces_normal_forces", "jac_contact_forces_friction", "jac_wrench_Q",
+    "jac_wrench_contacts", "jac_wrench_mass_centre", "jac_wrench_weight", "jac_wrench_normal_forces",
+    "jac_wrench_friction", "jac_redundant_forces_Q", "jac_redundant_forces_contacts",
+    "jac_redundant_forces_mass_centre", "jac_redundant_forces_weight", "jac_redundant_forces_normal_forces",
+    "jac_redundant_forces_friction", "jac_friction_margins_Q", "jac_friction_margins_contacts",
+    "jac_friction_margins_mass_centre", "jac_friction_margins_weight", "jac_friction_margins_normal_forces",
+    "jac_friction_margins_friction"
+};
+static const krhpr_casadi_function function_grasp = {
+    6, in_grasp, 4, out_grasp, value_grasp, tangent_grasp, structure_grasp, names_grasp
+};
+KRHPR_CASADI_FUNCTION(NAME(grasp), function_grasp)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(grasp), function_grasp)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -1350,7 +1420,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P90, P91, P92, P93, P90, P91, P94, P95, P90, P91, P96, P97, P0, P29, P30, P98
+    P96, P97, P98, P99, P96, P97, P100, P101, P96, P97, P102, P103, P0, P29, P30, P104
 };
 static const char *const names_passive_joints[] = {
     "jac_spherical1_p", "jac_spherical1_Q", "jac_spherical1_s", "jac_spherical1_theta", "jac_spherical2_p",
@@ -1402,7 +1472,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P99, P100, P101, P102, P99, P100, P103, P104, P99, P100, P105, P106, P90, P107, P108, P109
+    P105, P106, P107, P108, P105, P106, P109, P110, P105, P106, P111, P112, P96, P113, P114, P115
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1463,7 +1533,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 2, 1, 1, NULL, P20, P21},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P87, P30, P85, P99, P100, P77, P110, P24, P111, P112, P113, P24, P111, P112, P113
+    P1, P87, P30, P85, P105, P106, P77, P116, P24, P117, P118, P119, P24, P117, P118, P119
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1601,7 +1671,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P88, P114, P114, P115, P88, P114, P114, P115, P116, P117, P114, P115
+    P88, P120, P120, P121, P88, P120, P120, P121, P122, P123, P120, P121
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_Q", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_2_p", "jac_eta_2_Q", "jac_eta_2_s",
@@ -1654,7 +1724,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P74, P10, P118, P119, P118, P119, P74, P10, P112, P20, P117, P3
+    P74, P10, P124, P125, P124, P125, P74, P10, P118, P20, P123, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1708,7 +1778,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P120, P4, P121, P122, P120, P4, P123, P3, P123, P3
+    P126, P4, P127, P128, P126, P4, P129, P3, P129, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_side", "jac_Q_theta", "jac_Q_side", "jac_redundant_theta", "jac_redundant_side",
@@ -1764,7 +1834,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P124, P18, P5, P118, P125, P126, P118, P125, P126, P127, P128, P3
+    P95, P18, P5, P124, P130, P94, P124, P130, P94, P131, P132, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1820,7 +1890,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P124, P0, P5, P118, P129, P126, P118, P129, P126, P130, P131, P5
+    P95, P0, P5, P124, P133, P94, P124, P133, P94, P134, P135, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

@@ -44,6 +44,7 @@
 #define krhpr_spatial_tripteron_b_forward_statics plain_forward_statics
 #define krhpr_spatial_tripteron_b_opening plain_opening
 #define krhpr_spatial_tripteron_b_redundant_of_opening plain_redundant_of_opening
+#define krhpr_spatial_tripteron_b_grasp plain_grasp
 #define krhpr_spatial_tripteron_b_passive_joints plain_passive_joints
 #define krhpr_spatial_tripteron_b_link_points plain_link_points
 #define krhpr_spatial_tripteron_b_singularity plain_singularity
@@ -75,6 +76,7 @@
 #undef krhpr_spatial_tripteron_b_forward_statics
 #undef krhpr_spatial_tripteron_b_opening
 #undef krhpr_spatial_tripteron_b_redundant_of_opening
+#undef krhpr_spatial_tripteron_b_grasp
 #undef krhpr_spatial_tripteron_b_passive_joints
 #undef krhpr_spatial_tripteron_b_link_points
 #undef krhpr_spatial_tripteron_b_singularity
@@ -212,43 +214,49 @@ static const casadi_int P60[63] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 41, 46, 51, 0
 static const casadi_int P61[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P62[3] = {3, 2, 1};
 static const casadi_int P63[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P64[6] = {18, 3, 0, 0, 0, 0};
-static const casadi_int P65[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P66[48] = {18, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 6, 9, 12, 15, 7, 10, 13, 16, 8, 11,
+static const casadi_int P64[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8,
+    3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8, 6, 7, 8};
+static const casadi_int P65[21] = {9, 3, 0, 6, 12, 15, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8};
+static const casadi_int P66[24] = {9, 3, 0, 6, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P67[27] = {9, 3, 0, 7, 14, 21, 0, 3, 4, 5, 6, 7, 8, 1, 3, 4, 5, 6, 7, 8, 2, 3, 4, 5, 6, 7,
+    8};
+static const casadi_int P68[4] = {9, 1, 0, 0};
+static const casadi_int P69[3] = {3, 9, 1};
+static const casadi_int P70[6] = {18, 3, 0, 0, 0, 0};
+static const casadi_int P71[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P72[48] = {18, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 6, 9, 12, 15, 7, 10, 13, 16, 8, 11,
     14, 17, 0, 3, 12, 15, 1, 4, 13, 16, 2, 5, 14, 17, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11};
-static const casadi_int P67[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P68[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P73[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P74[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P69[6] = {24, 3, 0, 0, 0, 0};
-static const casadi_int P70[12] = {24, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P71[15] = {24, 9, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 7, 15, 23};
-static const casadi_int P72[46] = {24, 9, 0, 12, 12, 12, 24, 24, 24, 34, 34, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
+static const casadi_int P75[6] = {24, 3, 0, 0, 0, 0};
+static const casadi_int P76[12] = {24, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P77[15] = {24, 9, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 7, 15, 23};
+static const casadi_int P78[46] = {24, 9, 0, 12, 12, 12, 24, 24, 24, 34, 34, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
     20, 22, 2, 3, 4, 6, 10, 11, 12, 14, 18, 19, 20, 22, 2, 4, 5, 6, 10, 12, 13, 14, 18, 20};
-static const casadi_int P73[15] = {24, 9, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 7, 15, 23};
-static const casadi_int P74[46] = {24, 9, 0, 0, 12, 12, 12, 24, 24, 24, 34, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
+static const casadi_int P79[15] = {24, 9, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 7, 15, 23};
+static const casadi_int P80[46] = {24, 9, 0, 0, 12, 12, 12, 24, 24, 24, 34, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
     20, 22, 2, 3, 4, 6, 10, 11, 12, 14, 18, 19, 20, 22, 2, 4, 5, 6, 10, 12, 13, 14, 18, 20};
-static const casadi_int P75[15] = {24, 9, 0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 7, 15, 23};
-static const casadi_int P76[46] = {24, 9, 0, 0, 0, 12, 12, 12, 24, 24, 24, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
+static const casadi_int P81[15] = {24, 9, 0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 7, 15, 23};
+static const casadi_int P82[46] = {24, 9, 0, 0, 0, 12, 12, 12, 24, 24, 24, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
     20, 22, 2, 3, 4, 6, 10, 11, 12, 14, 18, 19, 20, 22, 2, 4, 5, 6, 10, 12, 13, 14, 18, 20};
-static const casadi_int P77[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P78[30] = {9, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 3, 6, 4, 7, 5, 8, 0, 6, 1, 7, 2, 8, 0,
+static const casadi_int P83[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P84[30] = {9, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 3, 6, 4, 7, 5, 8, 0, 6, 1, 7, 2, 8, 0,
     3, 1, 4, 2, 5};
-static const casadi_int P79[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P80[3] = {2, 9, 1};
-static const casadi_int P81[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P82[3] = {1, 9, 1};
-static const casadi_int P83[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P84[3] = {9, 1, 1};
-static const casadi_int P85[3] = {3, 9, 1};
-static const casadi_int P86[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P87[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P88[4] = {9, 1, 0, 0};
-static const casadi_int P89[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P90[3] = {1, 2, 1};
-static const casadi_int P91[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P92[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P85[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P86[3] = {2, 9, 1};
+static const casadi_int P87[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P88[3] = {1, 9, 1};
+static const casadi_int P89[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P90[3] = {9, 1, 1};
+static const casadi_int P91[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P92[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P93[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P94[3] = {1, 2, 1};
+static const casadi_int P95[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P96[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P93[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P97[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -1089,6 +1097,70 @@ static const krhpr_casadi_function function_redundant_of_opening = {
 KRHPR_CASADI_FUNCTION(NAME(redundant_of_opening), function_redundant_of_opening)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(redundant_of_opening), function_redundant_of_opening)
 
+/* -- grasp -- */
+
+static int value_grasp(const double *x, double *y)
+{
+    return plain_grasp(&geometry, x, x + 9, x + 18, x + 21, x + 24, x[27], y, y + 9, y + 15, y + 18);
+}
+
+static void tangent_grasp(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const Q = given;
+    const krhpr_dual *const contacts = given + 9;
+    const krhpr_dual *const mass_centre = given + 18;
+    const krhpr_dual *const weight = given + 21;
+    const krhpr_dual *const normal_forces = given + 24;
+    const krhpr_dual *const friction = given + 27;
+    krhpr_dual *const contact_forces = found;
+    krhpr_dual *const wrench = found + 9;
+    krhpr_dual *const redundant_forces = found + 15;
+    krhpr_dual *const friction_margins = found + 18;
+    krhpr_dual slide[6];
+    krhpr_dual determined[2];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual distance[1];
+        krhpr_dual start[1];
+        krhpr_platform_spatial_b_tie_tangent(&geometry.platform, i, slide + 2 * i, distance, start);
+    }
+    krhpr_platform_spatial_b_grasp_tangent(
+        Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
+        redundant_forces, friction_margins, determined);
+}
+
+static const krhpr_casadi_slot in_grasp[] = {
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_contacts", 3, 3, 1, NULL, P0, P1},
+    {"out_mass_centre", 3, 1, 1, NULL, P4, P5},
+    {"out_weight", 3, 1, 1, NULL, P4, P5},
+    {"out_normal_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_friction", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_grasp[] = {
+    {"out_contact_forces", 3, 3, 1, NULL, P0, P1},
+    {"out_wrench", 6, 1, 1, NULL, P8, P9},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_grasp[] = {
+    P64, P64, P65, P66, P67, P68, P50, P50, P31, P31, P31, P9, P61, P61, P1, P1, P63, P5, P69, P69, P0, P0, P0, P4
+};
+static const char *const names_grasp[] = {
+    "jac_contact_forces_Q", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
+    "jac_contact_forces_weight", "jac_contact_forces_normal_forces", "jac_contact_forces_friction", "jac_wrench_Q",
+    "jac_wrench_contacts", "jac_wrench_mass_centre", "jac_wrench_weight", "jac_wrench_normal_forces",
+    "jac_wrench_friction", "jac_redundant_forces_Q", "jac_redundant_forces_contacts",
+    "jac_redundant_forces_mass_centre", "jac_redundant_forces_weight", "jac_redundant_forces_normal_forces",
+    "jac_redundant_forces_friction", "jac_friction_margins_Q", "jac_friction_margins_contacts",
+    "jac_friction_margins_mass_centre", "jac_friction_margins_weight", "jac_friction_margins_normal_forces",
+    "jac_friction_margins_friction"
+};
+static const krhpr_casadi_function function_grasp = {
+    6, in_grasp, 4, out_grasp, value_grasp, tangent_grasp, structure_grasp, names_grasp
+};
+KRHPR_CASADI_FUNCTION(NAME(grasp), function_grasp)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(grasp), function_grasp)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -1131,7 +1203,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P64, P65, P65, P66, P67, P68, P53, P53, P67, P68, P53, P53, P67, P68, P53, P53, P0, P25, P26, P61
+    P70, P71, P71, P72, P73, P74, P53, P53, P73, P74, P53, P53, P73, P74, P53, P53, P0, P25, P26, P61
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -1180,7 +1252,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P69, P70, P71, P72, P69, P70, P73, P74, P69, P70, P75, P76, P67, P23, P77, P53
+    P75, P76, P77, P78, P75, P76, P79, P80, P75, P76, P81, P82, P73, P23, P83, P53
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1237,7 +1309,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 2, 1, 1, NULL, P16, P17},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P61, P61, P61, P67, P53, P53, P78, P14, P79, P80, P81, P14, P79, P80, P81
+    P1, P61, P61, P61, P73, P53, P53, P84, P14, P85, P86, P87, P14, P85, P86, P87
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1371,7 +1443,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P6, P82, P82, P83, P2, P6, P82, P82, P83, P2, P7, P83, P83, P83, P2
+    P6, P88, P88, P89, P2, P6, P88, P88, P89, P2, P7, P89, P89, P89, P2
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_Q", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_1_characteristic_length", "jac_eta_2_p",
@@ -1427,7 +1499,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P50, P8, P57, P84, P57, P84, P50, P8, P80, P16, P83, P3
+    P50, P8, P57, P90, P57, P90, P50, P8, P86, P16, P89, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1484,7 +1556,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P85, P4, P57, P86, P85, P4, P83, P3, P83, P3
+    P69, P4, P57, P91, P69, P4, P89, P3, P89, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_side", "jac_Q_theta", "jac_Q_side", "jac_redundant_theta", "jac_redundant_side",
@@ -1543,7 +1615,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P85, P62, P5, P57, P87, P88, P57, P87, P88, P89, P90, P3
+    P69, P62, P5, P57, P92, P68, P57, P92, P68, P93, P94, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1602,7 +1674,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P85, P0, P5, P57, P91, P88, P57, P91, P88, P92, P93, P5
+    P69, P0, P5, P57, P95, P68, P57, P95, P68, P96, P97, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

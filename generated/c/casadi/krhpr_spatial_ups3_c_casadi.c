@@ -45,6 +45,7 @@
 #define krhpr_spatial_ups3_c_forward_statics plain_forward_statics
 #define krhpr_spatial_ups3_c_opening plain_opening
 #define krhpr_spatial_ups3_c_redundant_of_opening plain_redundant_of_opening
+#define krhpr_spatial_ups3_c_grasp plain_grasp
 #define krhpr_spatial_ups3_c_passive_joints plain_passive_joints
 #define krhpr_spatial_ups3_c_link_points plain_link_points
 #define krhpr_spatial_ups3_c_singularity plain_singularity
@@ -77,6 +78,7 @@
 #undef krhpr_spatial_ups3_c_forward_statics
 #undef krhpr_spatial_ups3_c_opening
 #undef krhpr_spatial_ups3_c_redundant_of_opening
+#undef krhpr_spatial_ups3_c_grasp
 #undef krhpr_spatial_ups3_c_passive_joints
 #undef krhpr_spatial_ups3_c_link_points
 #undef krhpr_spatial_ups3_c_singularity
@@ -221,38 +223,44 @@ static const casadi_int P67[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 
     3, 5, 1, 3, 5, 2, 3, 4, 2, 3, 4, 2, 3, 4};
 static const casadi_int P68[3] = {3, 2, 1};
 static const casadi_int P69[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P70[6] = {18, 3, 0, 0, 0, 0};
-static const casadi_int P71[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P72[66] = {18, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13,
+static const casadi_int P70[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8,
+    3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8, 6, 7, 8};
+static const casadi_int P71[21] = {9, 3, 0, 6, 12, 15, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8};
+static const casadi_int P72[24] = {9, 3, 0, 6, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P73[27] = {9, 3, 0, 7, 14, 21, 0, 3, 4, 5, 6, 7, 8, 1, 3, 4, 5, 6, 7, 8, 2, 3, 4, 5, 6, 7,
+    8};
+static const casadi_int P74[4] = {9, 1, 0, 0};
+static const casadi_int P75[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P76[3] = {3, 9, 1};
+static const casadi_int P77[6] = {18, 3, 0, 0, 0, 0};
+static const casadi_int P78[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P79[66] = {18, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13,
     16, 2, 5, 8, 11, 14, 17, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13, 16, 2, 5, 8, 11, 14, 17, 0, 3, 6, 9, 12, 15, 1, 4, 7,
     10, 13, 16, 2, 5, 8, 11, 14, 17};
-static const casadi_int P73[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P74[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P80[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P81[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P75[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P76[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P77[6] = {12, 3, 0, 0, 0, 0};
-static const casadi_int P78[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P79[15] = {12, 9, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 3, 7, 11};
-static const casadi_int P80[15] = {12, 9, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 7, 11};
-static const casadi_int P81[15] = {12, 9, 0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 7, 11};
-static const casadi_int P82[21] = {12, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 10, 11, 9, 10, 11, 9, 10, 11};
-static const casadi_int P83[21] = {12, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P84[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P85[3] = {2, 9, 1};
-static const casadi_int P86[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P87[3] = {1, 9, 1};
-static const casadi_int P88[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P89[3] = {9, 1, 1};
-static const casadi_int P90[3] = {3, 9, 1};
-static const casadi_int P91[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P92[4] = {9, 1, 0, 0};
-static const casadi_int P93[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P94[3] = {1, 2, 1};
-static const casadi_int P95[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P96[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P82[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P83[6] = {12, 3, 0, 0, 0, 0};
+static const casadi_int P84[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P85[15] = {12, 9, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 3, 7, 11};
+static const casadi_int P86[15] = {12, 9, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 7, 11};
+static const casadi_int P87[15] = {12, 9, 0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 7, 11};
+static const casadi_int P88[21] = {12, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 10, 11, 9, 10, 11, 9, 10, 11};
+static const casadi_int P89[21] = {12, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P90[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P91[3] = {2, 9, 1};
+static const casadi_int P92[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P93[3] = {1, 9, 1};
+static const casadi_int P94[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P95[3] = {9, 1, 1};
+static const casadi_int P96[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P97[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P98[3] = {1, 2, 1};
+static const casadi_int P99[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P100[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P97[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P101[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -1166,6 +1174,68 @@ static const krhpr_casadi_function function_redundant_of_opening = {
 KRHPR_CASADI_FUNCTION(NAME(redundant_of_opening), function_redundant_of_opening)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(redundant_of_opening), function_redundant_of_opening)
 
+/* -- grasp -- */
+
+static int value_grasp(const double *x, double *y)
+{
+    return plain_grasp(&geometry, x, x + 9, x + 18, x + 21, x + 24, x[27], y, y + 9, y + 15, y + 18);
+}
+
+static void tangent_grasp(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const Q = given;
+    const krhpr_dual *const contacts = given + 9;
+    const krhpr_dual *const mass_centre = given + 18;
+    const krhpr_dual *const weight = given + 21;
+    const krhpr_dual *const normal_forces = given + 24;
+    const krhpr_dual *const friction = given + 27;
+    krhpr_dual *const contact_forces = found;
+    krhpr_dual *const wrench = found + 9;
+    krhpr_dual *const redundant_forces = found + 15;
+    krhpr_dual *const friction_margins = found + 18;
+    krhpr_dual slide[6];
+    krhpr_dual determined[2];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
+    }
+    krhpr_platform_spatial_c_grasp_tangent(
+        Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
+        redundant_forces, friction_margins, determined);
+}
+
+static const krhpr_casadi_slot in_grasp[] = {
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_contacts", 3, 3, 1, NULL, P0, P1},
+    {"out_mass_centre", 3, 1, 1, NULL, P4, P5},
+    {"out_weight", 3, 1, 1, NULL, P4, P5},
+    {"out_normal_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_friction", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_grasp[] = {
+    {"out_contact_forces", 3, 3, 1, NULL, P0, P1},
+    {"out_wrench", 6, 1, 1, NULL, P10, P11},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_grasp[] = {
+    P70, P70, P71, P72, P73, P74, P61, P61, P41, P41, P41, P11, P75, P75, P1, P1, P69, P5, P76, P76, P0, P0, P0, P4
+};
+static const char *const names_grasp[] = {
+    "jac_contact_forces_Q", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
+    "jac_contact_forces_weight", "jac_contact_forces_normal_forces", "jac_contact_forces_friction", "jac_wrench_Q",
+    "jac_wrench_contacts", "jac_wrench_mass_centre", "jac_wrench_weight", "jac_wrench_normal_forces",
+    "jac_wrench_friction", "jac_redundant_forces_Q", "jac_redundant_forces_contacts",
+    "jac_redundant_forces_mass_centre", "jac_redundant_forces_weight", "jac_redundant_forces_normal_forces",
+    "jac_redundant_forces_friction", "jac_friction_margins_Q", "jac_friction_margins_contacts",
+    "jac_friction_margins_mass_centre", "jac_friction_margins_weight", "jac_friction_margins_normal_forces",
+    "jac_friction_margins_friction"
+};
+static const krhpr_casadi_function function_grasp = {
+    6, in_grasp, 4, out_grasp, value_grasp, tangent_grasp, structure_grasp, names_grasp
+};
+KRHPR_CASADI_FUNCTION(NAME(grasp), function_grasp)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(grasp), function_grasp)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -1209,7 +1279,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P70, P71, P72, P71, P73, P74, P35, P75, P73, P74, P37, P75, P73, P74, P39, P75, P0, P27, P28, P76
+    P77, P78, P79, P78, P80, P81, P35, P82, P80, P81, P37, P82, P80, P81, P39, P82, P0, P27, P28, P75
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -1254,7 +1324,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P77, P78, P79, P78, P77, P78, P80, P78, P77, P78, P81, P78, P73, P75, P63, P75
+    P83, P84, P85, P84, P83, P84, P86, P84, P83, P84, P87, P84, P80, P82, P63, P82
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1312,7 +1382,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 2, 1, 1, NULL, P16, P17},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P76, P28, P28, P77, P78, P82, P83, P6, P84, P85, P86, P6, P84, P85, P86
+    P1, P75, P28, P28, P83, P84, P88, P89, P6, P90, P91, P92, P6, P90, P91, P92
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1450,7 +1520,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P8, P87, P87, P87, P2, P8, P87, P87, P87, P2, P9, P88, P87, P87, P2
+    P8, P93, P93, P93, P2, P8, P93, P93, P93, P2, P9, P94, P93, P93, P2
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_Q", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_1_characteristic_length", "jac_eta_2_p",
@@ -1504,7 +1574,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P61, P10, P65, P89, P65, P89, P61, P10, P85, P16, P88, P3
+    P61, P10, P65, P95, P65, P95, P61, P10, P91, P16, P94, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1584,7 +1654,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P90, P68, P5, P65, P91, P92, P65, P91, P92, P93, P94, P3
+    P76, P68, P5, P65, P96, P74, P65, P96, P74, P97, P98, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1640,7 +1710,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P90, P0, P5, P65, P95, P92, P65, P95, P92, P96, P97, P5
+    P76, P0, P5, P65, P99, P74, P65, P99, P74, P100, P101, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

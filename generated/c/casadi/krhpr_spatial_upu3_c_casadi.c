@@ -45,6 +45,7 @@
 #define krhpr_spatial_upu3_c_forward_statics plain_forward_statics
 #define krhpr_spatial_upu3_c_opening plain_opening
 #define krhpr_spatial_upu3_c_redundant_of_opening plain_redundant_of_opening
+#define krhpr_spatial_upu3_c_grasp plain_grasp
 #define krhpr_spatial_upu3_c_passive_joints plain_passive_joints
 #define krhpr_spatial_upu3_c_link_points plain_link_points
 #define krhpr_spatial_upu3_c_singularity plain_singularity
@@ -77,6 +78,7 @@
 #undef krhpr_spatial_upu3_c_forward_statics
 #undef krhpr_spatial_upu3_c_opening
 #undef krhpr_spatial_upu3_c_redundant_of_opening
+#undef krhpr_spatial_upu3_c_grasp
 #undef krhpr_spatial_upu3_c_passive_joints
 #undef krhpr_spatial_upu3_c_link_points
 #undef krhpr_spatial_upu3_c_singularity
@@ -222,41 +224,47 @@ static const casadi_int P67[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 
     3, 5, 1, 3, 5, 2, 3, 4, 2, 3, 4, 2, 3, 4};
 static const casadi_int P68[3] = {3, 2, 1};
 static const casadi_int P69[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P70[6] = {18, 3, 0, 0, 0, 0};
-static const casadi_int P71[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P72[66] = {18, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13,
+static const casadi_int P70[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8,
+    3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8, 6, 7, 8};
+static const casadi_int P71[21] = {9, 3, 0, 6, 12, 15, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8};
+static const casadi_int P72[24] = {9, 3, 0, 6, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P73[27] = {9, 3, 0, 7, 14, 21, 0, 3, 4, 5, 6, 7, 8, 1, 3, 4, 5, 6, 7, 8, 2, 3, 4, 5, 6, 7,
+    8};
+static const casadi_int P74[4] = {9, 1, 0, 0};
+static const casadi_int P75[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P76[3] = {3, 9, 1};
+static const casadi_int P77[6] = {18, 3, 0, 0, 0, 0};
+static const casadi_int P78[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P79[66] = {18, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13,
     16, 2, 5, 8, 11, 14, 17, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13, 16, 2, 5, 8, 11, 14, 17, 0, 3, 6, 9, 12, 15, 1, 4, 7,
     10, 13, 16, 2, 5, 8, 11, 14, 17};
-static const casadi_int P73[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P74[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P80[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P81[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P75[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P76[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P77[6] = {12, 3, 0, 0, 0, 0};
-static const casadi_int P78[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P79[15] = {12, 9, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 3, 7, 11};
-static const casadi_int P80[15] = {12, 9, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 7, 11};
-static const casadi_int P81[15] = {12, 9, 0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 7, 11};
-static const casadi_int P82[6] = {15, 3, 0, 0, 0, 0};
-static const casadi_int P83[12] = {15, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P84[30] = {15, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 9, 12, 10, 13, 11, 14, 9, 12, 10, 13,
+static const casadi_int P82[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P83[6] = {12, 3, 0, 0, 0, 0};
+static const casadi_int P84[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P85[15] = {12, 9, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 3, 7, 11};
+static const casadi_int P86[15] = {12, 9, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 7, 11};
+static const casadi_int P87[15] = {12, 9, 0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 7, 11};
+static const casadi_int P88[6] = {15, 3, 0, 0, 0, 0};
+static const casadi_int P89[12] = {15, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P90[30] = {15, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 9, 12, 10, 13, 11, 14, 9, 12, 10, 13,
     11, 14, 9, 12, 10, 13, 11, 14};
-static const casadi_int P85[21] = {15, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P86[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P87[3] = {2, 9, 1};
-static const casadi_int P88[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P89[3] = {1, 9, 1};
-static const casadi_int P90[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P91[3] = {9, 1, 1};
-static const casadi_int P92[3] = {3, 9, 1};
-static const casadi_int P93[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P94[4] = {9, 1, 0, 0};
-static const casadi_int P95[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P96[3] = {1, 2, 1};
-static const casadi_int P97[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P98[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P91[21] = {15, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P92[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P93[3] = {2, 9, 1};
+static const casadi_int P94[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P95[3] = {1, 9, 1};
+static const casadi_int P96[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P97[3] = {9, 1, 1};
+static const casadi_int P98[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P99[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P100[3] = {1, 2, 1};
+static const casadi_int P101[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P102[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P99[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P103[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -1170,6 +1178,68 @@ static const krhpr_casadi_function function_redundant_of_opening = {
 KRHPR_CASADI_FUNCTION(NAME(redundant_of_opening), function_redundant_of_opening)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(redundant_of_opening), function_redundant_of_opening)
 
+/* -- grasp -- */
+
+static int value_grasp(const double *x, double *y)
+{
+    return plain_grasp(&geometry, x, x + 9, x + 18, x + 21, x + 24, x[27], y, y + 9, y + 15, y + 18);
+}
+
+static void tangent_grasp(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const Q = given;
+    const krhpr_dual *const contacts = given + 9;
+    const krhpr_dual *const mass_centre = given + 18;
+    const krhpr_dual *const weight = given + 21;
+    const krhpr_dual *const normal_forces = given + 24;
+    const krhpr_dual *const friction = given + 27;
+    krhpr_dual *const contact_forces = found;
+    krhpr_dual *const wrench = found + 9;
+    krhpr_dual *const redundant_forces = found + 15;
+    krhpr_dual *const friction_margins = found + 18;
+    krhpr_dual slide[6];
+    krhpr_dual determined[2];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie_tangent(&geometry.platform, i, slide + 2 * i);
+    }
+    krhpr_platform_spatial_c_grasp_tangent(
+        Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
+        redundant_forces, friction_margins, determined);
+}
+
+static const krhpr_casadi_slot in_grasp[] = {
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_contacts", 3, 3, 1, NULL, P0, P1},
+    {"out_mass_centre", 3, 1, 1, NULL, P4, P5},
+    {"out_weight", 3, 1, 1, NULL, P4, P5},
+    {"out_normal_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_friction", 1, 1, 1, NULL, P2, P3},
+};
+static const krhpr_casadi_slot out_grasp[] = {
+    {"out_contact_forces", 3, 3, 1, NULL, P0, P1},
+    {"out_wrench", 6, 1, 1, NULL, P10, P11},
+    {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
+    {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
+};
+static const casadi_int *const structure_grasp[] = {
+    P70, P70, P71, P72, P73, P74, P61, P61, P41, P41, P41, P11, P75, P75, P1, P1, P69, P5, P76, P76, P0, P0, P0, P4
+};
+static const char *const names_grasp[] = {
+    "jac_contact_forces_Q", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
+    "jac_contact_forces_weight", "jac_contact_forces_normal_forces", "jac_contact_forces_friction", "jac_wrench_Q",
+    "jac_wrench_contacts", "jac_wrench_mass_centre", "jac_wrench_weight", "jac_wrench_normal_forces",
+    "jac_wrench_friction", "jac_redundant_forces_Q", "jac_redundant_forces_contacts",
+    "jac_redundant_forces_mass_centre", "jac_redundant_forces_weight", "jac_redundant_forces_normal_forces",
+    "jac_redundant_forces_friction", "jac_friction_margins_Q", "jac_friction_margins_contacts",
+    "jac_friction_margins_mass_centre", "jac_friction_margins_weight", "jac_friction_margins_normal_forces",
+    "jac_friction_margins_friction"
+};
+static const krhpr_casadi_function function_grasp = {
+    6, in_grasp, 4, out_grasp, value_grasp, tangent_grasp, structure_grasp, names_grasp
+};
+KRHPR_CASADI_FUNCTION(NAME(grasp), function_grasp)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(grasp), function_grasp)
+
 /* -- passive_joints -- */
 
 static int value_passive_joints(const double *x, double *y)
@@ -1213,7 +1283,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P70, P71, P72, P71, P73, P74, P75, P75, P73, P74, P75, P75, P73, P74, P75, P75, P0, P27, P28, P76
+    P77, P78, P79, P78, P80, P81, P82, P82, P80, P81, P82, P82, P80, P81, P82, P82, P0, P27, P28, P75
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -1258,7 +1328,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P77, P78, P79, P78, P77, P78, P80, P78, P77, P78, P81, P78, P73, P75, P63, P75
+    P83, P84, P85, P84, P83, P84, P86, P84, P83, P84, P87, P84, P80, P82, P63, P82
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1316,7 +1386,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 2, 1, 1, NULL, P16, P17},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P76, P28, P28, P82, P83, P84, P85, P6, P86, P87, P88, P6, P86, P87, P88
+    P1, P75, P28, P28, P88, P89, P90, P91, P6, P92, P93, P94, P6, P92, P93, P94
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1454,7 +1524,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P8, P89, P89, P89, P2, P8, P89, P89, P89, P2, P9, P90, P89, P89, P2
+    P8, P95, P95, P95, P2, P8, P95, P95, P95, P2, P9, P96, P95, P95, P2
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_Q", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_1_characteristic_length", "jac_eta_2_p",
@@ -1508,7 +1578,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P61, P10, P65, P91, P65, P91, P61, P10, P87, P16, P90, P3
+    P61, P10, P65, P97, P65, P97, P61, P10, P93, P16, P96, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1588,7 +1658,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P92, P68, P5, P65, P93, P94, P65, P93, P94, P95, P96, P3
+    P76, P68, P5, P65, P98, P74, P65, P98, P74, P99, P100, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1644,7 +1714,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P92, P0, P5, P65, P97, P94, P65, P97, P94, P98, P99, P5
+    P76, P0, P5, P65, P101, P74, P65, P101, P74, P102, P103, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

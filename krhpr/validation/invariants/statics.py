@@ -83,9 +83,44 @@ def opening(one: Numeric, batch: Batch, found: Measured) -> None:
     found.worse((result["shares"] <= 0).astype(float), "jaws on one side")
 
 
+def grasp(one: Numeric, batch: Batch, found: Measured) -> None:
+    """The object's equilibrium in the base frame, with the jaw frames from where end points move."""
+    v, d = batch.values, batch.values["p"].shape[-1]
+    result = call(one, batch, "grasp")
+    Q = (
+        v["Q"]
+        if d == 3
+        else np.stack(
+            [np.cos(v["phi"]), -np.sin(v["phi"]), np.sin(v["phi"]), np.cos(v["phi"])], axis=-1
+        ).reshape(-1, 2, 2)
+    )
+    slides = (
+        call(one, batch, "end_points", redundant=v["redundant"] + 1.0)["s"]
+        - call(one, batch, "end_points")["s"]
+    )
+    if d == 3:
+        z = np.broadcast_to(Q[:, None, :, 2], slides.shape)
+        frames = np.stack([-slides, np.cross(z, -slides), z], axis=-1)
+    else:
+        across = np.stack([slides[..., 1], -slides[..., 0]], axis=-1)
+        frames = np.stack([-slides, across], axis=-1)
+    forces = (frames @ result["contact_forces"][..., None])[..., 0]
+    arms = (v["contacts"] - v["mass_centre"][:, None]) @ Q.swapaxes(-1, -2)
+    size = np.abs(forces).max(axis=(1, 2))[:, None]
+    found.worse(np.abs(forces.sum(axis=1) + v["weight"]) / size, "forces")
+    moments = np.cross(arms, forces) if d == 3 else _planar_cross(arms, forces)[..., None]
+    found.worse(np.abs(moments.sum(axis=1)) / (size * np.abs(arms).max()), "moments")
+    found.worse(np.abs(result["wrench"][:, :d] + v["weight"]) / size, "wrench")
+
+
+def _planar_cross(a: Floats, b: Floats) -> Floats:
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+
+
 RUNNERS: dict[str, Runner] = {
     "virtual work of actuators": runner(virtual_work),
     "statics there and back": runner(there_and_back),
     "opening": runner(opening),
+    "grasp": runner(grasp),
     "singular statics": runner(singular_configurations),
 }

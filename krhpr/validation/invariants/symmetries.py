@@ -110,7 +110,7 @@ class _Turn:
             return value + self.swivel * self.angle
         if port.name in ("theta", "theta_near"):
             return np.asarray(value + self.share * self.angle)
-        if port.name in ("p", "p_near", "s", "s_near", "points", "attachment"):
+        if port.name in ("p", "p_near", "s", "s_near", "points", "attachment", "weight"):
             return value @ R.T
         if port.name in ("Q", "Q_near", "raw", "M"):
             return np.asarray(R @ value)
@@ -164,15 +164,19 @@ def _other_way_round(subject: Subject, wanted: Floats, count: Floats) -> Floats:
     return np.stack(turned)
 
 
+_OF_LEGS = ("redundant", "measured", "shares", "redundant_forces", "friction_margins", "condition")
+"""Numbers, one for each leg, that are found for all legs together."""
+
+
 def _exchanged(port: Port, value: Floats, order: tuple[int, ...], parity: float) -> Floats:
     """A value with the legs in another order: leg-wise ones exchanged, those that an odd permutation turns
     round with the other sign.
     """
     if port.name in ("type_2", "margins", "side"):
         return value * parity
-    if port.name in ("redundant", "measured", "shares", "condition") and port.layout is Layout.SHARED:
+    if port.name in _OF_LEGS and port.layout is Layout.SHARED:
         return value[..., list(order)]
-    if port.name == "actuator_forces" and port.layout is Layout.SHARED:
+    if port.name in ("actuator_forces", "contact_forces") and port.layout is Layout.SHARED:
         return value[..., list(order), :]
     if port.name == "mismatch":
         pairs = list(combinations(range(LEGS), 2))

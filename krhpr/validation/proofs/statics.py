@@ -4,9 +4,22 @@ from __future__ import annotations
 
 from typing import Any
 
+from krhpr.codegen.evaluate import evaluate_kernel
 from krhpr.codegen.kernel import LEGS
 from krhpr.validation.configurations import Configuration
-from krhpr.validation.linear import apply, dot, minus, plus, scaled, solve, transpose
+from krhpr.validation.linear import (
+    Matrix,
+    apply,
+    cross,
+    determinant,
+    dot,
+    matrix,
+    minus,
+    plus,
+    scaled,
+    solve,
+    transpose,
+)
 from krhpr.validation.numbers import Exact
 from krhpr.validation.outcome import Measured, Runner
 from krhpr.validation.proofs.robots import jacobians, proof
@@ -84,9 +97,77 @@ def opening(subject: Subject, here: Configuration, found: Measured) -> None:
     found.equal(again["redundant"], here.values["redundant"], "redundant")
 
 
+def grasp(subject: Subject, here: Configuration, found: Measured) -> None:
+    """The object's equilibrium, its determinant, and the power of the contacts."""
+    d = subject.platform.space.dimension
+    result = here.call("grasp")
+    Q, v = matrix(here.values["Q"], d), here.values
+    contacts, forces = matrix(v["contacts"], d), matrix(result["contact_forces"], d)
+    frames = [_jaw_frame(here, leg, Q) for leg in range(LEGS)]
+    applied = [apply(transpose(frame), force) for frame, force in zip(frames, forces, strict=True)]
+    found.equal([force[0] for force in forces], v["normal_forces"], "f_x")
+    arms = [apply(Q, minus(contact, v["mass_centre"])) for contact in contacts]
+    nothing = [Exact(0)] * (3 if d == 3 else 1)
+    total, moment = list(v["weight"]), nothing
+    for arm, force in zip(arms, applied, strict=True):
+        total, moment = plus(total, force), plus(moment, _moment(arm, force))
+    found.equal(total, [Exact(0)] * d, "forces on the object")
+    found.equal(moment, nothing, "moments on the object")
+    columns = [
+        [*axis, *_moment(arm, axis)] for frame, arm in zip(frames, arms, strict=True) for axis in frame[1:]
+    ]
+    size = sum((dot(contact[:2], contact[:2]) for contact in contacts), Exact(0))
+    squared = determinant(columns) * determinant(columns)
+    scale, wanted = (size, 1) if d == 2 else (size * size * size, 2)
+    determined = _determined(here)
+    assert len(determined) == wanted
+    product = determined[0] if d == 2 else determined[0] * determined[1]
+    found.equal([product * scale], [squared], "determinant")
+    # jaw i moves with the platform and along its slide
+    power = Exact(0)
+    for leg, (contact, force) in enumerate(zip(contacts, applied, strict=True)):
+        arm, twist = apply(Q, contact), v["twist"]
+        turned = cross(twist[3:], arm) if d == 3 else scaled(twist[2], [-arm[1], arm[0]])
+        along = scaled(-v["redundant_rates"][leg], frames[leg][0])
+        power = power + dot(force, plus(plus(twist[:d], turned), along))
+    wanted_power = dot(result["wrench"], v["twist"]) + dot(result["redundant_forces"], v["redundant_rates"])
+    found.equal([wanted_power], [power], "power at the contacts")
+    for leg, force in enumerate(forces):
+        held = v["friction"][0] * force[0]
+        margin = held * held - dot(force[1:], force[1:])
+        found.equal([result["friction_margins"][leg]], [margin], f"margin of contact {leg + 1}")
+
+
+def _jaw_frame(here: Configuration, leg: int, Q: Matrix) -> Matrix:
+    """x_i against where S_i moves with d_i, z_i = z', y_i = z_i x x_i, in the base frame, as rows."""
+    d = here.leg("redundant", leg)[0]
+    end, further = (
+        here.kernel("platform", "line_of_redundant", leg, redundant=value)["point"] for value in (d, d + 1)
+    )
+    x = minus(end, further)
+    across = [-x[1], x[0]]
+    if len(Q) == 2:
+        return [apply(Q, x), apply(Q, across)]
+    nothing, one = Exact(0), Exact(1)
+    return [apply(Q, [*x, nothing]), apply(Q, [*across, nothing]), apply(Q, [nothing, nothing, one])]
+
+
+def _moment(arm: list[Any], force: list[Any]) -> list[Any]:
+    return cross(arm, force) if len(arm) == 3 else [arm[0] * force[1] - arm[1] * force[0]]
+
+
+def _determined(here: Configuration) -> list[Any]:
+    """What the function guards beside its outputs."""
+    kernel = here.subject.derived("platform", "grasp")
+    slides = [x for leg in range(LEGS) for x in here.kernel("platform", "tie", leg)["slide"]]
+    inputs = {port.name: here.values.get(port.name, slides) for port in kernel.inputs}
+    return evaluate_kernel(kernel, inputs, None, here.arithmetic)["determined"]
+
+
 RUNNERS: dict[str, Runner] = {
     "virtual work": proof(virtual_work),
     "(J^-1 K)^T": proof(transposed),
     "opening": proof(opening),
+    "grasp": proof(grasp),
     "statics there and back": proof(there_and_back),
 }

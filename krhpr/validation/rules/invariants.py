@@ -124,6 +124,14 @@ INVARIANTS = (
         ("redundant_of_opening",),
     ),
     Rule(
+        "grasp",
+        "grasp",
+        ROUND_TRIP,
+        BATCH,
+        "What the jaws apply holds up the object's weight and does not turn it.",
+        ("end_points",),
+    ),
+    Rule(
         "singular statics",
         "inverse_statics",
         EXACT,

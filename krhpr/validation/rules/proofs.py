@@ -452,6 +452,17 @@ ROBOT_PROOFS = (
         ("redundant_of_opening", "platform.opening", "platform.redundant_of_opening"),
     ),
     Proof(
+        "grasp",
+        "grasp",
+        EXACT,
+        FEW,
+        "The object is in equilibrium under what the jaws apply, written with jaw frames from where S_i "
+        "moves; the determinants are that of its six (three) equations; along any motion of platform and "
+        "jaws the power at the contacts is that of the wrench and of the redundant forces.",
+        ("platform.grasp",),
+        needs="platform.grasp",
+    ),
+    Proof(
         "det J",
         "singularity",
         EXACT,
