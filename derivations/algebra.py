@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
 from krhpr.codegen.kernel import Frame, Kernel, Port, Unit
@@ -98,9 +100,8 @@ def _rotation() -> Kernel:
 def _spread(space: Space) -> Kernel:
     k = KernelWriter("spread", "Largest and smallest singular value of M, squared.", "1.8")
     gram, minors, square = _squares(k, space)
-    k.output("largest", largest_eigenvalue(k, "g", gram), Unit.MIXED)
     # by the inverse: near a singularity the difference of squares would leave no digits
-    k.output("smallest", square / largest_eigenvalue(k, "h", minors), Unit.MIXED)
+    _ends(k, largest_eigenvalue(k, "g", gram), square / largest_eigenvalue(k, "h", minors))
     return k.kernel()
 
 
@@ -109,9 +110,15 @@ def _spread_bound(space: Space) -> Kernel:
         "spread_bound", "Smooth bounds of the squares of M's largest and smallest singular value.", "1.8"
     )
     gram, minors, square = _squares(k, space)
-    k.output("largest", eigenvalue_bound(k, "g", gram), Unit.MIXED)
-    k.output("smallest", square / eigenvalue_bound(k, "h", minors), Unit.MIXED)
+    _ends(k, eigenvalue_bound(k, "g", gram), square / eigenvalue_bound(k, "h", minors))
     return k.kernel()
+
+
+def _ends(k: KernelWriter, largest: Any, smallest: Any) -> None:
+    high, low = k.let("high", largest), k.let("low", smallest)
+    k.output("largest", high, Unit.MIXED)
+    k.output("smallest", low, Unit.MIXED)
+    k.output("evenness", [low / high], doc="smallest over largest: zero where M has no inverse")
 
 
 def _squares(k: KernelWriter, space: Space) -> tuple[sp.Matrix, sp.Matrix, sp.Expr]:

@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from krhpr.codegen.composition import (
+    SINGULAR_TOLERANCE,
     Call,
     Guard,
     Relation,
@@ -528,5 +529,11 @@ class _Functions(ForwardFunctions, StaticsFunctions, GripperFunctions):
             (*self.pose, self.leg.s, self.leg.theta, *length),
             (*outputs, *more),
             calls,
-            (*self._parallel_guard(), *self._platform_guards()),
+            (*self._parallel_guard(), self._evenness_guard(), *self._platform_guards()),
         )
+
+    @staticmethod
+    def _evenness_guard() -> Guard:
+        """Without an inverse of M_i there is no condition number."""
+        limit = SINGULAR_TOLERANCE**2  # the kernel gives squares
+        return Guard("evenness", 0, Relation.AT_LEAST, limit, Status.SINGULAR_LEG_1)

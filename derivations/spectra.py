@@ -83,16 +83,18 @@ def root(k: KernelWriter, name: str, value: Any) -> Any:
 
 
 def eigenvalue_bound(k: KernelWriter, name: str, a: sp.Matrix) -> Any:
-    """An upper bound of the largest eigenvalue of a positive matrix, at most rows^(1/8) times too large.
-
-    Eigenvalues from 1e-38 to 1e38 have powers that are numbers.
-    """
-    return root(k, name, k.let(f"{name}_8", power_sum(k, name, a)))
+    """An upper bound of the largest eigenvalue of a positive matrix, at most rows^(1/8) times too large."""
+    # relative to the trace, or the powers of what is large would not be numbers
+    trace = k.let(f"{name}_0", a.trace())
+    relative = k.let(f"{name}_r", a / trace)
+    return trace * root(k, name, k.let(f"{name}_8", power_sum(k, name, relative)))
 
 
 def bound_of_bounds(k: KernelWriter, name: str, values: Sequence[Any]) -> Any:
     """The bound for a block-diagonal matrix from those of its blocks."""
-    return root(k, name, k.let(f"{name}_8", sum(value**EXPONENT for value in values)))
+    total = k.let(f"{name}_0", sum(values))
+    powers = sum(k.let(f"{name}_r{i + 1}", value / total) ** EXPONENT for i, value in enumerate(values))
+    return total * root(k, name, k.let(f"{name}_8", powers))
 
 
 def cofactors(m: sp.Matrix) -> sp.Matrix:

@@ -67,11 +67,11 @@ KRHPR_STATIC void krhpr_algebra_planar_rotation(
     Q[3] = cosine[0];
 }
 
-/* Largest and smallest singular value of M, squared.  Thesis: 1.8.  (8 add, 8 multiply, 1 divide, 2 square
+/* Largest and smallest singular value of M, squared.  Thesis: 1.8.  (8 add, 8 multiply, 2 divide, 2 square
  * root) */
 KRHPR_STATIC void krhpr_algebra_planar_spread(
     const double gram[4], const double cofactors[4], double square, double *KRHPR_RESTRICT largest,
-    double *KRHPR_RESTRICT smallest)
+    double *KRHPR_RESTRICT smallest, double *KRHPR_RESTRICT evenness)
 {
     const double t1 = gram[0] * 0.5;
     const double t2 = gram[3] * 0.5;
@@ -79,46 +79,64 @@ KRHPR_STATIC void krhpr_algebra_planar_spread(
     const double t3 = cofactors[0] * 0.5;
     const double t4 = cofactors[3] * 0.5;
     const double h_h = t3 - t4;
-    *largest = t2 + (t1 + sqrt(g_h * g_h + gram[1] * gram[1]));
-    *smallest = square / (t4 + (t3 + sqrt(cofactors[1] * cofactors[1] + h_h * h_h)));
+    const double high = t2 + (t1 + sqrt(g_h * g_h + gram[1] * gram[1]));
+    const double low = square / (t4 + (t3 + sqrt(cofactors[1] * cofactors[1] + h_h * h_h)));
+    *largest = high;
+    *smallest = low;
+    *evenness = low / high;
 }
 
-/* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (22 add, 36
- * multiply, 1 divide, 6 square root) */
+/* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (24 add, 46
+ * multiply, 4 divide, 6 square root) */
 KRHPR_STATIC void krhpr_algebra_planar_spread_bound(
     const double gram[4], const double cofactors[4], double square, double *KRHPR_RESTRICT largest,
-    double *KRHPR_RESTRICT smallest)
+    double *KRHPR_RESTRICT smallest, double *KRHPR_RESTRICT evenness)
 {
-    const double t1 = gram[1] * gram[2];
-    const double g_r2_00 = gram[0] * gram[0] + t1;
-    const double g_r2_01 = gram[0] * gram[1] + gram[1] * gram[3];
-    const double g_r2_10 = gram[0] * gram[2] + gram[2] * gram[3];
-    const double g_r2_11 = t1 + gram[3] * gram[3];
-    const double t2 = g_r2_01 * g_r2_10;
-    const double g_r4_00 = g_r2_00 * g_r2_00 + t2;
+    const double g_0 = gram[0] + gram[3];
+    const double t1 = 1.0 / g_0;
+    const double g_r_00 = gram[0] * t1;
+    const double g_r_01 = gram[1] * t1;
+    const double g_r_10 = gram[2] * t1;
+    const double g_r_11 = gram[3] * t1;
+    const double t2 = g_r_01 * g_r_10;
+    const double g_r2_00 = g_r_00 * g_r_00 + t2;
+    const double g_r2_01 = g_r_00 * g_r_01 + g_r_01 * g_r_11;
+    const double g_r2_10 = g_r_00 * g_r_10 + g_r_10 * g_r_11;
+    const double g_r2_11 = t2 + g_r_11 * g_r_11;
+    const double t3 = g_r2_01 * g_r2_10;
+    const double g_r4_00 = g_r2_00 * g_r2_00 + t3;
     const double g_r4_01 = g_r2_00 * g_r2_01 + g_r2_01 * g_r2_11;
     const double g_r4_10 = g_r2_00 * g_r2_10 + g_r2_10 * g_r2_11;
-    const double g_r4_11 = t2 + g_r2_11 * g_r2_11;
+    const double g_r4_11 = t3 + g_r2_11 * g_r2_11;
     const double g_8 = g_r4_00 * g_r4_00 + g_r4_01 * g_r4_01 + g_r4_10 * g_r4_10 + g_r4_11 * g_r4_11;
     const double g_4 = sqrt(g_8);
     const double g_2 = sqrt(g_4);
     const double g_1 = sqrt(g_2);
-    const double t3 = cofactors[1] * cofactors[2];
-    const double h_r2_00 = cofactors[0] * cofactors[0] + t3;
-    const double h_r2_01 = cofactors[0] * cofactors[1] + cofactors[1] * cofactors[3];
-    const double h_r2_10 = cofactors[0] * cofactors[2] + cofactors[2] * cofactors[3];
-    const double h_r2_11 = t3 + cofactors[3] * cofactors[3];
-    const double t4 = h_r2_01 * h_r2_10;
-    const double h_r4_00 = h_r2_00 * h_r2_00 + t4;
+    const double h_0 = cofactors[0] + cofactors[3];
+    const double t4 = 1.0 / h_0;
+    const double h_r_00 = cofactors[0] * t4;
+    const double h_r_01 = cofactors[1] * t4;
+    const double h_r_10 = cofactors[2] * t4;
+    const double h_r_11 = cofactors[3] * t4;
+    const double t5 = h_r_01 * h_r_10;
+    const double h_r2_00 = h_r_00 * h_r_00 + t5;
+    const double h_r2_01 = h_r_00 * h_r_01 + h_r_01 * h_r_11;
+    const double h_r2_10 = h_r_00 * h_r_10 + h_r_10 * h_r_11;
+    const double h_r2_11 = t5 + h_r_11 * h_r_11;
+    const double t6 = h_r2_01 * h_r2_10;
+    const double h_r4_00 = h_r2_00 * h_r2_00 + t6;
     const double h_r4_01 = h_r2_00 * h_r2_01 + h_r2_01 * h_r2_11;
     const double h_r4_10 = h_r2_00 * h_r2_10 + h_r2_10 * h_r2_11;
-    const double h_r4_11 = t4 + h_r2_11 * h_r2_11;
+    const double h_r4_11 = t6 + h_r2_11 * h_r2_11;
     const double h_8 = h_r4_00 * h_r4_00 + h_r4_01 * h_r4_01 + h_r4_10 * h_r4_10 + h_r4_11 * h_r4_11;
     const double h_4 = sqrt(h_8);
     const double h_2 = sqrt(h_4);
     const double h_1 = sqrt(h_2);
-    *largest = g_1;
-    *smallest = square / h_1;
+    const double high = g_0 * g_1;
+    const double low = square / (h_0 * h_1);
+    *largest = high;
+    *smallest = low;
+    *evenness = low / high;
 }
 
 /* The indices: 2-norms of both parts of U = J^-1 K, condition number of J_1.  Thesis: 1.8, 4.2.2.  (4 add,
@@ -140,53 +158,69 @@ KRHPR_STATIC void krhpr_algebra_planar_norms(
     condition[2] = sqrt(largest[2] / smallest[2]);
 }
 
-/* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (15 add, 37 multiply, 3
+/* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (20 add, 50 multiply, 6
  * divide, 12 square root) */
 KRHPR_STATIC void krhpr_algebra_planar_norm_bounds(
     const double position_gram[4], const double rotation_gram[1], const double largest[3],
     const double smallest[3], double *KRHPR_RESTRICT eta_1, double *KRHPR_RESTRICT eta_2,
     double *KRHPR_RESTRICT eta_3)
 {
-    const double t1 = position_gram[1] * position_gram[2];
-    const double p_r2_00 = position_gram[0] * position_gram[0] + t1;
-    const double p_r2_01 = position_gram[0] * position_gram[1] + position_gram[1] * position_gram[3];
-    const double p_r2_10 = position_gram[0] * position_gram[2] + position_gram[2] * position_gram[3];
-    const double p_r2_11 = t1 + position_gram[3] * position_gram[3];
-    const double t2 = p_r2_01 * p_r2_10;
-    const double p_r4_00 = p_r2_00 * p_r2_00 + t2;
+    const double p_0 = position_gram[0] + position_gram[3];
+    const double t1 = 1.0 / p_0;
+    const double p_r_00 = position_gram[0] * t1;
+    const double p_r_01 = position_gram[1] * t1;
+    const double p_r_10 = position_gram[2] * t1;
+    const double p_r_11 = position_gram[3] * t1;
+    const double t2 = p_r_01 * p_r_10;
+    const double p_r2_00 = p_r_00 * p_r_00 + t2;
+    const double p_r2_01 = p_r_00 * p_r_01 + p_r_01 * p_r_11;
+    const double p_r2_10 = p_r_00 * p_r_10 + p_r_10 * p_r_11;
+    const double p_r2_11 = t2 + p_r_11 * p_r_11;
+    const double t3 = p_r2_01 * p_r2_10;
+    const double p_r4_00 = p_r2_00 * p_r2_00 + t3;
     const double p_r4_01 = p_r2_00 * p_r2_01 + p_r2_01 * p_r2_11;
     const double p_r4_10 = p_r2_00 * p_r2_10 + p_r2_10 * p_r2_11;
-    const double p_r4_11 = t2 + p_r2_11 * p_r2_11;
+    const double p_r4_11 = t3 + p_r2_11 * p_r2_11;
     const double p_8 = p_r4_00 * p_r4_00 + p_r4_01 * p_r4_01 + p_r4_10 * p_r4_10 + p_r4_11 * p_r4_11;
     const double p_4 = sqrt(p_8);
     const double p_2 = sqrt(p_4);
     const double p_1 = sqrt(p_2);
-    const double t3 = largest[0] * largest[0];
-    const double t4 = t3 * t3;
-    const double t5 = largest[1] * largest[1];
+    const double l_0 = largest[2] + (largest[0] + largest[1]);
+    const double t4 = 1.0 / l_0;
+    const double l_r1 = largest[0] * t4;
+    const double l_r2 = largest[1] * t4;
+    const double l_r3 = largest[2] * t4;
+    const double t5 = l_r1 * l_r1;
     const double t6 = t5 * t5;
-    const double t7 = largest[2] * largest[2];
+    const double t7 = l_r2 * l_r2;
     const double t8 = t7 * t7;
-    const double l_8 = t4 * t4 + t6 * t6 + t8 * t8;
+    const double t9 = l_r3 * l_r3;
+    const double t10 = t9 * t9;
+    const double l_8 = t6 * t6 + t8 * t8 + t10 * t10;
     const double l_4 = sqrt(l_8);
     const double l_2 = sqrt(l_4);
     const double l_1 = sqrt(l_2);
     const double inv_s = 1.0 / smallest[0];
     const double inv_s_a = 1.0 / smallest[1];
     const double inv_s_b = 1.0 / smallest[2];
-    const double t9 = inv_s * inv_s;
-    const double t10 = t9 * t9;
-    const double t11 = inv_s_a * inv_s_a;
-    const double t12 = t11 * t11;
-    const double t13 = inv_s_b * inv_s_b;
-    const double t14 = t13 * t13;
-    const double s_8 = t10 * t10 + t12 * t12 + t14 * t14;
+    const double s_0 = inv_s_b + (inv_s + inv_s_a);
+    const double t11 = 1.0 / s_0;
+    const double s_r1 = inv_s * t11;
+    const double s_r2 = inv_s_a * t11;
+    const double s_r3 = inv_s_b * t11;
+    const double t12 = s_r1 * s_r1;
+    const double t13 = t12 * t12;
+    const double t14 = s_r2 * s_r2;
+    const double t15 = t14 * t14;
+    const double t16 = s_r3 * s_r3;
+    const double t17 = t16 * t16;
+    const double s_8 = t13 * t13 + t15 * t15 + t17 * t17;
     const double s_4 = sqrt(s_8);
     const double s_2 = sqrt(s_4);
     const double s_1 = sqrt(s_2);
-    *eta_1 = sqrt(p_1);
+    *eta_1 = sqrt(p_0 * p_1);
     *eta_2 = sqrt(rotation_gram[0]);
-    *eta_3 = sqrt(l_1 * s_1);
+    *eta_3 = sqrt(s_1 * (s_0 * (l_0 * l_1)));
 }
 
 /* The wrench of three forces: their sum, and that of their moments.  Thesis: (5.36).  (6 add) */

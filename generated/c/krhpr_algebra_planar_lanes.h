@@ -67,11 +67,12 @@ KRHPR_INLINE void krhpr_algebra_planar_rotation_lanes(
     Q[3] = cosine[0];
 }
 
-/* Largest and smallest singular value of M, squared.  Thesis: 1.8.  (8 add, 8 multiply, 1 divide, 2 square
+/* Largest and smallest singular value of M, squared.  Thesis: 1.8.  (8 add, 8 multiply, 2 divide, 2 square
  * root) */
 KRHPR_INLINE void krhpr_algebra_planar_spread_lanes(
     const krhpr_lanes_at gram[4], const krhpr_lanes_at cofactors[4], krhpr_lanes square,
-    krhpr_lanes_at *KRHPR_RESTRICT largest, krhpr_lanes_at *KRHPR_RESTRICT smallest)
+    krhpr_lanes_at *KRHPR_RESTRICT largest, krhpr_lanes_at *KRHPR_RESTRICT smallest,
+    krhpr_lanes_at *KRHPR_RESTRICT evenness)
 {
     const krhpr_lanes t1 = gram[0] * 0.5;
     const krhpr_lanes t2 = gram[3] * 0.5;
@@ -79,47 +80,65 @@ KRHPR_INLINE void krhpr_algebra_planar_spread_lanes(
     const krhpr_lanes t3 = cofactors[0] * 0.5;
     const krhpr_lanes t4 = cofactors[3] * 0.5;
     const krhpr_lanes h_h = t3 - t4;
-    const krhpr_lanes smallest_a = square / (t4 + (t3 + krhpr_lanes_sqrt(cofactors[1] * cofactors[1] + h_h * h_h)));
-    *largest = t2 + (t1 + krhpr_lanes_sqrt(g_h * g_h + gram[1] * gram[1]));
-    *smallest = smallest_a;
+    const krhpr_lanes high = t2 + (t1 + krhpr_lanes_sqrt(g_h * g_h + gram[1] * gram[1]));
+    const krhpr_lanes low = square / (t4 + (t3 + krhpr_lanes_sqrt(cofactors[1] * cofactors[1] + h_h * h_h)));
+    *largest = high;
+    *smallest = low;
+    *evenness = low / high;
 }
 
-/* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (22 add, 36
- * multiply, 1 divide, 6 square root) */
+/* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (24 add, 46
+ * multiply, 4 divide, 6 square root) */
 KRHPR_INLINE void krhpr_algebra_planar_spread_bound_lanes(
     const krhpr_lanes_at gram[4], const krhpr_lanes_at cofactors[4], krhpr_lanes square,
-    krhpr_lanes_at *KRHPR_RESTRICT largest, krhpr_lanes_at *KRHPR_RESTRICT smallest)
+    krhpr_lanes_at *KRHPR_RESTRICT largest, krhpr_lanes_at *KRHPR_RESTRICT smallest,
+    krhpr_lanes_at *KRHPR_RESTRICT evenness)
 {
-    const krhpr_lanes t1 = gram[1] * gram[2];
-    const krhpr_lanes g_r2_00 = gram[0] * gram[0] + t1;
-    const krhpr_lanes g_r2_01 = gram[0] * gram[1] + gram[1] * gram[3];
-    const krhpr_lanes g_r2_10 = gram[0] * gram[2] + gram[2] * gram[3];
-    const krhpr_lanes g_r2_11 = t1 + gram[3] * gram[3];
-    const krhpr_lanes t2 = g_r2_01 * g_r2_10;
-    const krhpr_lanes g_r4_00 = g_r2_00 * g_r2_00 + t2;
+    const krhpr_lanes g_0 = gram[0] + gram[3];
+    const krhpr_lanes t1 = 1.0 / g_0;
+    const krhpr_lanes g_r_00 = gram[0] * t1;
+    const krhpr_lanes g_r_01 = gram[1] * t1;
+    const krhpr_lanes g_r_10 = gram[2] * t1;
+    const krhpr_lanes g_r_11 = gram[3] * t1;
+    const krhpr_lanes t2 = g_r_01 * g_r_10;
+    const krhpr_lanes g_r2_00 = g_r_00 * g_r_00 + t2;
+    const krhpr_lanes g_r2_01 = g_r_00 * g_r_01 + g_r_01 * g_r_11;
+    const krhpr_lanes g_r2_10 = g_r_00 * g_r_10 + g_r_10 * g_r_11;
+    const krhpr_lanes g_r2_11 = t2 + g_r_11 * g_r_11;
+    const krhpr_lanes t3 = g_r2_01 * g_r2_10;
+    const krhpr_lanes g_r4_00 = g_r2_00 * g_r2_00 + t3;
     const krhpr_lanes g_r4_01 = g_r2_00 * g_r2_01 + g_r2_01 * g_r2_11;
     const krhpr_lanes g_r4_10 = g_r2_00 * g_r2_10 + g_r2_10 * g_r2_11;
-    const krhpr_lanes g_r4_11 = t2 + g_r2_11 * g_r2_11;
+    const krhpr_lanes g_r4_11 = t3 + g_r2_11 * g_r2_11;
     const krhpr_lanes g_8 = g_r4_00 * g_r4_00 + g_r4_01 * g_r4_01 + g_r4_10 * g_r4_10 + g_r4_11 * g_r4_11;
     const krhpr_lanes g_4 = krhpr_lanes_sqrt(g_8);
     const krhpr_lanes g_2 = krhpr_lanes_sqrt(g_4);
     const krhpr_lanes g_1 = krhpr_lanes_sqrt(g_2);
-    const krhpr_lanes t3 = cofactors[1] * cofactors[2];
-    const krhpr_lanes h_r2_00 = cofactors[0] * cofactors[0] + t3;
-    const krhpr_lanes h_r2_01 = cofactors[0] * cofactors[1] + cofactors[1] * cofactors[3];
-    const krhpr_lanes h_r2_10 = cofactors[0] * cofactors[2] + cofactors[2] * cofactors[3];
-    const krhpr_lanes h_r2_11 = t3 + cofactors[3] * cofactors[3];
-    const krhpr_lanes t4 = h_r2_01 * h_r2_10;
-    const krhpr_lanes h_r4_00 = h_r2_00 * h_r2_00 + t4;
+    const krhpr_lanes h_0 = cofactors[0] + cofactors[3];
+    const krhpr_lanes t4 = 1.0 / h_0;
+    const krhpr_lanes h_r_00 = cofactors[0] * t4;
+    const krhpr_lanes h_r_01 = cofactors[1] * t4;
+    const krhpr_lanes h_r_10 = cofactors[2] * t4;
+    const krhpr_lanes h_r_11 = cofactors[3] * t4;
+    const krhpr_lanes t5 = h_r_01 * h_r_10;
+    const krhpr_lanes h_r2_00 = h_r_00 * h_r_00 + t5;
+    const krhpr_lanes h_r2_01 = h_r_00 * h_r_01 + h_r_01 * h_r_11;
+    const krhpr_lanes h_r2_10 = h_r_00 * h_r_10 + h_r_10 * h_r_11;
+    const krhpr_lanes h_r2_11 = t5 + h_r_11 * h_r_11;
+    const krhpr_lanes t6 = h_r2_01 * h_r2_10;
+    const krhpr_lanes h_r4_00 = h_r2_00 * h_r2_00 + t6;
     const krhpr_lanes h_r4_01 = h_r2_00 * h_r2_01 + h_r2_01 * h_r2_11;
     const krhpr_lanes h_r4_10 = h_r2_00 * h_r2_10 + h_r2_10 * h_r2_11;
-    const krhpr_lanes h_r4_11 = t4 + h_r2_11 * h_r2_11;
+    const krhpr_lanes h_r4_11 = t6 + h_r2_11 * h_r2_11;
     const krhpr_lanes h_8 = h_r4_00 * h_r4_00 + h_r4_01 * h_r4_01 + h_r4_10 * h_r4_10 + h_r4_11 * h_r4_11;
     const krhpr_lanes h_4 = krhpr_lanes_sqrt(h_8);
     const krhpr_lanes h_2 = krhpr_lanes_sqrt(h_4);
     const krhpr_lanes h_1 = krhpr_lanes_sqrt(h_2);
-    *largest = g_1;
-    *smallest = square / h_1;
+    const krhpr_lanes high = g_0 * g_1;
+    const krhpr_lanes low = square / (h_0 * h_1);
+    *largest = high;
+    *smallest = low;
+    *evenness = low / high;
 }
 
 /* The indices: 2-norms of both parts of U = J^-1 K, condition number of J_1.  Thesis: 1.8, 4.2.2.  (4 add,
@@ -143,53 +162,69 @@ KRHPR_INLINE void krhpr_algebra_planar_norms_lanes(
     condition[2] = krhpr_lanes_sqrt(largest[2] / smallest[2]);
 }
 
-/* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (15 add, 37 multiply, 3
+/* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (20 add, 50 multiply, 6
  * divide, 12 square root) */
 KRHPR_INLINE void krhpr_algebra_planar_norm_bounds_lanes(
     const krhpr_lanes_at position_gram[4], const krhpr_lanes_at rotation_gram[1],
     const krhpr_lanes_at largest[3], const krhpr_lanes_at smallest[3], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3)
 {
-    const krhpr_lanes t1 = position_gram[1] * position_gram[2];
-    const krhpr_lanes p_r2_00 = position_gram[0] * position_gram[0] + t1;
-    const krhpr_lanes p_r2_01 = position_gram[0] * position_gram[1] + position_gram[1] * position_gram[3];
-    const krhpr_lanes p_r2_10 = position_gram[0] * position_gram[2] + position_gram[2] * position_gram[3];
-    const krhpr_lanes p_r2_11 = t1 + position_gram[3] * position_gram[3];
-    const krhpr_lanes t2 = p_r2_01 * p_r2_10;
-    const krhpr_lanes p_r4_00 = p_r2_00 * p_r2_00 + t2;
+    const krhpr_lanes p_0 = position_gram[0] + position_gram[3];
+    const krhpr_lanes t1 = 1.0 / p_0;
+    const krhpr_lanes p_r_00 = position_gram[0] * t1;
+    const krhpr_lanes p_r_01 = position_gram[1] * t1;
+    const krhpr_lanes p_r_10 = position_gram[2] * t1;
+    const krhpr_lanes p_r_11 = position_gram[3] * t1;
+    const krhpr_lanes t2 = p_r_01 * p_r_10;
+    const krhpr_lanes p_r2_00 = p_r_00 * p_r_00 + t2;
+    const krhpr_lanes p_r2_01 = p_r_00 * p_r_01 + p_r_01 * p_r_11;
+    const krhpr_lanes p_r2_10 = p_r_00 * p_r_10 + p_r_10 * p_r_11;
+    const krhpr_lanes p_r2_11 = t2 + p_r_11 * p_r_11;
+    const krhpr_lanes t3 = p_r2_01 * p_r2_10;
+    const krhpr_lanes p_r4_00 = p_r2_00 * p_r2_00 + t3;
     const krhpr_lanes p_r4_01 = p_r2_00 * p_r2_01 + p_r2_01 * p_r2_11;
     const krhpr_lanes p_r4_10 = p_r2_00 * p_r2_10 + p_r2_10 * p_r2_11;
-    const krhpr_lanes p_r4_11 = t2 + p_r2_11 * p_r2_11;
+    const krhpr_lanes p_r4_11 = t3 + p_r2_11 * p_r2_11;
     const krhpr_lanes p_8 = p_r4_00 * p_r4_00 + p_r4_01 * p_r4_01 + p_r4_10 * p_r4_10 + p_r4_11 * p_r4_11;
     const krhpr_lanes p_4 = krhpr_lanes_sqrt(p_8);
     const krhpr_lanes p_2 = krhpr_lanes_sqrt(p_4);
     const krhpr_lanes p_1 = krhpr_lanes_sqrt(p_2);
-    const krhpr_lanes t3 = largest[0] * largest[0];
-    const krhpr_lanes t4 = t3 * t3;
-    const krhpr_lanes t5 = largest[1] * largest[1];
+    const krhpr_lanes l_0 = largest[2] + (largest[0] + largest[1]);
+    const krhpr_lanes t4 = 1.0 / l_0;
+    const krhpr_lanes l_r1 = largest[0] * t4;
+    const krhpr_lanes l_r2 = largest[1] * t4;
+    const krhpr_lanes l_r3 = largest[2] * t4;
+    const krhpr_lanes t5 = l_r1 * l_r1;
     const krhpr_lanes t6 = t5 * t5;
-    const krhpr_lanes t7 = largest[2] * largest[2];
+    const krhpr_lanes t7 = l_r2 * l_r2;
     const krhpr_lanes t8 = t7 * t7;
-    const krhpr_lanes l_8 = t4 * t4 + t6 * t6 + t8 * t8;
+    const krhpr_lanes t9 = l_r3 * l_r3;
+    const krhpr_lanes t10 = t9 * t9;
+    const krhpr_lanes l_8 = t6 * t6 + t8 * t8 + t10 * t10;
     const krhpr_lanes l_4 = krhpr_lanes_sqrt(l_8);
     const krhpr_lanes l_2 = krhpr_lanes_sqrt(l_4);
     const krhpr_lanes l_1 = krhpr_lanes_sqrt(l_2);
     const krhpr_lanes inv_s = 1.0 / smallest[0];
     const krhpr_lanes inv_s_a = 1.0 / smallest[1];
     const krhpr_lanes inv_s_b = 1.0 / smallest[2];
-    const krhpr_lanes t9 = inv_s * inv_s;
-    const krhpr_lanes t10 = t9 * t9;
-    const krhpr_lanes t11 = inv_s_a * inv_s_a;
-    const krhpr_lanes t12 = t11 * t11;
-    const krhpr_lanes t13 = inv_s_b * inv_s_b;
-    const krhpr_lanes t14 = t13 * t13;
-    const krhpr_lanes s_8 = t10 * t10 + t12 * t12 + t14 * t14;
+    const krhpr_lanes s_0 = inv_s_b + (inv_s + inv_s_a);
+    const krhpr_lanes t11 = 1.0 / s_0;
+    const krhpr_lanes s_r1 = inv_s * t11;
+    const krhpr_lanes s_r2 = inv_s_a * t11;
+    const krhpr_lanes s_r3 = inv_s_b * t11;
+    const krhpr_lanes t12 = s_r1 * s_r1;
+    const krhpr_lanes t13 = t12 * t12;
+    const krhpr_lanes t14 = s_r2 * s_r2;
+    const krhpr_lanes t15 = t14 * t14;
+    const krhpr_lanes t16 = s_r3 * s_r3;
+    const krhpr_lanes t17 = t16 * t16;
+    const krhpr_lanes s_8 = t13 * t13 + t15 * t15 + t17 * t17;
     const krhpr_lanes s_4 = krhpr_lanes_sqrt(s_8);
     const krhpr_lanes s_2 = krhpr_lanes_sqrt(s_4);
     const krhpr_lanes s_1 = krhpr_lanes_sqrt(s_2);
-    *eta_1 = krhpr_lanes_sqrt(p_1);
+    *eta_1 = krhpr_lanes_sqrt(p_0 * p_1);
     *eta_2 = krhpr_lanes_sqrt(rotation_gram[0]);
-    *eta_3 = krhpr_lanes_sqrt(l_1 * s_1);
+    *eta_3 = krhpr_lanes_sqrt(s_1 * (s_0 * (l_0 * l_1)));
 }
 
 /* The wrench of three forces: their sum, and that of their moments.  Thesis: (5.36).  (6 add) */

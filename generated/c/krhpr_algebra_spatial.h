@@ -80,11 +80,11 @@ KRHPR_STATIC void krhpr_algebra_spatial_rotation_error(const double Q[9], double
     *error = krhpr_max(t3, t4);
 }
 
-/* Largest and smallest singular value of M, squared.  Thesis: 1.8.  (128 add, 208 multiply, 1 divide, 4
+/* Largest and smallest singular value of M, squared.  Thesis: 1.8.  (128 add, 208 multiply, 2 divide, 4
  * square root, 2 sine cosine, 2 arctangent) */
 KRHPR_STATIC void krhpr_algebra_spatial_spread(
     const double gram[9], const double cofactors[9], double square, double *KRHPR_RESTRICT largest,
-    double *KRHPR_RESTRICT smallest)
+    double *KRHPR_RESTRICT smallest, double *KRHPR_RESTRICT evenness)
 {
     const double g_m = gram[0] * (1.0 / 3.0) + gram[4] * (1.0 / 3.0) + gram[8] * (1.0 / 3.0);
     const double g_f = g_m * g_m;
@@ -183,76 +183,104 @@ KRHPR_STATIC void krhpr_algebra_spatial_spread(
     const double t55 = (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0) * (h_f * (h_f * h_f));
     const double h_s = t53 + (1.0 / 108.0) * (t54 * t54) + t55;
     const double h_t = (1.0 / 3.0) * krhpr_atan2(sqrt(h_s), h_q);
-    *largest = g_m + 2.0 * sqrt(g_p) * krhpr_cos(g_t);
-    *smallest = square / (h_m + 2.0 * sqrt(h_p) * krhpr_cos(h_t));
+    const double high = g_m + 2.0 * sqrt(g_p) * krhpr_cos(g_t);
+    const double low = square / (h_m + 2.0 * sqrt(h_p) * krhpr_cos(h_t));
+    *largest = high;
+    *smallest = low;
+    *evenness = low / high;
 }
 
-/* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (88 add, 114
- * multiply, 1 divide, 6 square root) */
+/* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (92 add, 134
+ * multiply, 4 divide, 6 square root) */
 KRHPR_STATIC void krhpr_algebra_spatial_spread_bound(
     const double gram[9], const double cofactors[9], double square, double *KRHPR_RESTRICT largest,
-    double *KRHPR_RESTRICT smallest)
+    double *KRHPR_RESTRICT smallest, double *KRHPR_RESTRICT evenness)
 {
-    const double t1 = gram[1] * gram[3];
-    const double t2 = gram[2] * gram[6];
-    const double g_r2_00 = gram[0] * gram[0] + t1 + t2;
-    const double g_r2_01 = gram[0] * gram[1] + gram[1] * gram[4] + gram[2] * gram[7];
-    const double g_r2_02 = gram[0] * gram[2] + gram[1] * gram[5] + gram[2] * gram[8];
-    const double g_r2_10 = gram[0] * gram[3] + gram[3] * gram[4] + gram[5] * gram[6];
-    const double t3 = gram[5] * gram[7];
-    const double g_r2_11 = t1 + gram[4] * gram[4] + t3;
-    const double g_r2_12 = gram[2] * gram[3] + gram[4] * gram[5] + gram[5] * gram[8];
-    const double g_r2_20 = gram[0] * gram[6] + gram[3] * gram[7] + gram[6] * gram[8];
-    const double g_r2_21 = gram[1] * gram[6] + gram[4] * gram[7] + gram[7] * gram[8];
-    const double g_r2_22 = t3 + (t2 + gram[8] * gram[8]);
-    const double t4 = g_r2_01 * g_r2_10;
-    const double t5 = g_r2_02 * g_r2_20;
-    const double g_r4_00 = g_r2_00 * g_r2_00 + t4 + t5;
+    const double g_0 = gram[8] + (gram[0] + gram[4]);
+    const double t1 = 1.0 / g_0;
+    const double g_r_00 = gram[0] * t1;
+    const double g_r_01 = gram[1] * t1;
+    const double g_r_02 = gram[2] * t1;
+    const double g_r_10 = gram[3] * t1;
+    const double g_r_11 = gram[4] * t1;
+    const double g_r_12 = gram[5] * t1;
+    const double g_r_20 = gram[6] * t1;
+    const double g_r_21 = gram[7] * t1;
+    const double g_r_22 = gram[8] * t1;
+    const double t2 = g_r_01 * g_r_10;
+    const double t3 = g_r_02 * g_r_20;
+    const double g_r2_00 = g_r_00 * g_r_00 + t2 + t3;
+    const double g_r2_01 = g_r_00 * g_r_01 + g_r_01 * g_r_11 + g_r_02 * g_r_21;
+    const double g_r2_02 = g_r_00 * g_r_02 + g_r_01 * g_r_12 + g_r_02 * g_r_22;
+    const double g_r2_10 = g_r_00 * g_r_10 + g_r_10 * g_r_11 + g_r_12 * g_r_20;
+    const double t4 = g_r_12 * g_r_21;
+    const double g_r2_11 = t2 + g_r_11 * g_r_11 + t4;
+    const double g_r2_12 = g_r_02 * g_r_10 + g_r_11 * g_r_12 + g_r_12 * g_r_22;
+    const double g_r2_20 = g_r_00 * g_r_20 + g_r_10 * g_r_21 + g_r_20 * g_r_22;
+    const double g_r2_21 = g_r_01 * g_r_20 + g_r_11 * g_r_21 + g_r_21 * g_r_22;
+    const double g_r2_22 = t4 + (t3 + g_r_22 * g_r_22);
+    const double t5 = g_r2_01 * g_r2_10;
+    const double t6 = g_r2_02 * g_r2_20;
+    const double g_r4_00 = g_r2_00 * g_r2_00 + t5 + t6;
     const double g_r4_01 = g_r2_00 * g_r2_01 + g_r2_01 * g_r2_11 + g_r2_02 * g_r2_21;
     const double g_r4_02 = g_r2_00 * g_r2_02 + g_r2_01 * g_r2_12 + g_r2_02 * g_r2_22;
     const double g_r4_10 = g_r2_00 * g_r2_10 + g_r2_10 * g_r2_11 + g_r2_12 * g_r2_20;
-    const double t6 = g_r2_12 * g_r2_21;
-    const double g_r4_11 = t4 + g_r2_11 * g_r2_11 + t6;
+    const double t7 = g_r2_12 * g_r2_21;
+    const double g_r4_11 = t5 + g_r2_11 * g_r2_11 + t7;
     const double g_r4_12 = g_r2_02 * g_r2_10 + g_r2_11 * g_r2_12 + g_r2_12 * g_r2_22;
     const double g_r4_20 = g_r2_00 * g_r2_20 + g_r2_10 * g_r2_21 + g_r2_20 * g_r2_22;
     const double g_r4_21 = g_r2_01 * g_r2_20 + g_r2_11 * g_r2_21 + g_r2_21 * g_r2_22;
-    const double g_r4_22 = t6 + (t5 + g_r2_22 * g_r2_22);
-    const double t7 = g_r4_00 * g_r4_00 + g_r4_01 * g_r4_01 + g_r4_02 * g_r4_02 + g_r4_10 * g_r4_10 + g_r4_11 * g_r4_11;
-    const double g_8 = t7 + g_r4_12 * g_r4_12 + g_r4_20 * g_r4_20 + g_r4_21 * g_r4_21 + g_r4_22 * g_r4_22;
+    const double g_r4_22 = t7 + (t6 + g_r2_22 * g_r2_22);
+    const double t8 = g_r4_00 * g_r4_00 + g_r4_01 * g_r4_01 + g_r4_02 * g_r4_02 + g_r4_10 * g_r4_10 + g_r4_11 * g_r4_11;
+    const double g_8 = t8 + g_r4_12 * g_r4_12 + g_r4_20 * g_r4_20 + g_r4_21 * g_r4_21 + g_r4_22 * g_r4_22;
     const double g_4 = sqrt(g_8);
     const double g_2 = sqrt(g_4);
     const double g_1 = sqrt(g_2);
-    const double t8 = cofactors[1] * cofactors[3];
-    const double t9 = cofactors[2] * cofactors[6];
-    const double h_r2_00 = cofactors[0] * cofactors[0] + t8 + t9;
-    const double h_r2_01 = cofactors[0] * cofactors[1] + cofactors[1] * cofactors[4] + cofactors[2] * cofactors[7];
-    const double h_r2_02 = cofactors[0] * cofactors[2] + cofactors[1] * cofactors[5] + cofactors[2] * cofactors[8];
-    const double h_r2_10 = cofactors[0] * cofactors[3] + cofactors[3] * cofactors[4] + cofactors[5] * cofactors[6];
-    const double t10 = cofactors[5] * cofactors[7];
-    const double h_r2_11 = t8 + cofactors[4] * cofactors[4] + t10;
-    const double h_r2_12 = cofactors[2] * cofactors[3] + cofactors[4] * cofactors[5] + cofactors[5] * cofactors[8];
-    const double h_r2_20 = cofactors[0] * cofactors[6] + cofactors[3] * cofactors[7] + cofactors[6] * cofactors[8];
-    const double h_r2_21 = cofactors[1] * cofactors[6] + cofactors[4] * cofactors[7] + cofactors[7] * cofactors[8];
-    const double h_r2_22 = t10 + (t9 + cofactors[8] * cofactors[8]);
-    const double t11 = h_r2_01 * h_r2_10;
-    const double t12 = h_r2_02 * h_r2_20;
-    const double h_r4_00 = h_r2_00 * h_r2_00 + t11 + t12;
+    const double h_0 = cofactors[8] + (cofactors[0] + cofactors[4]);
+    const double t9 = 1.0 / h_0;
+    const double h_r_00 = cofactors[0] * t9;
+    const double h_r_01 = cofactors[1] * t9;
+    const double h_r_02 = cofactors[2] * t9;
+    const double h_r_10 = cofactors[3] * t9;
+    const double h_r_11 = cofactors[4] * t9;
+    const double h_r_12 = cofactors[5] * t9;
+    const double h_r_20 = cofactors[6] * t9;
+    const double h_r_21 = cofactors[7] * t9;
+    const double h_r_22 = cofactors[8] * t9;
+    const double t10 = h_r_01 * h_r_10;
+    const double t11 = h_r_02 * h_r_20;
+    const double h_r2_00 = h_r_00 * h_r_00 + t10 + t11;
+    const double h_r2_01 = h_r_00 * h_r_01 + h_r_01 * h_r_11 + h_r_02 * h_r_21;
+    const double h_r2_02 = h_r_00 * h_r_02 + h_r_01 * h_r_12 + h_r_02 * h_r_22;
+    const double h_r2_10 = h_r_00 * h_r_10 + h_r_10 * h_r_11 + h_r_12 * h_r_20;
+    const double t12 = h_r_12 * h_r_21;
+    const double h_r2_11 = t10 + h_r_11 * h_r_11 + t12;
+    const double h_r2_12 = h_r_02 * h_r_10 + h_r_11 * h_r_12 + h_r_12 * h_r_22;
+    const double h_r2_20 = h_r_00 * h_r_20 + h_r_10 * h_r_21 + h_r_20 * h_r_22;
+    const double h_r2_21 = h_r_01 * h_r_20 + h_r_11 * h_r_21 + h_r_21 * h_r_22;
+    const double h_r2_22 = t12 + (t11 + h_r_22 * h_r_22);
+    const double t13 = h_r2_01 * h_r2_10;
+    const double t14 = h_r2_02 * h_r2_20;
+    const double h_r4_00 = h_r2_00 * h_r2_00 + t13 + t14;
     const double h_r4_01 = h_r2_00 * h_r2_01 + h_r2_01 * h_r2_11 + h_r2_02 * h_r2_21;
     const double h_r4_02 = h_r2_00 * h_r2_02 + h_r2_01 * h_r2_12 + h_r2_02 * h_r2_22;
     const double h_r4_10 = h_r2_00 * h_r2_10 + h_r2_10 * h_r2_11 + h_r2_12 * h_r2_20;
-    const double t13 = h_r2_12 * h_r2_21;
-    const double h_r4_11 = t11 + h_r2_11 * h_r2_11 + t13;
+    const double t15 = h_r2_12 * h_r2_21;
+    const double h_r4_11 = t13 + h_r2_11 * h_r2_11 + t15;
     const double h_r4_12 = h_r2_02 * h_r2_10 + h_r2_11 * h_r2_12 + h_r2_12 * h_r2_22;
     const double h_r4_20 = h_r2_00 * h_r2_20 + h_r2_10 * h_r2_21 + h_r2_20 * h_r2_22;
     const double h_r4_21 = h_r2_01 * h_r2_20 + h_r2_11 * h_r2_21 + h_r2_21 * h_r2_22;
-    const double h_r4_22 = t13 + (t12 + h_r2_22 * h_r2_22);
-    const double t14 = h_r4_00 * h_r4_00 + h_r4_01 * h_r4_01 + h_r4_02 * h_r4_02 + h_r4_10 * h_r4_10 + h_r4_11 * h_r4_11;
-    const double h_8 = t14 + h_r4_12 * h_r4_12 + h_r4_20 * h_r4_20 + h_r4_21 * h_r4_21 + h_r4_22 * h_r4_22;
+    const double h_r4_22 = t15 + (t14 + h_r2_22 * h_r2_22);
+    const double t16 = h_r4_00 * h_r4_00 + h_r4_01 * h_r4_01 + h_r4_02 * h_r4_02 + h_r4_10 * h_r4_10 + h_r4_11 * h_r4_11;
+    const double h_8 = t16 + h_r4_12 * h_r4_12 + h_r4_20 * h_r4_20 + h_r4_21 * h_r4_21 + h_r4_22 * h_r4_22;
     const double h_4 = sqrt(h_8);
     const double h_2 = sqrt(h_4);
     const double h_1 = sqrt(h_2);
-    *largest = g_1;
-    *smallest = square / h_1;
+    const double high = g_0 * g_1;
+    const double low = square / (h_0 * h_1);
+    *largest = high;
+    *smallest = low;
+    *evenness = low / high;
 }
 
 /* The indices: 2-norms of both parts of U = J^-1 K, condition number of J_1.  Thesis: 1.8, 4.2.2.  (128
@@ -371,97 +399,129 @@ KRHPR_STATIC void krhpr_algebra_spatial_norms(
     condition[2] = sqrt(largest[2] / smallest[2]);
 }
 
-/* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (92 add, 133 multiply, 3
+/* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (100 add, 161 multiply, 7
  * divide, 15 square root) */
 KRHPR_STATIC void krhpr_algebra_spatial_norm_bounds(
     const double position_gram[9], const double rotation_gram[9], const double largest[3],
     const double smallest[3], double *KRHPR_RESTRICT eta_1, double *KRHPR_RESTRICT eta_2,
     double *KRHPR_RESTRICT eta_3)
 {
-    const double t1 = position_gram[1] * position_gram[3];
-    const double t2 = position_gram[2] * position_gram[6];
-    const double p_r2_00 = position_gram[0] * position_gram[0] + t1 + t2;
-    const double p_r2_01 = position_gram[0] * position_gram[1] + position_gram[1] * position_gram[4] + position_gram[2] * position_gram[7];
-    const double p_r2_02 = position_gram[0] * position_gram[2] + position_gram[1] * position_gram[5] + position_gram[2] * position_gram[8];
-    const double p_r2_10 = position_gram[0] * position_gram[3] + position_gram[3] * position_gram[4] + position_gram[5] * position_gram[6];
-    const double t3 = position_gram[5] * position_gram[7];
-    const double p_r2_11 = t1 + position_gram[4] * position_gram[4] + t3;
-    const double p_r2_12 = position_gram[2] * position_gram[3] + position_gram[4] * position_gram[5] + position_gram[5] * position_gram[8];
-    const double p_r2_20 = position_gram[0] * position_gram[6] + position_gram[3] * position_gram[7] + position_gram[6] * position_gram[8];
-    const double p_r2_21 = position_gram[1] * position_gram[6] + position_gram[4] * position_gram[7] + position_gram[7] * position_gram[8];
-    const double p_r2_22 = t3 + (t2 + position_gram[8] * position_gram[8]);
-    const double t4 = p_r2_01 * p_r2_10;
-    const double t5 = p_r2_02 * p_r2_20;
-    const double p_r4_00 = p_r2_00 * p_r2_00 + t4 + t5;
+    const double p_0 = position_gram[8] + (position_gram[0] + position_gram[4]);
+    const double t1 = 1.0 / p_0;
+    const double p_r_00 = position_gram[0] * t1;
+    const double p_r_01 = position_gram[1] * t1;
+    const double p_r_02 = position_gram[2] * t1;
+    const double p_r_10 = position_gram[3] * t1;
+    const double p_r_11 = position_gram[4] * t1;
+    const double p_r_12 = position_gram[5] * t1;
+    const double p_r_20 = position_gram[6] * t1;
+    const double p_r_21 = position_gram[7] * t1;
+    const double p_r_22 = position_gram[8] * t1;
+    const double t2 = p_r_01 * p_r_10;
+    const double t3 = p_r_02 * p_r_20;
+    const double p_r2_00 = p_r_00 * p_r_00 + t2 + t3;
+    const double p_r2_01 = p_r_00 * p_r_01 + p_r_01 * p_r_11 + p_r_02 * p_r_21;
+    const double p_r2_02 = p_r_00 * p_r_02 + p_r_01 * p_r_12 + p_r_02 * p_r_22;
+    const double p_r2_10 = p_r_00 * p_r_10 + p_r_10 * p_r_11 + p_r_12 * p_r_20;
+    const double t4 = p_r_12 * p_r_21;
+    const double p_r2_11 = t2 + p_r_11 * p_r_11 + t4;
+    const double p_r2_12 = p_r_02 * p_r_10 + p_r_11 * p_r_12 + p_r_12 * p_r_22;
+    const double p_r2_20 = p_r_00 * p_r_20 + p_r_10 * p_r_21 + p_r_20 * p_r_22;
+    const double p_r2_21 = p_r_01 * p_r_20 + p_r_11 * p_r_21 + p_r_21 * p_r_22;
+    const double p_r2_22 = t4 + (t3 + p_r_22 * p_r_22);
+    const double t5 = p_r2_01 * p_r2_10;
+    const double t6 = p_r2_02 * p_r2_20;
+    const double p_r4_00 = p_r2_00 * p_r2_00 + t5 + t6;
     const double p_r4_01 = p_r2_00 * p_r2_01 + p_r2_01 * p_r2_11 + p_r2_02 * p_r2_21;
     const double p_r4_02 = p_r2_00 * p_r2_02 + p_r2_01 * p_r2_12 + p_r2_02 * p_r2_22;
     const double p_r4_10 = p_r2_00 * p_r2_10 + p_r2_10 * p_r2_11 + p_r2_12 * p_r2_20;
-    const double t6 = p_r2_12 * p_r2_21;
-    const double p_r4_11 = t4 + p_r2_11 * p_r2_11 + t6;
+    const double t7 = p_r2_12 * p_r2_21;
+    const double p_r4_11 = t5 + p_r2_11 * p_r2_11 + t7;
     const double p_r4_12 = p_r2_02 * p_r2_10 + p_r2_11 * p_r2_12 + p_r2_12 * p_r2_22;
     const double p_r4_20 = p_r2_00 * p_r2_20 + p_r2_10 * p_r2_21 + p_r2_20 * p_r2_22;
     const double p_r4_21 = p_r2_01 * p_r2_20 + p_r2_11 * p_r2_21 + p_r2_21 * p_r2_22;
-    const double p_r4_22 = t6 + (t5 + p_r2_22 * p_r2_22);
-    const double t7 = p_r4_00 * p_r4_00 + p_r4_01 * p_r4_01 + p_r4_02 * p_r4_02 + p_r4_10 * p_r4_10 + p_r4_11 * p_r4_11;
-    const double p_8 = t7 + p_r4_12 * p_r4_12 + p_r4_20 * p_r4_20 + p_r4_21 * p_r4_21 + p_r4_22 * p_r4_22;
+    const double p_r4_22 = t7 + (t6 + p_r2_22 * p_r2_22);
+    const double t8 = p_r4_00 * p_r4_00 + p_r4_01 * p_r4_01 + p_r4_02 * p_r4_02 + p_r4_10 * p_r4_10 + p_r4_11 * p_r4_11;
+    const double p_8 = t8 + p_r4_12 * p_r4_12 + p_r4_20 * p_r4_20 + p_r4_21 * p_r4_21 + p_r4_22 * p_r4_22;
     const double p_4 = sqrt(p_8);
     const double p_2 = sqrt(p_4);
     const double p_1 = sqrt(p_2);
-    const double t8 = rotation_gram[1] * rotation_gram[3];
-    const double t9 = rotation_gram[2] * rotation_gram[6];
-    const double r_r2_00 = rotation_gram[0] * rotation_gram[0] + t8 + t9;
-    const double r_r2_01 = rotation_gram[0] * rotation_gram[1] + rotation_gram[1] * rotation_gram[4] + rotation_gram[2] * rotation_gram[7];
-    const double r_r2_02 = rotation_gram[0] * rotation_gram[2] + rotation_gram[1] * rotation_gram[5] + rotation_gram[2] * rotation_gram[8];
-    const double r_r2_10 = rotation_gram[0] * rotation_gram[3] + rotation_gram[3] * rotation_gram[4] + rotation_gram[5] * rotation_gram[6];
-    const double t10 = rotation_gram[5] * rotation_gram[7];
-    const double r_r2_11 = t8 + rotation_gram[4] * rotation_gram[4] + t10;
-    const double r_r2_12 = rotation_gram[2] * rotation_gram[3] + rotation_gram[4] * rotation_gram[5] + rotation_gram[5] * rotation_gram[8];
-    const double r_r2_20 = rotation_gram[0] * rotation_gram[6] + rotation_gram[3] * rotation_gram[7] + rotation_gram[6] * rotation_gram[8];
-    const double r_r2_21 = rotation_gram[1] * rotation_gram[6] + rotation_gram[4] * rotation_gram[7] + rotation_gram[7] * rotation_gram[8];
-    const double r_r2_22 = t10 + (t9 + rotation_gram[8] * rotation_gram[8]);
-    const double t11 = r_r2_01 * r_r2_10;
-    const double t12 = r_r2_02 * r_r2_20;
-    const double r_r4_00 = r_r2_00 * r_r2_00 + t11 + t12;
+    const double r_0 = rotation_gram[8] + (rotation_gram[0] + rotation_gram[4]);
+    const double t9 = 1.0 / r_0;
+    const double r_r_00 = rotation_gram[0] * t9;
+    const double r_r_01 = rotation_gram[1] * t9;
+    const double r_r_02 = rotation_gram[2] * t9;
+    const double r_r_10 = rotation_gram[3] * t9;
+    const double r_r_11 = rotation_gram[4] * t9;
+    const double r_r_12 = rotation_gram[5] * t9;
+    const double r_r_20 = rotation_gram[6] * t9;
+    const double r_r_21 = rotation_gram[7] * t9;
+    const double r_r_22 = rotation_gram[8] * t9;
+    const double t10 = r_r_01 * r_r_10;
+    const double t11 = r_r_02 * r_r_20;
+    const double r_r2_00 = r_r_00 * r_r_00 + t10 + t11;
+    const double r_r2_01 = r_r_00 * r_r_01 + r_r_01 * r_r_11 + r_r_02 * r_r_21;
+    const double r_r2_02 = r_r_00 * r_r_02 + r_r_01 * r_r_12 + r_r_02 * r_r_22;
+    const double r_r2_10 = r_r_00 * r_r_10 + r_r_10 * r_r_11 + r_r_12 * r_r_20;
+    const double t12 = r_r_12 * r_r_21;
+    const double r_r2_11 = t10 + r_r_11 * r_r_11 + t12;
+    const double r_r2_12 = r_r_02 * r_r_10 + r_r_11 * r_r_12 + r_r_12 * r_r_22;
+    const double r_r2_20 = r_r_00 * r_r_20 + r_r_10 * r_r_21 + r_r_20 * r_r_22;
+    const double r_r2_21 = r_r_01 * r_r_20 + r_r_11 * r_r_21 + r_r_21 * r_r_22;
+    const double r_r2_22 = t12 + (t11 + r_r_22 * r_r_22);
+    const double t13 = r_r2_01 * r_r2_10;
+    const double t14 = r_r2_02 * r_r2_20;
+    const double r_r4_00 = r_r2_00 * r_r2_00 + t13 + t14;
     const double r_r4_01 = r_r2_00 * r_r2_01 + r_r2_01 * r_r2_11 + r_r2_02 * r_r2_21;
     const double r_r4_02 = r_r2_00 * r_r2_02 + r_r2_01 * r_r2_12 + r_r2_02 * r_r2_22;
     const double r_r4_10 = r_r2_00 * r_r2_10 + r_r2_10 * r_r2_11 + r_r2_12 * r_r2_20;
-    const double t13 = r_r2_12 * r_r2_21;
-    const double r_r4_11 = t11 + r_r2_11 * r_r2_11 + t13;
+    const double t15 = r_r2_12 * r_r2_21;
+    const double r_r4_11 = t13 + r_r2_11 * r_r2_11 + t15;
     const double r_r4_12 = r_r2_02 * r_r2_10 + r_r2_11 * r_r2_12 + r_r2_12 * r_r2_22;
     const double r_r4_20 = r_r2_00 * r_r2_20 + r_r2_10 * r_r2_21 + r_r2_20 * r_r2_22;
     const double r_r4_21 = r_r2_01 * r_r2_20 + r_r2_11 * r_r2_21 + r_r2_21 * r_r2_22;
-    const double r_r4_22 = t13 + (t12 + r_r2_22 * r_r2_22);
-    const double t14 = r_r4_00 * r_r4_00 + r_r4_01 * r_r4_01 + r_r4_02 * r_r4_02 + r_r4_10 * r_r4_10 + r_r4_11 * r_r4_11;
-    const double r_8 = t14 + r_r4_12 * r_r4_12 + r_r4_20 * r_r4_20 + r_r4_21 * r_r4_21 + r_r4_22 * r_r4_22;
+    const double r_r4_22 = t15 + (t14 + r_r2_22 * r_r2_22);
+    const double t16 = r_r4_00 * r_r4_00 + r_r4_01 * r_r4_01 + r_r4_02 * r_r4_02 + r_r4_10 * r_r4_10 + r_r4_11 * r_r4_11;
+    const double r_8 = t16 + r_r4_12 * r_r4_12 + r_r4_20 * r_r4_20 + r_r4_21 * r_r4_21 + r_r4_22 * r_r4_22;
     const double r_4 = sqrt(r_8);
     const double r_2 = sqrt(r_4);
     const double r_1 = sqrt(r_2);
-    const double t15 = largest[0] * largest[0];
-    const double t16 = t15 * t15;
-    const double t17 = largest[1] * largest[1];
-    const double t18 = t17 * t17;
-    const double t19 = largest[2] * largest[2];
-    const double t20 = t19 * t19;
-    const double l_8 = t16 * t16 + t18 * t18 + t20 * t20;
+    const double l_0 = largest[2] + (largest[0] + largest[1]);
+    const double t17 = 1.0 / l_0;
+    const double l_r1 = largest[0] * t17;
+    const double l_r2 = largest[1] * t17;
+    const double l_r3 = largest[2] * t17;
+    const double t18 = l_r1 * l_r1;
+    const double t19 = t18 * t18;
+    const double t20 = l_r2 * l_r2;
+    const double t21 = t20 * t20;
+    const double t22 = l_r3 * l_r3;
+    const double t23 = t22 * t22;
+    const double l_8 = t19 * t19 + t21 * t21 + t23 * t23;
     const double l_4 = sqrt(l_8);
     const double l_2 = sqrt(l_4);
     const double l_1 = sqrt(l_2);
     const double inv_s = 1.0 / smallest[0];
     const double inv_s_a = 1.0 / smallest[1];
     const double inv_s_b = 1.0 / smallest[2];
-    const double t21 = inv_s * inv_s;
-    const double t22 = t21 * t21;
-    const double t23 = inv_s_a * inv_s_a;
-    const double t24 = t23 * t23;
-    const double t25 = inv_s_b * inv_s_b;
+    const double s_0 = inv_s_b + (inv_s + inv_s_a);
+    const double t24 = 1.0 / s_0;
+    const double s_r1 = inv_s * t24;
+    const double s_r2 = inv_s_a * t24;
+    const double s_r3 = inv_s_b * t24;
+    const double t25 = s_r1 * s_r1;
     const double t26 = t25 * t25;
-    const double s_8 = t22 * t22 + t24 * t24 + t26 * t26;
+    const double t27 = s_r2 * s_r2;
+    const double t28 = t27 * t27;
+    const double t29 = s_r3 * s_r3;
+    const double t30 = t29 * t29;
+    const double s_8 = t26 * t26 + t28 * t28 + t30 * t30;
     const double s_4 = sqrt(s_8);
     const double s_2 = sqrt(s_4);
     const double s_1 = sqrt(s_2);
-    *eta_1 = sqrt(p_1);
-    *eta_2 = sqrt(r_1);
-    *eta_3 = sqrt(l_1 * s_1);
+    *eta_1 = sqrt(p_0 * p_1);
+    *eta_2 = sqrt(r_0 * r_1);
+    *eta_3 = sqrt(s_1 * (s_0 * (l_0 * l_1)));
 }
 
 /* The wrench of three forces: their sum, and that of their moments.  Thesis: (5.36).  (12 add) */

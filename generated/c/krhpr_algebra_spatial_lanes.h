@@ -81,11 +81,12 @@ KRHPR_INLINE void krhpr_algebra_spatial_rotation_error_lanes(
     *error = krhpr_lanes_max(t3, t4);
 }
 
-/* Largest and smallest singular value of M, squared.  Thesis: 1.8.  (128 add, 208 multiply, 1 divide, 4
+/* Largest and smallest singular value of M, squared.  Thesis: 1.8.  (128 add, 208 multiply, 2 divide, 4
  * square root, 2 sine cosine, 2 arctangent) */
 KRHPR_INLINE void krhpr_algebra_spatial_spread_lanes(
     const krhpr_lanes_at gram[9], const krhpr_lanes_at cofactors[9], krhpr_lanes square,
-    krhpr_lanes_at *KRHPR_RESTRICT largest, krhpr_lanes_at *KRHPR_RESTRICT smallest)
+    krhpr_lanes_at *KRHPR_RESTRICT largest, krhpr_lanes_at *KRHPR_RESTRICT smallest,
+    krhpr_lanes_at *KRHPR_RESTRICT evenness)
 {
     const krhpr_lanes g_m = gram[0] * (1.0 / 3.0) + gram[4] * (1.0 / 3.0) + gram[8] * (1.0 / 3.0);
     const krhpr_lanes g_f = g_m * g_m;
@@ -184,76 +185,105 @@ KRHPR_INLINE void krhpr_algebra_spatial_spread_lanes(
     const krhpr_lanes t55 = (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0) * (h_f * (h_f * h_f));
     const krhpr_lanes h_s = t53 + (1.0 / 108.0) * (t54 * t54) + t55;
     const krhpr_lanes h_t = (1.0 / 3.0) * krhpr_lanes_atan2(krhpr_lanes_sqrt(h_s), h_q);
-    *largest = g_m + 2.0 * krhpr_lanes_sqrt(g_p) * krhpr_lanes_cos(g_t);
-    *smallest = square / (h_m + 2.0 * krhpr_lanes_sqrt(h_p) * krhpr_lanes_cos(h_t));
+    const krhpr_lanes high = g_m + 2.0 * krhpr_lanes_sqrt(g_p) * krhpr_lanes_cos(g_t);
+    const krhpr_lanes low = square / (h_m + 2.0 * krhpr_lanes_sqrt(h_p) * krhpr_lanes_cos(h_t));
+    *largest = high;
+    *smallest = low;
+    *evenness = low / high;
 }
 
-/* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (88 add, 114
- * multiply, 1 divide, 6 square root) */
+/* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (92 add, 134
+ * multiply, 4 divide, 6 square root) */
 KRHPR_INLINE void krhpr_algebra_spatial_spread_bound_lanes(
     const krhpr_lanes_at gram[9], const krhpr_lanes_at cofactors[9], krhpr_lanes square,
-    krhpr_lanes_at *KRHPR_RESTRICT largest, krhpr_lanes_at *KRHPR_RESTRICT smallest)
+    krhpr_lanes_at *KRHPR_RESTRICT largest, krhpr_lanes_at *KRHPR_RESTRICT smallest,
+    krhpr_lanes_at *KRHPR_RESTRICT evenness)
 {
-    const krhpr_lanes t1 = gram[1] * gram[3];
-    const krhpr_lanes t2 = gram[2] * gram[6];
-    const krhpr_lanes g_r2_00 = gram[0] * gram[0] + t1 + t2;
-    const krhpr_lanes g_r2_01 = gram[0] * gram[1] + gram[1] * gram[4] + gram[2] * gram[7];
-    const krhpr_lanes g_r2_02 = gram[0] * gram[2] + gram[1] * gram[5] + gram[2] * gram[8];
-    const krhpr_lanes g_r2_10 = gram[0] * gram[3] + gram[3] * gram[4] + gram[5] * gram[6];
-    const krhpr_lanes t3 = gram[5] * gram[7];
-    const krhpr_lanes g_r2_11 = t1 + gram[4] * gram[4] + t3;
-    const krhpr_lanes g_r2_12 = gram[2] * gram[3] + gram[4] * gram[5] + gram[5] * gram[8];
-    const krhpr_lanes g_r2_20 = gram[0] * gram[6] + gram[3] * gram[7] + gram[6] * gram[8];
-    const krhpr_lanes g_r2_21 = gram[1] * gram[6] + gram[4] * gram[7] + gram[7] * gram[8];
-    const krhpr_lanes g_r2_22 = t3 + (t2 + gram[8] * gram[8]);
-    const krhpr_lanes t4 = g_r2_01 * g_r2_10;
-    const krhpr_lanes t5 = g_r2_02 * g_r2_20;
-    const krhpr_lanes g_r4_00 = g_r2_00 * g_r2_00 + t4 + t5;
+    const krhpr_lanes g_0 = gram[8] + (gram[0] + gram[4]);
+    const krhpr_lanes t1 = 1.0 / g_0;
+    const krhpr_lanes g_r_00 = gram[0] * t1;
+    const krhpr_lanes g_r_01 = gram[1] * t1;
+    const krhpr_lanes g_r_02 = gram[2] * t1;
+    const krhpr_lanes g_r_10 = gram[3] * t1;
+    const krhpr_lanes g_r_11 = gram[4] * t1;
+    const krhpr_lanes g_r_12 = gram[5] * t1;
+    const krhpr_lanes g_r_20 = gram[6] * t1;
+    const krhpr_lanes g_r_21 = gram[7] * t1;
+    const krhpr_lanes g_r_22 = gram[8] * t1;
+    const krhpr_lanes t2 = g_r_01 * g_r_10;
+    const krhpr_lanes t3 = g_r_02 * g_r_20;
+    const krhpr_lanes g_r2_00 = g_r_00 * g_r_00 + t2 + t3;
+    const krhpr_lanes g_r2_01 = g_r_00 * g_r_01 + g_r_01 * g_r_11 + g_r_02 * g_r_21;
+    const krhpr_lanes g_r2_02 = g_r_00 * g_r_02 + g_r_01 * g_r_12 + g_r_02 * g_r_22;
+    const krhpr_lanes g_r2_10 = g_r_00 * g_r_10 + g_r_10 * g_r_11 + g_r_12 * g_r_20;
+    const krhpr_lanes t4 = g_r_12 * g_r_21;
+    const krhpr_lanes g_r2_11 = t2 + g_r_11 * g_r_11 + t4;
+    const krhpr_lanes g_r2_12 = g_r_02 * g_r_10 + g_r_11 * g_r_12 + g_r_12 * g_r_22;
+    const krhpr_lanes g_r2_20 = g_r_00 * g_r_20 + g_r_10 * g_r_21 + g_r_20 * g_r_22;
+    const krhpr_lanes g_r2_21 = g_r_01 * g_r_20 + g_r_11 * g_r_21 + g_r_21 * g_r_22;
+    const krhpr_lanes g_r2_22 = t4 + (t3 + g_r_22 * g_r_22);
+    const krhpr_lanes t5 = g_r2_01 * g_r2_10;
+    const krhpr_lanes t6 = g_r2_02 * g_r2_20;
+    const krhpr_lanes g_r4_00 = g_r2_00 * g_r2_00 + t5 + t6;
     const krhpr_lanes g_r4_01 = g_r2_00 * g_r2_01 + g_r2_01 * g_r2_11 + g_r2_02 * g_r2_21;
     const krhpr_lanes g_r4_02 = g_r2_00 * g_r2_02 + g_r2_01 * g_r2_12 + g_r2_02 * g_r2_22;
     const krhpr_lanes g_r4_10 = g_r2_00 * g_r2_10 + g_r2_10 * g_r2_11 + g_r2_12 * g_r2_20;
-    const krhpr_lanes t6 = g_r2_12 * g_r2_21;
-    const krhpr_lanes g_r4_11 = t4 + g_r2_11 * g_r2_11 + t6;
+    const krhpr_lanes t7 = g_r2_12 * g_r2_21;
+    const krhpr_lanes g_r4_11 = t5 + g_r2_11 * g_r2_11 + t7;
     const krhpr_lanes g_r4_12 = g_r2_02 * g_r2_10 + g_r2_11 * g_r2_12 + g_r2_12 * g_r2_22;
     const krhpr_lanes g_r4_20 = g_r2_00 * g_r2_20 + g_r2_10 * g_r2_21 + g_r2_20 * g_r2_22;
     const krhpr_lanes g_r4_21 = g_r2_01 * g_r2_20 + g_r2_11 * g_r2_21 + g_r2_21 * g_r2_22;
-    const krhpr_lanes g_r4_22 = t6 + (t5 + g_r2_22 * g_r2_22);
-    const krhpr_lanes t7 = g_r4_00 * g_r4_00 + g_r4_01 * g_r4_01 + g_r4_02 * g_r4_02 + g_r4_10 * g_r4_10 + g_r4_11 * g_r4_11;
-    const krhpr_lanes g_8 = t7 + g_r4_12 * g_r4_12 + g_r4_20 * g_r4_20 + g_r4_21 * g_r4_21 + g_r4_22 * g_r4_22;
+    const krhpr_lanes g_r4_22 = t7 + (t6 + g_r2_22 * g_r2_22);
+    const krhpr_lanes t8 = g_r4_00 * g_r4_00 + g_r4_01 * g_r4_01 + g_r4_02 * g_r4_02 + g_r4_10 * g_r4_10 + g_r4_11 * g_r4_11;
+    const krhpr_lanes g_8 = t8 + g_r4_12 * g_r4_12 + g_r4_20 * g_r4_20 + g_r4_21 * g_r4_21 + g_r4_22 * g_r4_22;
     const krhpr_lanes g_4 = krhpr_lanes_sqrt(g_8);
     const krhpr_lanes g_2 = krhpr_lanes_sqrt(g_4);
     const krhpr_lanes g_1 = krhpr_lanes_sqrt(g_2);
-    const krhpr_lanes t8 = cofactors[1] * cofactors[3];
-    const krhpr_lanes t9 = cofactors[2] * cofactors[6];
-    const krhpr_lanes h_r2_00 = cofactors[0] * cofactors[0] + t8 + t9;
-    const krhpr_lanes h_r2_01 = cofactors[0] * cofactors[1] + cofactors[1] * cofactors[4] + cofactors[2] * cofactors[7];
-    const krhpr_lanes h_r2_02 = cofactors[0] * cofactors[2] + cofactors[1] * cofactors[5] + cofactors[2] * cofactors[8];
-    const krhpr_lanes h_r2_10 = cofactors[0] * cofactors[3] + cofactors[3] * cofactors[4] + cofactors[5] * cofactors[6];
-    const krhpr_lanes t10 = cofactors[5] * cofactors[7];
-    const krhpr_lanes h_r2_11 = t8 + cofactors[4] * cofactors[4] + t10;
-    const krhpr_lanes h_r2_12 = cofactors[2] * cofactors[3] + cofactors[4] * cofactors[5] + cofactors[5] * cofactors[8];
-    const krhpr_lanes h_r2_20 = cofactors[0] * cofactors[6] + cofactors[3] * cofactors[7] + cofactors[6] * cofactors[8];
-    const krhpr_lanes h_r2_21 = cofactors[1] * cofactors[6] + cofactors[4] * cofactors[7] + cofactors[7] * cofactors[8];
-    const krhpr_lanes h_r2_22 = t10 + (t9 + cofactors[8] * cofactors[8]);
-    const krhpr_lanes t11 = h_r2_01 * h_r2_10;
-    const krhpr_lanes t12 = h_r2_02 * h_r2_20;
-    const krhpr_lanes h_r4_00 = h_r2_00 * h_r2_00 + t11 + t12;
+    const krhpr_lanes h_0 = cofactors[8] + (cofactors[0] + cofactors[4]);
+    const krhpr_lanes t9 = 1.0 / h_0;
+    const krhpr_lanes h_r_00 = cofactors[0] * t9;
+    const krhpr_lanes h_r_01 = cofactors[1] * t9;
+    const krhpr_lanes h_r_02 = cofactors[2] * t9;
+    const krhpr_lanes h_r_10 = cofactors[3] * t9;
+    const krhpr_lanes h_r_11 = cofactors[4] * t9;
+    const krhpr_lanes h_r_12 = cofactors[5] * t9;
+    const krhpr_lanes h_r_20 = cofactors[6] * t9;
+    const krhpr_lanes h_r_21 = cofactors[7] * t9;
+    const krhpr_lanes h_r_22 = cofactors[8] * t9;
+    const krhpr_lanes t10 = h_r_01 * h_r_10;
+    const krhpr_lanes t11 = h_r_02 * h_r_20;
+    const krhpr_lanes h_r2_00 = h_r_00 * h_r_00 + t10 + t11;
+    const krhpr_lanes h_r2_01 = h_r_00 * h_r_01 + h_r_01 * h_r_11 + h_r_02 * h_r_21;
+    const krhpr_lanes h_r2_02 = h_r_00 * h_r_02 + h_r_01 * h_r_12 + h_r_02 * h_r_22;
+    const krhpr_lanes h_r2_10 = h_r_00 * h_r_10 + h_r_10 * h_r_11 + h_r_12 * h_r_20;
+    const krhpr_lanes t12 = h_r_12 * h_r_21;
+    const krhpr_lanes h_r2_11 = t10 + h_r_11 * h_r_11 + t12;
+    const krhpr_lanes h_r2_12 = h_r_02 * h_r_10 + h_r_11 * h_r_12 + h_r_12 * h_r_22;
+    const krhpr_lanes h_r2_20 = h_r_00 * h_r_20 + h_r_10 * h_r_21 + h_r_20 * h_r_22;
+    const krhpr_lanes h_r2_21 = h_r_01 * h_r_20 + h_r_11 * h_r_21 + h_r_21 * h_r_22;
+    const krhpr_lanes h_r2_22 = t12 + (t11 + h_r_22 * h_r_22);
+    const krhpr_lanes t13 = h_r2_01 * h_r2_10;
+    const krhpr_lanes t14 = h_r2_02 * h_r2_20;
+    const krhpr_lanes h_r4_00 = h_r2_00 * h_r2_00 + t13 + t14;
     const krhpr_lanes h_r4_01 = h_r2_00 * h_r2_01 + h_r2_01 * h_r2_11 + h_r2_02 * h_r2_21;
     const krhpr_lanes h_r4_02 = h_r2_00 * h_r2_02 + h_r2_01 * h_r2_12 + h_r2_02 * h_r2_22;
     const krhpr_lanes h_r4_10 = h_r2_00 * h_r2_10 + h_r2_10 * h_r2_11 + h_r2_12 * h_r2_20;
-    const krhpr_lanes t13 = h_r2_12 * h_r2_21;
-    const krhpr_lanes h_r4_11 = t11 + h_r2_11 * h_r2_11 + t13;
+    const krhpr_lanes t15 = h_r2_12 * h_r2_21;
+    const krhpr_lanes h_r4_11 = t13 + h_r2_11 * h_r2_11 + t15;
     const krhpr_lanes h_r4_12 = h_r2_02 * h_r2_10 + h_r2_11 * h_r2_12 + h_r2_12 * h_r2_22;
     const krhpr_lanes h_r4_20 = h_r2_00 * h_r2_20 + h_r2_10 * h_r2_21 + h_r2_20 * h_r2_22;
     const krhpr_lanes h_r4_21 = h_r2_01 * h_r2_20 + h_r2_11 * h_r2_21 + h_r2_21 * h_r2_22;
-    const krhpr_lanes h_r4_22 = t13 + (t12 + h_r2_22 * h_r2_22);
-    const krhpr_lanes t14 = h_r4_00 * h_r4_00 + h_r4_01 * h_r4_01 + h_r4_02 * h_r4_02 + h_r4_10 * h_r4_10 + h_r4_11 * h_r4_11;
-    const krhpr_lanes h_8 = t14 + h_r4_12 * h_r4_12 + h_r4_20 * h_r4_20 + h_r4_21 * h_r4_21 + h_r4_22 * h_r4_22;
+    const krhpr_lanes h_r4_22 = t15 + (t14 + h_r2_22 * h_r2_22);
+    const krhpr_lanes t16 = h_r4_00 * h_r4_00 + h_r4_01 * h_r4_01 + h_r4_02 * h_r4_02 + h_r4_10 * h_r4_10 + h_r4_11 * h_r4_11;
+    const krhpr_lanes h_8 = t16 + h_r4_12 * h_r4_12 + h_r4_20 * h_r4_20 + h_r4_21 * h_r4_21 + h_r4_22 * h_r4_22;
     const krhpr_lanes h_4 = krhpr_lanes_sqrt(h_8);
     const krhpr_lanes h_2 = krhpr_lanes_sqrt(h_4);
     const krhpr_lanes h_1 = krhpr_lanes_sqrt(h_2);
-    *largest = g_1;
-    *smallest = square / h_1;
+    const krhpr_lanes high = g_0 * g_1;
+    const krhpr_lanes low = square / (h_0 * h_1);
+    *largest = high;
+    *smallest = low;
+    *evenness = low / high;
 }
 
 /* The indices: 2-norms of both parts of U = J^-1 K, condition number of J_1.  Thesis: 1.8, 4.2.2.  (128
@@ -373,97 +403,129 @@ KRHPR_INLINE void krhpr_algebra_spatial_norms_lanes(
     condition[2] = krhpr_lanes_sqrt(largest[2] / smallest[2]);
 }
 
-/* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (92 add, 133 multiply, 3
+/* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (100 add, 161 multiply, 7
  * divide, 15 square root) */
 KRHPR_INLINE void krhpr_algebra_spatial_norm_bounds_lanes(
     const krhpr_lanes_at position_gram[9], const krhpr_lanes_at rotation_gram[9],
     const krhpr_lanes_at largest[3], const krhpr_lanes_at smallest[3], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3)
 {
-    const krhpr_lanes t1 = position_gram[1] * position_gram[3];
-    const krhpr_lanes t2 = position_gram[2] * position_gram[6];
-    const krhpr_lanes p_r2_00 = position_gram[0] * position_gram[0] + t1 + t2;
-    const krhpr_lanes p_r2_01 = position_gram[0] * position_gram[1] + position_gram[1] * position_gram[4] + position_gram[2] * position_gram[7];
-    const krhpr_lanes p_r2_02 = position_gram[0] * position_gram[2] + position_gram[1] * position_gram[5] + position_gram[2] * position_gram[8];
-    const krhpr_lanes p_r2_10 = position_gram[0] * position_gram[3] + position_gram[3] * position_gram[4] + position_gram[5] * position_gram[6];
-    const krhpr_lanes t3 = position_gram[5] * position_gram[7];
-    const krhpr_lanes p_r2_11 = t1 + position_gram[4] * position_gram[4] + t3;
-    const krhpr_lanes p_r2_12 = position_gram[2] * position_gram[3] + position_gram[4] * position_gram[5] + position_gram[5] * position_gram[8];
-    const krhpr_lanes p_r2_20 = position_gram[0] * position_gram[6] + position_gram[3] * position_gram[7] + position_gram[6] * position_gram[8];
-    const krhpr_lanes p_r2_21 = position_gram[1] * position_gram[6] + position_gram[4] * position_gram[7] + position_gram[7] * position_gram[8];
-    const krhpr_lanes p_r2_22 = t3 + (t2 + position_gram[8] * position_gram[8]);
-    const krhpr_lanes t4 = p_r2_01 * p_r2_10;
-    const krhpr_lanes t5 = p_r2_02 * p_r2_20;
-    const krhpr_lanes p_r4_00 = p_r2_00 * p_r2_00 + t4 + t5;
+    const krhpr_lanes p_0 = position_gram[8] + (position_gram[0] + position_gram[4]);
+    const krhpr_lanes t1 = 1.0 / p_0;
+    const krhpr_lanes p_r_00 = position_gram[0] * t1;
+    const krhpr_lanes p_r_01 = position_gram[1] * t1;
+    const krhpr_lanes p_r_02 = position_gram[2] * t1;
+    const krhpr_lanes p_r_10 = position_gram[3] * t1;
+    const krhpr_lanes p_r_11 = position_gram[4] * t1;
+    const krhpr_lanes p_r_12 = position_gram[5] * t1;
+    const krhpr_lanes p_r_20 = position_gram[6] * t1;
+    const krhpr_lanes p_r_21 = position_gram[7] * t1;
+    const krhpr_lanes p_r_22 = position_gram[8] * t1;
+    const krhpr_lanes t2 = p_r_01 * p_r_10;
+    const krhpr_lanes t3 = p_r_02 * p_r_20;
+    const krhpr_lanes p_r2_00 = p_r_00 * p_r_00 + t2 + t3;
+    const krhpr_lanes p_r2_01 = p_r_00 * p_r_01 + p_r_01 * p_r_11 + p_r_02 * p_r_21;
+    const krhpr_lanes p_r2_02 = p_r_00 * p_r_02 + p_r_01 * p_r_12 + p_r_02 * p_r_22;
+    const krhpr_lanes p_r2_10 = p_r_00 * p_r_10 + p_r_10 * p_r_11 + p_r_12 * p_r_20;
+    const krhpr_lanes t4 = p_r_12 * p_r_21;
+    const krhpr_lanes p_r2_11 = t2 + p_r_11 * p_r_11 + t4;
+    const krhpr_lanes p_r2_12 = p_r_02 * p_r_10 + p_r_11 * p_r_12 + p_r_12 * p_r_22;
+    const krhpr_lanes p_r2_20 = p_r_00 * p_r_20 + p_r_10 * p_r_21 + p_r_20 * p_r_22;
+    const krhpr_lanes p_r2_21 = p_r_01 * p_r_20 + p_r_11 * p_r_21 + p_r_21 * p_r_22;
+    const krhpr_lanes p_r2_22 = t4 + (t3 + p_r_22 * p_r_22);
+    const krhpr_lanes t5 = p_r2_01 * p_r2_10;
+    const krhpr_lanes t6 = p_r2_02 * p_r2_20;
+    const krhpr_lanes p_r4_00 = p_r2_00 * p_r2_00 + t5 + t6;
     const krhpr_lanes p_r4_01 = p_r2_00 * p_r2_01 + p_r2_01 * p_r2_11 + p_r2_02 * p_r2_21;
     const krhpr_lanes p_r4_02 = p_r2_00 * p_r2_02 + p_r2_01 * p_r2_12 + p_r2_02 * p_r2_22;
     const krhpr_lanes p_r4_10 = p_r2_00 * p_r2_10 + p_r2_10 * p_r2_11 + p_r2_12 * p_r2_20;
-    const krhpr_lanes t6 = p_r2_12 * p_r2_21;
-    const krhpr_lanes p_r4_11 = t4 + p_r2_11 * p_r2_11 + t6;
+    const krhpr_lanes t7 = p_r2_12 * p_r2_21;
+    const krhpr_lanes p_r4_11 = t5 + p_r2_11 * p_r2_11 + t7;
     const krhpr_lanes p_r4_12 = p_r2_02 * p_r2_10 + p_r2_11 * p_r2_12 + p_r2_12 * p_r2_22;
     const krhpr_lanes p_r4_20 = p_r2_00 * p_r2_20 + p_r2_10 * p_r2_21 + p_r2_20 * p_r2_22;
     const krhpr_lanes p_r4_21 = p_r2_01 * p_r2_20 + p_r2_11 * p_r2_21 + p_r2_21 * p_r2_22;
-    const krhpr_lanes p_r4_22 = t6 + (t5 + p_r2_22 * p_r2_22);
-    const krhpr_lanes t7 = p_r4_00 * p_r4_00 + p_r4_01 * p_r4_01 + p_r4_02 * p_r4_02 + p_r4_10 * p_r4_10 + p_r4_11 * p_r4_11;
-    const krhpr_lanes p_8 = t7 + p_r4_12 * p_r4_12 + p_r4_20 * p_r4_20 + p_r4_21 * p_r4_21 + p_r4_22 * p_r4_22;
+    const krhpr_lanes p_r4_22 = t7 + (t6 + p_r2_22 * p_r2_22);
+    const krhpr_lanes t8 = p_r4_00 * p_r4_00 + p_r4_01 * p_r4_01 + p_r4_02 * p_r4_02 + p_r4_10 * p_r4_10 + p_r4_11 * p_r4_11;
+    const krhpr_lanes p_8 = t8 + p_r4_12 * p_r4_12 + p_r4_20 * p_r4_20 + p_r4_21 * p_r4_21 + p_r4_22 * p_r4_22;
     const krhpr_lanes p_4 = krhpr_lanes_sqrt(p_8);
     const krhpr_lanes p_2 = krhpr_lanes_sqrt(p_4);
     const krhpr_lanes p_1 = krhpr_lanes_sqrt(p_2);
-    const krhpr_lanes t8 = rotation_gram[1] * rotation_gram[3];
-    const krhpr_lanes t9 = rotation_gram[2] * rotation_gram[6];
-    const krhpr_lanes r_r2_00 = rotation_gram[0] * rotation_gram[0] + t8 + t9;
-    const krhpr_lanes r_r2_01 = rotation_gram[0] * rotation_gram[1] + rotation_gram[1] * rotation_gram[4] + rotation_gram[2] * rotation_gram[7];
-    const krhpr_lanes r_r2_02 = rotation_gram[0] * rotation_gram[2] + rotation_gram[1] * rotation_gram[5] + rotation_gram[2] * rotation_gram[8];
-    const krhpr_lanes r_r2_10 = rotation_gram[0] * rotation_gram[3] + rotation_gram[3] * rotation_gram[4] + rotation_gram[5] * rotation_gram[6];
-    const krhpr_lanes t10 = rotation_gram[5] * rotation_gram[7];
-    const krhpr_lanes r_r2_11 = t8 + rotation_gram[4] * rotation_gram[4] + t10;
-    const krhpr_lanes r_r2_12 = rotation_gram[2] * rotation_gram[3] + rotation_gram[4] * rotation_gram[5] + rotation_gram[5] * rotation_gram[8];
-    const krhpr_lanes r_r2_20 = rotation_gram[0] * rotation_gram[6] + rotation_gram[3] * rotation_gram[7] + rotation_gram[6] * rotation_gram[8];
-    const krhpr_lanes r_r2_21 = rotation_gram[1] * rotation_gram[6] + rotation_gram[4] * rotation_gram[7] + rotation_gram[7] * rotation_gram[8];
-    const krhpr_lanes r_r2_22 = t10 + (t9 + rotation_gram[8] * rotation_gram[8]);
-    const krhpr_lanes t11 = r_r2_01 * r_r2_10;
-    const krhpr_lanes t12 = r_r2_02 * r_r2_20;
-    const krhpr_lanes r_r4_00 = r_r2_00 * r_r2_00 + t11 + t12;
+    const krhpr_lanes r_0 = rotation_gram[8] + (rotation_gram[0] + rotation_gram[4]);
+    const krhpr_lanes t9 = 1.0 / r_0;
+    const krhpr_lanes r_r_00 = rotation_gram[0] * t9;
+    const krhpr_lanes r_r_01 = rotation_gram[1] * t9;
+    const krhpr_lanes r_r_02 = rotation_gram[2] * t9;
+    const krhpr_lanes r_r_10 = rotation_gram[3] * t9;
+    const krhpr_lanes r_r_11 = rotation_gram[4] * t9;
+    const krhpr_lanes r_r_12 = rotation_gram[5] * t9;
+    const krhpr_lanes r_r_20 = rotation_gram[6] * t9;
+    const krhpr_lanes r_r_21 = rotation_gram[7] * t9;
+    const krhpr_lanes r_r_22 = rotation_gram[8] * t9;
+    const krhpr_lanes t10 = r_r_01 * r_r_10;
+    const krhpr_lanes t11 = r_r_02 * r_r_20;
+    const krhpr_lanes r_r2_00 = r_r_00 * r_r_00 + t10 + t11;
+    const krhpr_lanes r_r2_01 = r_r_00 * r_r_01 + r_r_01 * r_r_11 + r_r_02 * r_r_21;
+    const krhpr_lanes r_r2_02 = r_r_00 * r_r_02 + r_r_01 * r_r_12 + r_r_02 * r_r_22;
+    const krhpr_lanes r_r2_10 = r_r_00 * r_r_10 + r_r_10 * r_r_11 + r_r_12 * r_r_20;
+    const krhpr_lanes t12 = r_r_12 * r_r_21;
+    const krhpr_lanes r_r2_11 = t10 + r_r_11 * r_r_11 + t12;
+    const krhpr_lanes r_r2_12 = r_r_02 * r_r_10 + r_r_11 * r_r_12 + r_r_12 * r_r_22;
+    const krhpr_lanes r_r2_20 = r_r_00 * r_r_20 + r_r_10 * r_r_21 + r_r_20 * r_r_22;
+    const krhpr_lanes r_r2_21 = r_r_01 * r_r_20 + r_r_11 * r_r_21 + r_r_21 * r_r_22;
+    const krhpr_lanes r_r2_22 = t12 + (t11 + r_r_22 * r_r_22);
+    const krhpr_lanes t13 = r_r2_01 * r_r2_10;
+    const krhpr_lanes t14 = r_r2_02 * r_r2_20;
+    const krhpr_lanes r_r4_00 = r_r2_00 * r_r2_00 + t13 + t14;
     const krhpr_lanes r_r4_01 = r_r2_00 * r_r2_01 + r_r2_01 * r_r2_11 + r_r2_02 * r_r2_21;
     const krhpr_lanes r_r4_02 = r_r2_00 * r_r2_02 + r_r2_01 * r_r2_12 + r_r2_02 * r_r2_22;
     const krhpr_lanes r_r4_10 = r_r2_00 * r_r2_10 + r_r2_10 * r_r2_11 + r_r2_12 * r_r2_20;
-    const krhpr_lanes t13 = r_r2_12 * r_r2_21;
-    const krhpr_lanes r_r4_11 = t11 + r_r2_11 * r_r2_11 + t13;
+    const krhpr_lanes t15 = r_r2_12 * r_r2_21;
+    const krhpr_lanes r_r4_11 = t13 + r_r2_11 * r_r2_11 + t15;
     const krhpr_lanes r_r4_12 = r_r2_02 * r_r2_10 + r_r2_11 * r_r2_12 + r_r2_12 * r_r2_22;
     const krhpr_lanes r_r4_20 = r_r2_00 * r_r2_20 + r_r2_10 * r_r2_21 + r_r2_20 * r_r2_22;
     const krhpr_lanes r_r4_21 = r_r2_01 * r_r2_20 + r_r2_11 * r_r2_21 + r_r2_21 * r_r2_22;
-    const krhpr_lanes r_r4_22 = t13 + (t12 + r_r2_22 * r_r2_22);
-    const krhpr_lanes t14 = r_r4_00 * r_r4_00 + r_r4_01 * r_r4_01 + r_r4_02 * r_r4_02 + r_r4_10 * r_r4_10 + r_r4_11 * r_r4_11;
-    const krhpr_lanes r_8 = t14 + r_r4_12 * r_r4_12 + r_r4_20 * r_r4_20 + r_r4_21 * r_r4_21 + r_r4_22 * r_r4_22;
+    const krhpr_lanes r_r4_22 = t15 + (t14 + r_r2_22 * r_r2_22);
+    const krhpr_lanes t16 = r_r4_00 * r_r4_00 + r_r4_01 * r_r4_01 + r_r4_02 * r_r4_02 + r_r4_10 * r_r4_10 + r_r4_11 * r_r4_11;
+    const krhpr_lanes r_8 = t16 + r_r4_12 * r_r4_12 + r_r4_20 * r_r4_20 + r_r4_21 * r_r4_21 + r_r4_22 * r_r4_22;
     const krhpr_lanes r_4 = krhpr_lanes_sqrt(r_8);
     const krhpr_lanes r_2 = krhpr_lanes_sqrt(r_4);
     const krhpr_lanes r_1 = krhpr_lanes_sqrt(r_2);
-    const krhpr_lanes t15 = largest[0] * largest[0];
-    const krhpr_lanes t16 = t15 * t15;
-    const krhpr_lanes t17 = largest[1] * largest[1];
-    const krhpr_lanes t18 = t17 * t17;
-    const krhpr_lanes t19 = largest[2] * largest[2];
-    const krhpr_lanes t20 = t19 * t19;
-    const krhpr_lanes l_8 = t16 * t16 + t18 * t18 + t20 * t20;
+    const krhpr_lanes l_0 = largest[2] + (largest[0] + largest[1]);
+    const krhpr_lanes t17 = 1.0 / l_0;
+    const krhpr_lanes l_r1 = largest[0] * t17;
+    const krhpr_lanes l_r2 = largest[1] * t17;
+    const krhpr_lanes l_r3 = largest[2] * t17;
+    const krhpr_lanes t18 = l_r1 * l_r1;
+    const krhpr_lanes t19 = t18 * t18;
+    const krhpr_lanes t20 = l_r2 * l_r2;
+    const krhpr_lanes t21 = t20 * t20;
+    const krhpr_lanes t22 = l_r3 * l_r3;
+    const krhpr_lanes t23 = t22 * t22;
+    const krhpr_lanes l_8 = t19 * t19 + t21 * t21 + t23 * t23;
     const krhpr_lanes l_4 = krhpr_lanes_sqrt(l_8);
     const krhpr_lanes l_2 = krhpr_lanes_sqrt(l_4);
     const krhpr_lanes l_1 = krhpr_lanes_sqrt(l_2);
     const krhpr_lanes inv_s = 1.0 / smallest[0];
     const krhpr_lanes inv_s_a = 1.0 / smallest[1];
     const krhpr_lanes inv_s_b = 1.0 / smallest[2];
-    const krhpr_lanes t21 = inv_s * inv_s;
-    const krhpr_lanes t22 = t21 * t21;
-    const krhpr_lanes t23 = inv_s_a * inv_s_a;
-    const krhpr_lanes t24 = t23 * t23;
-    const krhpr_lanes t25 = inv_s_b * inv_s_b;
+    const krhpr_lanes s_0 = inv_s_b + (inv_s + inv_s_a);
+    const krhpr_lanes t24 = 1.0 / s_0;
+    const krhpr_lanes s_r1 = inv_s * t24;
+    const krhpr_lanes s_r2 = inv_s_a * t24;
+    const krhpr_lanes s_r3 = inv_s_b * t24;
+    const krhpr_lanes t25 = s_r1 * s_r1;
     const krhpr_lanes t26 = t25 * t25;
-    const krhpr_lanes s_8 = t22 * t22 + t24 * t24 + t26 * t26;
+    const krhpr_lanes t27 = s_r2 * s_r2;
+    const krhpr_lanes t28 = t27 * t27;
+    const krhpr_lanes t29 = s_r3 * s_r3;
+    const krhpr_lanes t30 = t29 * t29;
+    const krhpr_lanes s_8 = t26 * t26 + t28 * t28 + t30 * t30;
     const krhpr_lanes s_4 = krhpr_lanes_sqrt(s_8);
     const krhpr_lanes s_2 = krhpr_lanes_sqrt(s_4);
     const krhpr_lanes s_1 = krhpr_lanes_sqrt(s_2);
-    *eta_1 = krhpr_lanes_sqrt(p_1);
-    *eta_2 = krhpr_lanes_sqrt(r_1);
-    *eta_3 = krhpr_lanes_sqrt(l_1 * s_1);
+    *eta_1 = krhpr_lanes_sqrt(p_0 * p_1);
+    *eta_2 = krhpr_lanes_sqrt(r_0 * r_1);
+    *eta_3 = krhpr_lanes_sqrt(s_1 * (s_0 * (l_0 * l_1)));
 }
 
 /* The wrench of three forces: their sum, and that of their moments.  Thesis: (5.36).  (12 add) */

@@ -1063,6 +1063,7 @@ KRHPR_API int krhpr_planar_rpr2_a_indices(
     double regularity[3];
     double largest[3];
     double smallest[3];
+    double evenness[3];
     double position_gram[4];
     double rotation_gram[1];
     double det_regularity[1];
@@ -1099,6 +1100,7 @@ KRHPR_API int krhpr_planar_rpr2_a_indices(
         krhpr_lanes regularity_legs[1];
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
+        krhpr_lanes evenness_legs[1];
         krhpr_platform_planar_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_rpr2_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs);
@@ -1106,19 +1108,23 @@ KRHPR_API int krhpr_planar_rpr2_a_indices(
             &g->subleg, i, w_legs, b_legs, characteristic_length_legs[0], N_legs, gram_legs, cofactors_legs,
             square_legs, reach_legs, regularity_legs);
         krhpr_algebra_planar_spread_lanes(
-            gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs);
+            gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 1, reach_legs, 1, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(largest, 1, largest_legs, 1, i);
         krhpr_legs_store(smallest, 1, smallest_legs, 1, i);
+        krhpr_legs_store(evenness, 1, evenness_legs, 1, i);
     }
     krhpr_platform_planar_a_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_planar_norms(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
+            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+        }
+        if (!(evenness[i] >= 1e-24)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
         }
     }
@@ -1147,6 +1153,7 @@ KRHPR_API int krhpr_planar_rpr2_a_index_bounds(
     double regularity[3];
     double largest[3];
     double smallest[3];
+    double evenness[3];
     double position_gram[4];
     double rotation_gram[1];
     double det_regularity[1];
@@ -1182,6 +1189,7 @@ KRHPR_API int krhpr_planar_rpr2_a_index_bounds(
         krhpr_lanes regularity_legs[1];
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
+        krhpr_lanes evenness_legs[1];
         krhpr_platform_planar_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_rpr2_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs);
@@ -1189,18 +1197,22 @@ KRHPR_API int krhpr_planar_rpr2_a_index_bounds(
             &g->subleg, i, w_legs, b_legs, characteristic_length_legs[0], N_legs, gram_legs, cofactors_legs,
             square_legs, reach_legs, regularity_legs);
         krhpr_algebra_planar_spread_bound_lanes(
-            gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs);
+            gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 1, reach_legs, 1, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(largest, 1, largest_legs, 1, i);
         krhpr_legs_store(smallest, 1, smallest_legs, 1, i);
+        krhpr_legs_store(evenness, 1, evenness_legs, 1, i);
     }
     krhpr_platform_planar_a_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_planar_norm_bounds(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
     for (int i = 0; i < 3; ++i) {
         if (!(regularity[i] >= 1e-12)) {
+            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+        }
+        if (!(evenness[i] >= 1e-24)) {
             status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
         }
     }

@@ -2996,6 +2996,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_indices_lanes(
     krhpr_lanes regularity[3];
     krhpr_lanes largest[3];
     krhpr_lanes smallest[3];
+    krhpr_lanes evenness[3];
     krhpr_lanes position_gram[4];
     krhpr_lanes rotation_gram[1];
     krhpr_lanes det_regularity[1];
@@ -3019,7 +3020,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_indices_lanes(
         krhpr_subleg_planar_rpr2_gram_lanes(
             &g->subleg, i, w, b, characteristic_length[0], N, gram, cofactors, &square, reach + i,
             &regularity[i]);
-        krhpr_algebra_planar_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i]);
+        krhpr_algebra_planar_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i], &evenness[i]);
     }
     krhpr_platform_planar_c_sensitivity_lanes(
         line, point, reach, position_gram, rotation_gram, det_regularity);
@@ -3028,6 +3029,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_indices_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+        fine &= krhpr_at_most(krhpr_all(1e-24), evenness[i]);
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
@@ -3039,6 +3041,8 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_indices_lanes(
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
+        const krhpr_ints kept_2 = krhpr_at_most(krhpr_all(1e-24), evenness[i]);
+        status = krhpr_expect(kept_2, status, KRHPR_SINGULAR_LEG_1 + i);
     }
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
@@ -3167,6 +3171,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_index_bounds_lanes(
     krhpr_lanes regularity[3];
     krhpr_lanes largest[3];
     krhpr_lanes smallest[3];
+    krhpr_lanes evenness[3];
     krhpr_lanes position_gram[4];
     krhpr_lanes rotation_gram[1];
     krhpr_lanes det_regularity[1];
@@ -3190,7 +3195,8 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_index_bounds_lanes(
         krhpr_subleg_planar_rpr2_gram_lanes(
             &g->subleg, i, w, b, characteristic_length[0], N, gram, cofactors, &square, reach + i,
             &regularity[i]);
-        krhpr_algebra_planar_spread_bound_lanes(gram, cofactors, square, &largest[i], &smallest[i]);
+        krhpr_algebra_planar_spread_bound_lanes(
+            gram, cofactors, square, &largest[i], &smallest[i], &evenness[i]);
     }
     krhpr_platform_planar_c_sensitivity_lanes(
         line, point, reach, position_gram, rotation_gram, det_regularity);
@@ -3199,6 +3205,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_index_bounds_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+        fine &= krhpr_at_most(krhpr_all(1e-24), evenness[i]);
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
@@ -3210,6 +3217,8 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_index_bounds_lanes(
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
+        const krhpr_ints kept_2 = krhpr_at_most(krhpr_all(1e-24), evenness[i]);
+        status = krhpr_expect(kept_2, status, KRHPR_SINGULAR_LEG_1 + i);
     }
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);

@@ -2928,6 +2928,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_c_indices_lanes(
     krhpr_lanes reach[3];
     krhpr_lanes largest[3];
     krhpr_lanes smallest[3];
+    krhpr_lanes evenness[3];
     krhpr_lanes position_gram[4];
     krhpr_lanes rotation_gram[1];
     krhpr_lanes det_regularity[1];
@@ -2953,13 +2954,16 @@ KRHPR_OUTLINE void krhpr_planar_rr_c_indices_lanes(
         krhpr_subleg_planar_rr_posture_lanes(
             &g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
         krhpr_subleg_planar_rr_gram_lanes(&g->subleg, i, d, v_1, N, gram, cofactors, &square, reach + i);
-        krhpr_algebra_planar_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i]);
+        krhpr_algebra_planar_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i], &evenness[i]);
     }
     krhpr_platform_planar_c_sensitivity_lanes(
         line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_planar_norms_lanes(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-24), evenness[i]);
+    }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
@@ -2967,6 +2971,10 @@ KRHPR_OUTLINE void krhpr_planar_rr_c_indices_lanes(
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    for (int i = 0; i < 3; ++i) {
+        const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-24), evenness[i]);
+        status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
+    }
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, eta_1, 1);
@@ -3088,6 +3096,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_c_index_bounds_lanes(
     krhpr_lanes reach[3];
     krhpr_lanes largest[3];
     krhpr_lanes smallest[3];
+    krhpr_lanes evenness[3];
     krhpr_lanes position_gram[4];
     krhpr_lanes rotation_gram[1];
     krhpr_lanes det_regularity[1];
@@ -3113,13 +3122,17 @@ KRHPR_OUTLINE void krhpr_planar_rr_c_index_bounds_lanes(
         krhpr_subleg_planar_rr_posture_lanes(
             &g->subleg, i, s + 2 * i, sine + 1 + 1 * i, cosine + 1 + 1 * i, d, v_1);
         krhpr_subleg_planar_rr_gram_lanes(&g->subleg, i, d, v_1, N, gram, cofactors, &square, reach + i);
-        krhpr_algebra_planar_spread_bound_lanes(gram, cofactors, square, &largest[i], &smallest[i]);
+        krhpr_algebra_planar_spread_bound_lanes(
+            gram, cofactors, square, &largest[i], &smallest[i], &evenness[i]);
     }
     krhpr_platform_planar_c_sensitivity_lanes(
         line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_planar_norm_bounds_lanes(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-24), evenness[i]);
+    }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
@@ -3127,6 +3140,10 @@ KRHPR_OUTLINE void krhpr_planar_rr_c_index_bounds_lanes(
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    for (int i = 0; i < 3; ++i) {
+        const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-24), evenness[i]);
+        status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
+    }
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, eta_1, 1);

@@ -1267,6 +1267,7 @@ KRHPR_API int krhpr_planar_rrr_b_indices(
     double reach[3];
     double largest[3];
     double smallest[3];
+    double evenness[3];
     double position_gram[4];
     double rotation_gram[1];
     double det_regularity[1];
@@ -1301,6 +1302,7 @@ KRHPR_API int krhpr_planar_rrr_b_indices(
         krhpr_lanes reach_legs[1];
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
+        krhpr_lanes evenness_legs[1];
         krhpr_lanes angle_legs[2];
         krhpr_lanes sine_legs[2];
         krhpr_lanes cosine_legs[2];
@@ -1314,16 +1316,22 @@ KRHPR_API int krhpr_planar_rrr_b_indices(
             &g->subleg, i, d_legs, u_2_legs, u_3_legs, N_legs, gram_legs, cofactors_legs, square_legs,
             reach_legs);
         krhpr_algebra_planar_spread_lanes(
-            gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs);
+            gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 1, reach_legs, 1, i);
         krhpr_legs_store(largest, 1, largest_legs, 1, i);
         krhpr_legs_store(smallest, 1, smallest_legs, 1, i);
+        krhpr_legs_store(evenness, 1, evenness_legs, 1, i);
     }
     krhpr_platform_planar_b_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_planar_norms(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
+    for (int i = 0; i < 3; ++i) {
+        if (!(evenness[i] >= 1e-24)) {
+            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+        }
+    }
     if (!(det_regularity[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
@@ -1348,6 +1356,7 @@ KRHPR_API int krhpr_planar_rrr_b_index_bounds(
     double reach[3];
     double largest[3];
     double smallest[3];
+    double evenness[3];
     double position_gram[4];
     double rotation_gram[1];
     double det_regularity[1];
@@ -1381,6 +1390,7 @@ KRHPR_API int krhpr_planar_rrr_b_index_bounds(
         krhpr_lanes reach_legs[1];
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
+        krhpr_lanes evenness_legs[1];
         krhpr_lanes angle_legs[2];
         krhpr_lanes sine_legs[2];
         krhpr_lanes cosine_legs[2];
@@ -1394,15 +1404,21 @@ KRHPR_API int krhpr_planar_rrr_b_index_bounds(
             &g->subleg, i, d_legs, u_2_legs, u_3_legs, N_legs, gram_legs, cofactors_legs, square_legs,
             reach_legs);
         krhpr_algebra_planar_spread_bound_lanes(
-            gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs);
+            gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 1, reach_legs, 1, i);
         krhpr_legs_store(largest, 1, largest_legs, 1, i);
         krhpr_legs_store(smallest, 1, smallest_legs, 1, i);
+        krhpr_legs_store(evenness, 1, evenness_legs, 1, i);
     }
     krhpr_platform_planar_b_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_planar_norm_bounds(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
+    for (int i = 0; i < 3; ++i) {
+        if (!(evenness[i] >= 1e-24)) {
+            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+        }
+    }
     if (!(det_regularity[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }

@@ -3188,6 +3188,7 @@ KRHPR_OUTLINE void krhpr_spatial_delta_b_indices_lanes(
     krhpr_lanes regularity[3];
     krhpr_lanes largest[3];
     krhpr_lanes smallest[3];
+    krhpr_lanes evenness[3];
     krhpr_lanes position_gram[9];
     krhpr_lanes rotation_gram[9];
     krhpr_lanes det_regularity[2];
@@ -3212,7 +3213,7 @@ KRHPR_OUTLINE void krhpr_spatial_delta_b_indices_lanes(
         krhpr_subleg_delta_posture_lanes(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, w, b, u);
         krhpr_subleg_delta_gram_lanes(
             &g->subleg, i, w, b, N, gram, cofactors, &square, reach + 3 * i, &regularity[i]);
-        krhpr_algebra_spatial_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i]);
+        krhpr_algebra_spatial_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i], &evenness[i]);
     }
     krhpr_platform_spatial_b_sensitivity_lanes(
         line, point, reach, position_gram, rotation_gram, det_regularity);
@@ -3221,6 +3222,7 @@ KRHPR_OUTLINE void krhpr_spatial_delta_b_indices_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+        fine &= krhpr_at_most(krhpr_all(1e-24), evenness[i]);
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
@@ -3233,6 +3235,8 @@ KRHPR_OUTLINE void krhpr_spatial_delta_b_indices_lanes(
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
+        const krhpr_ints kept_2 = krhpr_at_most(krhpr_all(1e-24), evenness[i]);
+        status = krhpr_expect(kept_2, status, KRHPR_SINGULAR_LEG_1 + i);
     }
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);
@@ -3357,6 +3361,7 @@ KRHPR_OUTLINE void krhpr_spatial_delta_b_index_bounds_lanes(
     krhpr_lanes regularity[3];
     krhpr_lanes largest[3];
     krhpr_lanes smallest[3];
+    krhpr_lanes evenness[3];
     krhpr_lanes position_gram[9];
     krhpr_lanes rotation_gram[9];
     krhpr_lanes det_regularity[2];
@@ -3381,7 +3386,8 @@ KRHPR_OUTLINE void krhpr_spatial_delta_b_index_bounds_lanes(
         krhpr_subleg_delta_posture_lanes(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, w, b, u);
         krhpr_subleg_delta_gram_lanes(
             &g->subleg, i, w, b, N, gram, cofactors, &square, reach + 3 * i, &regularity[i]);
-        krhpr_algebra_spatial_spread_bound_lanes(gram, cofactors, square, &largest[i], &smallest[i]);
+        krhpr_algebra_spatial_spread_bound_lanes(
+            gram, cofactors, square, &largest[i], &smallest[i], &evenness[i]);
     }
     krhpr_platform_spatial_b_sensitivity_lanes(
         line, point, reach, position_gram, rotation_gram, det_regularity);
@@ -3390,6 +3396,7 @@ KRHPR_OUTLINE void krhpr_spatial_delta_b_index_bounds_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+        fine &= krhpr_at_most(krhpr_all(1e-24), evenness[i]);
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
@@ -3402,6 +3409,8 @@ KRHPR_OUTLINE void krhpr_spatial_delta_b_index_bounds_lanes(
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
+        const krhpr_ints kept_2 = krhpr_at_most(krhpr_all(1e-24), evenness[i]);
+        status = krhpr_expect(kept_2, status, KRHPR_SINGULAR_LEG_1 + i);
     }
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);

@@ -3143,6 +3143,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_b_indices_lanes(
     krhpr_lanes regularity[3];
     krhpr_lanes largest[3];
     krhpr_lanes smallest[3];
+    krhpr_lanes evenness[3];
     krhpr_lanes position_gram[9];
     krhpr_lanes rotation_gram[9];
     krhpr_lanes det_regularity[2];
@@ -3169,7 +3170,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_b_indices_lanes(
         krhpr_subleg_p_fivebar_gram_lanes(
             &g->subleg, i, d, u_1, u_2, characteristic_length[0], N, gram, cofactors, &square,
             reach + 3 * i, &regularity[i]);
-        krhpr_algebra_spatial_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i]);
+        krhpr_algebra_spatial_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i], &evenness[i]);
     }
     krhpr_platform_spatial_b_sensitivity_lanes(
         line, point, reach, position_gram, rotation_gram, det_regularity);
@@ -3178,6 +3179,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_b_indices_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+        fine &= krhpr_at_most(krhpr_all(1e-24), evenness[i]);
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
@@ -3190,6 +3192,8 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_b_indices_lanes(
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
+        const krhpr_ints kept_2 = krhpr_at_most(krhpr_all(1e-24), evenness[i]);
+        status = krhpr_expect(kept_2, status, KRHPR_SINGULAR_LEG_1 + i);
     }
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);
@@ -3319,6 +3323,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_b_index_bounds_lanes(
     krhpr_lanes regularity[3];
     krhpr_lanes largest[3];
     krhpr_lanes smallest[3];
+    krhpr_lanes evenness[3];
     krhpr_lanes position_gram[9];
     krhpr_lanes rotation_gram[9];
     krhpr_lanes det_regularity[2];
@@ -3345,7 +3350,8 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_b_index_bounds_lanes(
         krhpr_subleg_p_fivebar_gram_lanes(
             &g->subleg, i, d, u_1, u_2, characteristic_length[0], N, gram, cofactors, &square,
             reach + 3 * i, &regularity[i]);
-        krhpr_algebra_spatial_spread_bound_lanes(gram, cofactors, square, &largest[i], &smallest[i]);
+        krhpr_algebra_spatial_spread_bound_lanes(
+            gram, cofactors, square, &largest[i], &smallest[i], &evenness[i]);
     }
     krhpr_platform_spatial_b_sensitivity_lanes(
         line, point, reach, position_gram, rotation_gram, det_regularity);
@@ -3354,6 +3360,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_b_index_bounds_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+        fine &= krhpr_at_most(krhpr_all(1e-24), evenness[i]);
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
@@ -3366,6 +3373,8 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_b_index_bounds_lanes(
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
+        const krhpr_ints kept_2 = krhpr_at_most(krhpr_all(1e-24), evenness[i]);
+        status = krhpr_expect(kept_2, status, KRHPR_SINGULAR_LEG_1 + i);
     }
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);

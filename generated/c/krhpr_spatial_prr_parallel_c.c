@@ -1016,6 +1016,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_indices(
     double reach[9];
     double largest[3];
     double smallest[3];
+    double evenness[3];
     double position_gram[9];
     double rotation_gram[9];
     double det_regularity[2];
@@ -1045,6 +1046,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_indices(
         krhpr_lanes reach_legs[3];
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
+        krhpr_lanes evenness_legs[1];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
@@ -1058,16 +1060,22 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_indices(
             &g->subleg, i, d_legs, v_1_legs, characteristic_length_legs[0], N_legs, gram_legs,
             cofactors_legs, square_legs, reach_legs);
         krhpr_algebra_spatial_spread_lanes(
-            gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs);
+            gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 3, reach_legs, 3, i);
         krhpr_legs_store(largest, 1, largest_legs, 1, i);
         krhpr_legs_store(smallest, 1, smallest_legs, 1, i);
+        krhpr_legs_store(evenness, 1, evenness_legs, 1, i);
     }
     krhpr_platform_spatial_c_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norms(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
+    for (int i = 0; i < 3; ++i) {
+        if (!(evenness[i] >= 1e-24)) {
+            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+        }
+    }
     if (!(det_regularity[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
@@ -1094,6 +1102,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_index_bounds(
     double reach[9];
     double largest[3];
     double smallest[3];
+    double evenness[3];
     double position_gram[9];
     double rotation_gram[9];
     double det_regularity[2];
@@ -1122,6 +1131,7 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_index_bounds(
         krhpr_lanes reach_legs[3];
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
+        krhpr_lanes evenness_legs[1];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
@@ -1135,15 +1145,21 @@ KRHPR_API int krhpr_spatial_prr_parallel_c_index_bounds(
             &g->subleg, i, d_legs, v_1_legs, characteristic_length_legs[0], N_legs, gram_legs,
             cofactors_legs, square_legs, reach_legs);
         krhpr_algebra_spatial_spread_bound_lanes(
-            gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs);
+            gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 3, reach_legs, 3, i);
         krhpr_legs_store(largest, 1, largest_legs, 1, i);
         krhpr_legs_store(smallest, 1, smallest_legs, 1, i);
+        krhpr_legs_store(evenness, 1, evenness_legs, 1, i);
     }
     krhpr_platform_spatial_c_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norm_bounds(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
+    for (int i = 0; i < 3; ++i) {
+        if (!(evenness[i] >= 1e-24)) {
+            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+        }
+    }
     if (!(det_regularity[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }

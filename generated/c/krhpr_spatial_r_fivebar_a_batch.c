@@ -2915,6 +2915,7 @@ KRHPR_OUTLINE void krhpr_spatial_r_fivebar_a_indices_lanes(
     krhpr_lanes regularity[3];
     krhpr_lanes largest[3];
     krhpr_lanes smallest[3];
+    krhpr_lanes evenness[3];
     krhpr_lanes position_gram[9];
     krhpr_lanes rotation_gram[9];
     krhpr_lanes det_regularity[2];
@@ -2942,7 +2943,7 @@ KRHPR_OUTLINE void krhpr_spatial_r_fivebar_a_indices_lanes(
             &g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
         krhpr_subleg_r_fivebar_gram_lanes(
             &g->subleg, i, x, e_2, d, u_1, u_2, N, gram, cofactors, &square, reach + 3 * i, &regularity[i]);
-        krhpr_algebra_spatial_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i]);
+        krhpr_algebra_spatial_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i], &evenness[i]);
     }
     krhpr_platform_spatial_a_sensitivity_lanes(
         line, point, reach, position_gram, rotation_gram, det_regularity);
@@ -2951,6 +2952,7 @@ KRHPR_OUTLINE void krhpr_spatial_r_fivebar_a_indices_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+        fine &= krhpr_at_most(krhpr_all(1e-24), evenness[i]);
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
@@ -2963,6 +2965,8 @@ KRHPR_OUTLINE void krhpr_spatial_r_fivebar_a_indices_lanes(
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
+        const krhpr_ints kept_2 = krhpr_at_most(krhpr_all(1e-24), evenness[i]);
+        status = krhpr_expect(kept_2, status, KRHPR_SINGULAR_LEG_1 + i);
     }
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);
@@ -3087,6 +3091,7 @@ KRHPR_OUTLINE void krhpr_spatial_r_fivebar_a_index_bounds_lanes(
     krhpr_lanes regularity[3];
     krhpr_lanes largest[3];
     krhpr_lanes smallest[3];
+    krhpr_lanes evenness[3];
     krhpr_lanes position_gram[9];
     krhpr_lanes rotation_gram[9];
     krhpr_lanes det_regularity[2];
@@ -3114,7 +3119,8 @@ KRHPR_OUTLINE void krhpr_spatial_r_fivebar_a_index_bounds_lanes(
             &g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
         krhpr_subleg_r_fivebar_gram_lanes(
             &g->subleg, i, x, e_2, d, u_1, u_2, N, gram, cofactors, &square, reach + 3 * i, &regularity[i]);
-        krhpr_algebra_spatial_spread_bound_lanes(gram, cofactors, square, &largest[i], &smallest[i]);
+        krhpr_algebra_spatial_spread_bound_lanes(
+            gram, cofactors, square, &largest[i], &smallest[i], &evenness[i]);
     }
     krhpr_platform_spatial_a_sensitivity_lanes(
         line, point, reach, position_gram, rotation_gram, det_regularity);
@@ -3123,6 +3129,7 @@ KRHPR_OUTLINE void krhpr_spatial_r_fivebar_a_index_bounds_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+        fine &= krhpr_at_most(krhpr_all(1e-24), evenness[i]);
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
@@ -3135,6 +3142,8 @@ KRHPR_OUTLINE void krhpr_spatial_r_fivebar_a_index_bounds_lanes(
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
+        const krhpr_ints kept_2 = krhpr_at_most(krhpr_all(1e-24), evenness[i]);
+        status = krhpr_expect(kept_2, status, KRHPR_SINGULAR_LEG_1 + i);
     }
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);

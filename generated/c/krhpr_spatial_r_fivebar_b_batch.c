@@ -3239,6 +3239,7 @@ KRHPR_OUTLINE void krhpr_spatial_r_fivebar_b_indices_lanes(
     krhpr_lanes regularity[3];
     krhpr_lanes largest[3];
     krhpr_lanes smallest[3];
+    krhpr_lanes evenness[3];
     krhpr_lanes position_gram[9];
     krhpr_lanes rotation_gram[9];
     krhpr_lanes det_regularity[2];
@@ -3266,7 +3267,7 @@ KRHPR_OUTLINE void krhpr_spatial_r_fivebar_b_indices_lanes(
             &g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
         krhpr_subleg_r_fivebar_gram_lanes(
             &g->subleg, i, x, e_2, d, u_1, u_2, N, gram, cofactors, &square, reach + 3 * i, &regularity[i]);
-        krhpr_algebra_spatial_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i]);
+        krhpr_algebra_spatial_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i], &evenness[i]);
     }
     krhpr_platform_spatial_b_sensitivity_lanes(
         line, point, reach, position_gram, rotation_gram, det_regularity);
@@ -3275,6 +3276,7 @@ KRHPR_OUTLINE void krhpr_spatial_r_fivebar_b_indices_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+        fine &= krhpr_at_most(krhpr_all(1e-24), evenness[i]);
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
@@ -3287,6 +3289,8 @@ KRHPR_OUTLINE void krhpr_spatial_r_fivebar_b_indices_lanes(
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
+        const krhpr_ints kept_2 = krhpr_at_most(krhpr_all(1e-24), evenness[i]);
+        status = krhpr_expect(kept_2, status, KRHPR_SINGULAR_LEG_1 + i);
     }
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);
@@ -3411,6 +3415,7 @@ KRHPR_OUTLINE void krhpr_spatial_r_fivebar_b_index_bounds_lanes(
     krhpr_lanes regularity[3];
     krhpr_lanes largest[3];
     krhpr_lanes smallest[3];
+    krhpr_lanes evenness[3];
     krhpr_lanes position_gram[9];
     krhpr_lanes rotation_gram[9];
     krhpr_lanes det_regularity[2];
@@ -3438,7 +3443,8 @@ KRHPR_OUTLINE void krhpr_spatial_r_fivebar_b_index_bounds_lanes(
             &g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, u_1, u_2);
         krhpr_subleg_r_fivebar_gram_lanes(
             &g->subleg, i, x, e_2, d, u_1, u_2, N, gram, cofactors, &square, reach + 3 * i, &regularity[i]);
-        krhpr_algebra_spatial_spread_bound_lanes(gram, cofactors, square, &largest[i], &smallest[i]);
+        krhpr_algebra_spatial_spread_bound_lanes(
+            gram, cofactors, square, &largest[i], &smallest[i], &evenness[i]);
     }
     krhpr_platform_spatial_b_sensitivity_lanes(
         line, point, reach, position_gram, rotation_gram, det_regularity);
@@ -3447,6 +3453,7 @@ KRHPR_OUTLINE void krhpr_spatial_r_fivebar_b_index_bounds_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+        fine &= krhpr_at_most(krhpr_all(1e-24), evenness[i]);
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
@@ -3459,6 +3466,8 @@ KRHPR_OUTLINE void krhpr_spatial_r_fivebar_b_index_bounds_lanes(
     for (int i = 0; i < 3; ++i) {
         const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
+        const krhpr_ints kept_2 = krhpr_at_most(krhpr_all(1e-24), evenness[i]);
+        status = krhpr_expect(kept_2, status, KRHPR_SINGULAR_LEG_1 + i);
     }
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);

@@ -2964,6 +2964,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_c_indices_lanes(
     krhpr_lanes reach[9];
     krhpr_lanes largest[3];
     krhpr_lanes smallest[3];
+    krhpr_lanes evenness[3];
     krhpr_lanes position_gram[9];
     krhpr_lanes rotation_gram[9];
     krhpr_lanes det_regularity[2];
@@ -2990,13 +2991,16 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_c_indices_lanes(
             &g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
         krhpr_subleg_rrr_gram_lanes(
             &g->subleg, i, x, e_2, d, v_1, N, gram, cofactors, &square, reach + 3 * i);
-        krhpr_algebra_spatial_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i]);
+        krhpr_algebra_spatial_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i], &evenness[i]);
     }
     krhpr_platform_spatial_c_sensitivity_lanes(
         line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norms_lanes(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-24), evenness[i]);
+    }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
@@ -3005,6 +3009,10 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_c_indices_lanes(
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    for (int i = 0; i < 3; ++i) {
+        const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-24), evenness[i]);
+        status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
+    }
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);
     const krhpr_ints valid = krhpr_is_ok(status);
@@ -3126,6 +3134,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_c_index_bounds_lanes(
     krhpr_lanes reach[9];
     krhpr_lanes largest[3];
     krhpr_lanes smallest[3];
+    krhpr_lanes evenness[3];
     krhpr_lanes position_gram[9];
     krhpr_lanes rotation_gram[9];
     krhpr_lanes det_regularity[2];
@@ -3152,13 +3161,17 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_c_index_bounds_lanes(
             &g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, x, e_2, d, v_1);
         krhpr_subleg_rrr_gram_lanes(
             &g->subleg, i, x, e_2, d, v_1, N, gram, cofactors, &square, reach + 3 * i);
-        krhpr_algebra_spatial_spread_bound_lanes(gram, cofactors, square, &largest[i], &smallest[i]);
+        krhpr_algebra_spatial_spread_bound_lanes(
+            gram, cofactors, square, &largest[i], &smallest[i], &evenness[i]);
     }
     krhpr_platform_spatial_c_sensitivity_lanes(
         line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norm_bounds_lanes(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-24), evenness[i]);
+    }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
@@ -3167,6 +3180,10 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_c_index_bounds_lanes(
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    for (int i = 0; i < 3; ++i) {
+        const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-24), evenness[i]);
+        status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
+    }
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);
     const krhpr_ints valid = krhpr_is_ok(status);

@@ -3234,6 +3234,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_indices_lanes(
     krhpr_lanes reach[9];
     krhpr_lanes largest[3];
     krhpr_lanes smallest[3];
+    krhpr_lanes evenness[3];
     krhpr_lanes position_gram[9];
     krhpr_lanes rotation_gram[9];
     krhpr_lanes det_regularity[2];
@@ -3261,13 +3262,16 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_indices_lanes(
             &g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
         krhpr_subleg_rrrr_gram_lanes(
             &g->subleg, i, x, e_2, d, v, e_4, N, gram, cofactors, &square, reach + 3 * i);
-        krhpr_algebra_spatial_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i]);
+        krhpr_algebra_spatial_spread_lanes(gram, cofactors, square, &largest[i], &smallest[i], &evenness[i]);
     }
     krhpr_platform_spatial_c_sensitivity_lanes(
         line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norms_lanes(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-24), evenness[i]);
+    }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
@@ -3276,6 +3280,10 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_indices_lanes(
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    for (int i = 0; i < 3; ++i) {
+        const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-24), evenness[i]);
+        status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
+    }
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);
     const krhpr_ints valid = krhpr_is_ok(status);
@@ -3398,6 +3406,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_index_bounds_lanes(
     krhpr_lanes reach[9];
     krhpr_lanes largest[3];
     krhpr_lanes smallest[3];
+    krhpr_lanes evenness[3];
     krhpr_lanes position_gram[9];
     krhpr_lanes rotation_gram[9];
     krhpr_lanes det_regularity[2];
@@ -3425,13 +3434,17 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_index_bounds_lanes(
             &g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, x, e_2, d, v, e_4);
         krhpr_subleg_rrrr_gram_lanes(
             &g->subleg, i, x, e_2, d, v, e_4, N, gram, cofactors, &square, reach + 3 * i);
-        krhpr_algebra_spatial_spread_bound_lanes(gram, cofactors, square, &largest[i], &smallest[i]);
+        krhpr_algebra_spatial_spread_bound_lanes(
+            gram, cofactors, square, &largest[i], &smallest[i], &evenness[i]);
     }
     krhpr_platform_spatial_c_sensitivity_lanes(
         line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norm_bounds_lanes(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-24), evenness[i]);
+    }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
@@ -3440,6 +3453,10 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_c_index_bounds_lanes(
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    for (int i = 0; i < 3; ++i) {
+        const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-24), evenness[i]);
+        status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
+    }
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);
     const krhpr_ints valid = krhpr_is_ok(status);

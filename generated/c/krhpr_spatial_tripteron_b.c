@@ -958,6 +958,7 @@ KRHPR_API int krhpr_spatial_tripteron_b_indices(
     double reach[9];
     double largest[3];
     double smallest[3];
+    double evenness[3];
     double position_gram[9];
     double rotation_gram[9];
     double det_regularity[2];
@@ -986,6 +987,7 @@ KRHPR_API int krhpr_spatial_tripteron_b_indices(
         krhpr_lanes reach_legs[3];
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
+        krhpr_lanes evenness_legs[1];
         krhpr_platform_spatial_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s_legs, theta_legs, rho_legs);
@@ -993,16 +995,22 @@ KRHPR_API int krhpr_spatial_tripteron_b_indices(
             &g->subleg, i, characteristic_length_legs[0], N_legs, gram_legs, cofactors_legs, square_legs,
             reach_legs);
         krhpr_algebra_spatial_spread_lanes(
-            gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs);
+            gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 3, reach_legs, 3, i);
         krhpr_legs_store(largest, 1, largest_legs, 1, i);
         krhpr_legs_store(smallest, 1, smallest_legs, 1, i);
+        krhpr_legs_store(evenness, 1, evenness_legs, 1, i);
     }
     krhpr_platform_spatial_b_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norms(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
+    for (int i = 0; i < 3; ++i) {
+        if (!(evenness[i] >= 1e-24)) {
+            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+        }
+    }
     if (!(det_regularity[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }
@@ -1029,6 +1037,7 @@ KRHPR_API int krhpr_spatial_tripteron_b_index_bounds(
     double reach[9];
     double largest[3];
     double smallest[3];
+    double evenness[3];
     double position_gram[9];
     double rotation_gram[9];
     double det_regularity[2];
@@ -1056,6 +1065,7 @@ KRHPR_API int krhpr_spatial_tripteron_b_index_bounds(
         krhpr_lanes reach_legs[3];
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
+        krhpr_lanes evenness_legs[1];
         krhpr_platform_spatial_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s_legs, theta_legs, rho_legs);
@@ -1063,15 +1073,21 @@ KRHPR_API int krhpr_spatial_tripteron_b_index_bounds(
             &g->subleg, i, characteristic_length_legs[0], N_legs, gram_legs, cofactors_legs, square_legs,
             reach_legs);
         krhpr_algebra_spatial_spread_bound_lanes(
-            gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs);
+            gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 3, reach_legs, 3, i);
         krhpr_legs_store(largest, 1, largest_legs, 1, i);
         krhpr_legs_store(smallest, 1, smallest_legs, 1, i);
+        krhpr_legs_store(evenness, 1, evenness_legs, 1, i);
     }
     krhpr_platform_spatial_b_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norm_bounds(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
+    for (int i = 0; i < 3; ++i) {
+        if (!(evenness[i] >= 1e-24)) {
+            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+        }
+    }
     if (!(det_regularity[0] >= 1e-24)) {
         status = status == KRHPR_OK ? KRHPR_SINGULAR_IN_PLANE : status;
     }

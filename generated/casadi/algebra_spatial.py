@@ -96,7 +96,7 @@ def rotation_error(Q: Any) -> tuple[Any, ...]:
 
 
 def spread(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
-    """Largest and smallest singular value of M, squared.  Thesis: 1.8.  (128 add, 208 multiply, 1
+    """Largest and smallest singular value of M, squared.  Thesis: 1.8.  (128 add, 208 multiply, 2
     divide, 4 square root, 2 sine cosine, 2 arctangent)"""
     gram_00, gram_01, gram_02, gram_10, gram_11, gram_12, gram_20, gram_21, gram_22 = gram
     cofactors_00, cofactors_01, cofactors_02, cofactors_10, cofactors_11, cofactors_12, cofactors_20, cofactors_21, cofactors_22 = cofactors
@@ -196,86 +196,118 @@ def spread(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
     t53 = (1 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000) * (h_f * (h_f * h_f))
     h_s = t51 + (1 / 108) * (t52 * t52) + t53
     h_t = (1 / 3) * ca.atan2(ca.sqrt(h_s), h_q)
+    high = g_m + 2 * ca.sqrt(g_p) * ca.cos(g_t)
+    low = square / (h_m + 2 * ca.sqrt(h_p) * ca.cos(h_t))
     return (
         (  # largest
-            g_m + 2 * ca.sqrt(g_p) * ca.cos(g_t),
+            high,
         ),
         (  # smallest
-            square / (h_m + 2 * ca.sqrt(h_p) * ca.cos(h_t)),
+            low,
+        ),
+        (  # evenness
+            low / high,
         ),
     )
 
 
 def spread_bound(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
-    """Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (88 add,
-    114 multiply, 1 divide, 6 square root)"""
+    """Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (92 add,
+    134 multiply, 4 divide, 6 square root)"""
     gram_00, gram_01, gram_02, gram_10, gram_11, gram_12, gram_20, gram_21, gram_22 = gram
     cofactors_00, cofactors_01, cofactors_02, cofactors_10, cofactors_11, cofactors_12, cofactors_20, cofactors_21, cofactors_22 = cofactors
     square, = square
-    t1 = gram_01 * gram_10
-    t2 = gram_02 * gram_20
-    g_r2_00 = gram_00 * gram_00 + t1 + t2
-    g_r2_01 = gram_00 * gram_01 + gram_01 * gram_11 + gram_02 * gram_21
-    g_r2_02 = gram_00 * gram_02 + gram_01 * gram_12 + gram_02 * gram_22
-    g_r2_10 = gram_00 * gram_10 + gram_10 * gram_11 + gram_12 * gram_20
-    t3 = gram_12 * gram_21
-    g_r2_11 = t1 + gram_11 * gram_11 + t3
-    g_r2_12 = gram_02 * gram_10 + gram_11 * gram_12 + gram_12 * gram_22
-    g_r2_20 = gram_00 * gram_20 + gram_10 * gram_21 + gram_20 * gram_22
-    g_r2_21 = gram_01 * gram_20 + gram_11 * gram_21 + gram_21 * gram_22
-    g_r2_22 = t3 + (t2 + gram_22 * gram_22)
-    t4 = g_r2_01 * g_r2_10
-    t5 = g_r2_02 * g_r2_20
-    g_r4_00 = g_r2_00 * g_r2_00 + t4 + t5
+    g_0 = gram_22 + (gram_00 + gram_11)
+    t1 = 1 / g_0
+    g_r_00 = gram_00 * t1
+    g_r_01 = gram_01 * t1
+    g_r_02 = gram_02 * t1
+    g_r_10 = gram_10 * t1
+    g_r_11 = gram_11 * t1
+    g_r_12 = gram_12 * t1
+    g_r_20 = gram_20 * t1
+    g_r_21 = gram_21 * t1
+    g_r_22 = gram_22 * t1
+    t2 = g_r_01 * g_r_10
+    t3 = g_r_02 * g_r_20
+    g_r2_00 = g_r_00 * g_r_00 + t2 + t3
+    g_r2_01 = g_r_00 * g_r_01 + g_r_01 * g_r_11 + g_r_02 * g_r_21
+    g_r2_02 = g_r_00 * g_r_02 + g_r_01 * g_r_12 + g_r_02 * g_r_22
+    g_r2_10 = g_r_00 * g_r_10 + g_r_10 * g_r_11 + g_r_12 * g_r_20
+    t4 = g_r_12 * g_r_21
+    g_r2_11 = t2 + g_r_11 * g_r_11 + t4
+    g_r2_12 = g_r_02 * g_r_10 + g_r_11 * g_r_12 + g_r_12 * g_r_22
+    g_r2_20 = g_r_00 * g_r_20 + g_r_10 * g_r_21 + g_r_20 * g_r_22
+    g_r2_21 = g_r_01 * g_r_20 + g_r_11 * g_r_21 + g_r_21 * g_r_22
+    g_r2_22 = t4 + (t3 + g_r_22 * g_r_22)
+    t5 = g_r2_01 * g_r2_10
+    t6 = g_r2_02 * g_r2_20
+    g_r4_00 = g_r2_00 * g_r2_00 + t5 + t6
     g_r4_01 = g_r2_00 * g_r2_01 + g_r2_01 * g_r2_11 + g_r2_02 * g_r2_21
     g_r4_02 = g_r2_00 * g_r2_02 + g_r2_01 * g_r2_12 + g_r2_02 * g_r2_22
     g_r4_10 = g_r2_00 * g_r2_10 + g_r2_10 * g_r2_11 + g_r2_12 * g_r2_20
-    t6 = g_r2_12 * g_r2_21
-    g_r4_11 = t4 + g_r2_11 * g_r2_11 + t6
+    t7 = g_r2_12 * g_r2_21
+    g_r4_11 = t5 + g_r2_11 * g_r2_11 + t7
     g_r4_12 = g_r2_02 * g_r2_10 + g_r2_11 * g_r2_12 + g_r2_12 * g_r2_22
     g_r4_20 = g_r2_00 * g_r2_20 + g_r2_10 * g_r2_21 + g_r2_20 * g_r2_22
     g_r4_21 = g_r2_01 * g_r2_20 + g_r2_11 * g_r2_21 + g_r2_21 * g_r2_22
-    g_r4_22 = t6 + (t5 + g_r2_22 * g_r2_22)
-    t7 = g_r4_00 * g_r4_00 + g_r4_01 * g_r4_01 + g_r4_02 * g_r4_02 + g_r4_10 * g_r4_10 + g_r4_11 * g_r4_11
-    g_8 = t7 + g_r4_12 * g_r4_12 + g_r4_20 * g_r4_20 + g_r4_21 * g_r4_21 + g_r4_22 * g_r4_22
+    g_r4_22 = t7 + (t6 + g_r2_22 * g_r2_22)
+    t8 = g_r4_00 * g_r4_00 + g_r4_01 * g_r4_01 + g_r4_02 * g_r4_02 + g_r4_10 * g_r4_10 + g_r4_11 * g_r4_11
+    g_8 = t8 + g_r4_12 * g_r4_12 + g_r4_20 * g_r4_20 + g_r4_21 * g_r4_21 + g_r4_22 * g_r4_22
     g_4 = ca.sqrt(g_8)
     g_2 = ca.sqrt(g_4)
     g_1 = ca.sqrt(g_2)
-    t8 = cofactors_01 * cofactors_10
-    t9 = cofactors_02 * cofactors_20
-    h_r2_00 = cofactors_00 * cofactors_00 + t8 + t9
-    h_r2_01 = cofactors_00 * cofactors_01 + cofactors_01 * cofactors_11 + cofactors_02 * cofactors_21
-    h_r2_02 = cofactors_00 * cofactors_02 + cofactors_01 * cofactors_12 + cofactors_02 * cofactors_22
-    h_r2_10 = cofactors_00 * cofactors_10 + cofactors_10 * cofactors_11 + cofactors_12 * cofactors_20
-    t10 = cofactors_12 * cofactors_21
-    h_r2_11 = t8 + cofactors_11 * cofactors_11 + t10
-    h_r2_12 = cofactors_02 * cofactors_10 + cofactors_11 * cofactors_12 + cofactors_12 * cofactors_22
-    h_r2_20 = cofactors_00 * cofactors_20 + cofactors_10 * cofactors_21 + cofactors_20 * cofactors_22
-    h_r2_21 = cofactors_01 * cofactors_20 + cofactors_11 * cofactors_21 + cofactors_21 * cofactors_22
-    h_r2_22 = t10 + (t9 + cofactors_22 * cofactors_22)
-    t11 = h_r2_01 * h_r2_10
-    t12 = h_r2_02 * h_r2_20
-    h_r4_00 = h_r2_00 * h_r2_00 + t11 + t12
+    h_0 = cofactors_22 + (cofactors_00 + cofactors_11)
+    t9 = 1 / h_0
+    h_r_00 = cofactors_00 * t9
+    h_r_01 = cofactors_01 * t9
+    h_r_02 = cofactors_02 * t9
+    h_r_10 = cofactors_10 * t9
+    h_r_11 = cofactors_11 * t9
+    h_r_12 = cofactors_12 * t9
+    h_r_20 = cofactors_20 * t9
+    h_r_21 = cofactors_21 * t9
+    h_r_22 = cofactors_22 * t9
+    t10 = h_r_01 * h_r_10
+    t11 = h_r_02 * h_r_20
+    h_r2_00 = h_r_00 * h_r_00 + t10 + t11
+    h_r2_01 = h_r_00 * h_r_01 + h_r_01 * h_r_11 + h_r_02 * h_r_21
+    h_r2_02 = h_r_00 * h_r_02 + h_r_01 * h_r_12 + h_r_02 * h_r_22
+    h_r2_10 = h_r_00 * h_r_10 + h_r_10 * h_r_11 + h_r_12 * h_r_20
+    t12 = h_r_12 * h_r_21
+    h_r2_11 = t10 + h_r_11 * h_r_11 + t12
+    h_r2_12 = h_r_02 * h_r_10 + h_r_11 * h_r_12 + h_r_12 * h_r_22
+    h_r2_20 = h_r_00 * h_r_20 + h_r_10 * h_r_21 + h_r_20 * h_r_22
+    h_r2_21 = h_r_01 * h_r_20 + h_r_11 * h_r_21 + h_r_21 * h_r_22
+    h_r2_22 = t12 + (t11 + h_r_22 * h_r_22)
+    t13 = h_r2_01 * h_r2_10
+    t14 = h_r2_02 * h_r2_20
+    h_r4_00 = h_r2_00 * h_r2_00 + t13 + t14
     h_r4_01 = h_r2_00 * h_r2_01 + h_r2_01 * h_r2_11 + h_r2_02 * h_r2_21
     h_r4_02 = h_r2_00 * h_r2_02 + h_r2_01 * h_r2_12 + h_r2_02 * h_r2_22
     h_r4_10 = h_r2_00 * h_r2_10 + h_r2_10 * h_r2_11 + h_r2_12 * h_r2_20
-    t13 = h_r2_12 * h_r2_21
-    h_r4_11 = t11 + h_r2_11 * h_r2_11 + t13
+    t15 = h_r2_12 * h_r2_21
+    h_r4_11 = t13 + h_r2_11 * h_r2_11 + t15
     h_r4_12 = h_r2_02 * h_r2_10 + h_r2_11 * h_r2_12 + h_r2_12 * h_r2_22
     h_r4_20 = h_r2_00 * h_r2_20 + h_r2_10 * h_r2_21 + h_r2_20 * h_r2_22
     h_r4_21 = h_r2_01 * h_r2_20 + h_r2_11 * h_r2_21 + h_r2_21 * h_r2_22
-    h_r4_22 = t13 + (t12 + h_r2_22 * h_r2_22)
-    t14 = h_r4_00 * h_r4_00 + h_r4_01 * h_r4_01 + h_r4_02 * h_r4_02 + h_r4_10 * h_r4_10 + h_r4_11 * h_r4_11
-    h_8 = t14 + h_r4_12 * h_r4_12 + h_r4_20 * h_r4_20 + h_r4_21 * h_r4_21 + h_r4_22 * h_r4_22
+    h_r4_22 = t15 + (t14 + h_r2_22 * h_r2_22)
+    t16 = h_r4_00 * h_r4_00 + h_r4_01 * h_r4_01 + h_r4_02 * h_r4_02 + h_r4_10 * h_r4_10 + h_r4_11 * h_r4_11
+    h_8 = t16 + h_r4_12 * h_r4_12 + h_r4_20 * h_r4_20 + h_r4_21 * h_r4_21 + h_r4_22 * h_r4_22
     h_4 = ca.sqrt(h_8)
     h_2 = ca.sqrt(h_4)
     h_1 = ca.sqrt(h_2)
+    high = g_0 * g_1
+    low = square / (h_0 * h_1)
     return (
         (  # largest
-            g_1,
+            high,
         ),
         (  # smallest
-            square / h_1,
+            low,
+        ),
+        (  # evenness
+            low / high,
         ),
     )
 
@@ -405,102 +437,134 @@ def norms(position_gram: Any, rotation_gram: Any, largest: Any, smallest: Any) -
 
 
 def norm_bounds(position_gram: Any, rotation_gram: Any, largest: Any, smallest: Any) -> tuple[Any, ...]:
-    """Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (92 add, 133
-    multiply, 3 divide, 15 square root)"""
+    """Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (100 add, 161
+    multiply, 7 divide, 15 square root)"""
     position_gram_00, position_gram_01, position_gram_02, position_gram_10, position_gram_11, position_gram_12, position_gram_20, position_gram_21, position_gram_22 = position_gram
     rotation_gram_00, rotation_gram_01, rotation_gram_02, rotation_gram_10, rotation_gram_11, rotation_gram_12, rotation_gram_20, rotation_gram_21, rotation_gram_22 = rotation_gram
     largest_0, largest_1, largest_2 = largest
     smallest_0, smallest_1, smallest_2 = smallest
-    t1 = position_gram_01 * position_gram_10
-    t2 = position_gram_02 * position_gram_20
-    p_r2_00 = position_gram_00 * position_gram_00 + t1 + t2
-    p_r2_01 = position_gram_00 * position_gram_01 + position_gram_01 * position_gram_11 + position_gram_02 * position_gram_21
-    p_r2_02 = position_gram_00 * position_gram_02 + position_gram_01 * position_gram_12 + position_gram_02 * position_gram_22
-    p_r2_10 = position_gram_00 * position_gram_10 + position_gram_10 * position_gram_11 + position_gram_12 * position_gram_20
-    t3 = position_gram_12 * position_gram_21
-    p_r2_11 = t1 + position_gram_11 * position_gram_11 + t3
-    p_r2_12 = position_gram_02 * position_gram_10 + position_gram_11 * position_gram_12 + position_gram_12 * position_gram_22
-    p_r2_20 = position_gram_00 * position_gram_20 + position_gram_10 * position_gram_21 + position_gram_20 * position_gram_22
-    p_r2_21 = position_gram_01 * position_gram_20 + position_gram_11 * position_gram_21 + position_gram_21 * position_gram_22
-    p_r2_22 = t3 + (t2 + position_gram_22 * position_gram_22)
-    t4 = p_r2_01 * p_r2_10
-    t5 = p_r2_02 * p_r2_20
-    p_r4_00 = p_r2_00 * p_r2_00 + t4 + t5
+    p_0 = position_gram_22 + (position_gram_00 + position_gram_11)
+    t1 = 1 / p_0
+    p_r_00 = position_gram_00 * t1
+    p_r_01 = position_gram_01 * t1
+    p_r_02 = position_gram_02 * t1
+    p_r_10 = position_gram_10 * t1
+    p_r_11 = position_gram_11 * t1
+    p_r_12 = position_gram_12 * t1
+    p_r_20 = position_gram_20 * t1
+    p_r_21 = position_gram_21 * t1
+    p_r_22 = position_gram_22 * t1
+    t2 = p_r_01 * p_r_10
+    t3 = p_r_02 * p_r_20
+    p_r2_00 = p_r_00 * p_r_00 + t2 + t3
+    p_r2_01 = p_r_00 * p_r_01 + p_r_01 * p_r_11 + p_r_02 * p_r_21
+    p_r2_02 = p_r_00 * p_r_02 + p_r_01 * p_r_12 + p_r_02 * p_r_22
+    p_r2_10 = p_r_00 * p_r_10 + p_r_10 * p_r_11 + p_r_12 * p_r_20
+    t4 = p_r_12 * p_r_21
+    p_r2_11 = t2 + p_r_11 * p_r_11 + t4
+    p_r2_12 = p_r_02 * p_r_10 + p_r_11 * p_r_12 + p_r_12 * p_r_22
+    p_r2_20 = p_r_00 * p_r_20 + p_r_10 * p_r_21 + p_r_20 * p_r_22
+    p_r2_21 = p_r_01 * p_r_20 + p_r_11 * p_r_21 + p_r_21 * p_r_22
+    p_r2_22 = t4 + (t3 + p_r_22 * p_r_22)
+    t5 = p_r2_01 * p_r2_10
+    t6 = p_r2_02 * p_r2_20
+    p_r4_00 = p_r2_00 * p_r2_00 + t5 + t6
     p_r4_01 = p_r2_00 * p_r2_01 + p_r2_01 * p_r2_11 + p_r2_02 * p_r2_21
     p_r4_02 = p_r2_00 * p_r2_02 + p_r2_01 * p_r2_12 + p_r2_02 * p_r2_22
     p_r4_10 = p_r2_00 * p_r2_10 + p_r2_10 * p_r2_11 + p_r2_12 * p_r2_20
-    t6 = p_r2_12 * p_r2_21
-    p_r4_11 = t4 + p_r2_11 * p_r2_11 + t6
+    t7 = p_r2_12 * p_r2_21
+    p_r4_11 = t5 + p_r2_11 * p_r2_11 + t7
     p_r4_12 = p_r2_02 * p_r2_10 + p_r2_11 * p_r2_12 + p_r2_12 * p_r2_22
     p_r4_20 = p_r2_00 * p_r2_20 + p_r2_10 * p_r2_21 + p_r2_20 * p_r2_22
     p_r4_21 = p_r2_01 * p_r2_20 + p_r2_11 * p_r2_21 + p_r2_21 * p_r2_22
-    p_r4_22 = t6 + (t5 + p_r2_22 * p_r2_22)
-    t7 = p_r4_00 * p_r4_00 + p_r4_01 * p_r4_01 + p_r4_02 * p_r4_02 + p_r4_10 * p_r4_10 + p_r4_11 * p_r4_11
-    p_8 = t7 + p_r4_12 * p_r4_12 + p_r4_20 * p_r4_20 + p_r4_21 * p_r4_21 + p_r4_22 * p_r4_22
+    p_r4_22 = t7 + (t6 + p_r2_22 * p_r2_22)
+    t8 = p_r4_00 * p_r4_00 + p_r4_01 * p_r4_01 + p_r4_02 * p_r4_02 + p_r4_10 * p_r4_10 + p_r4_11 * p_r4_11
+    p_8 = t8 + p_r4_12 * p_r4_12 + p_r4_20 * p_r4_20 + p_r4_21 * p_r4_21 + p_r4_22 * p_r4_22
     p_4 = ca.sqrt(p_8)
     p_2 = ca.sqrt(p_4)
     p_1 = ca.sqrt(p_2)
-    t8 = rotation_gram_01 * rotation_gram_10
-    t9 = rotation_gram_02 * rotation_gram_20
-    r_r2_00 = rotation_gram_00 * rotation_gram_00 + t8 + t9
-    r_r2_01 = rotation_gram_00 * rotation_gram_01 + rotation_gram_01 * rotation_gram_11 + rotation_gram_02 * rotation_gram_21
-    r_r2_02 = rotation_gram_00 * rotation_gram_02 + rotation_gram_01 * rotation_gram_12 + rotation_gram_02 * rotation_gram_22
-    r_r2_10 = rotation_gram_00 * rotation_gram_10 + rotation_gram_10 * rotation_gram_11 + rotation_gram_12 * rotation_gram_20
-    t10 = rotation_gram_12 * rotation_gram_21
-    r_r2_11 = t8 + rotation_gram_11 * rotation_gram_11 + t10
-    r_r2_12 = rotation_gram_02 * rotation_gram_10 + rotation_gram_11 * rotation_gram_12 + rotation_gram_12 * rotation_gram_22
-    r_r2_20 = rotation_gram_00 * rotation_gram_20 + rotation_gram_10 * rotation_gram_21 + rotation_gram_20 * rotation_gram_22
-    r_r2_21 = rotation_gram_01 * rotation_gram_20 + rotation_gram_11 * rotation_gram_21 + rotation_gram_21 * rotation_gram_22
-    r_r2_22 = t10 + (t9 + rotation_gram_22 * rotation_gram_22)
-    t11 = r_r2_01 * r_r2_10
-    t12 = r_r2_02 * r_r2_20
-    r_r4_00 = r_r2_00 * r_r2_00 + t11 + t12
+    r_0 = rotation_gram_22 + (rotation_gram_00 + rotation_gram_11)
+    t9 = 1 / r_0
+    r_r_00 = rotation_gram_00 * t9
+    r_r_01 = rotation_gram_01 * t9
+    r_r_02 = rotation_gram_02 * t9
+    r_r_10 = rotation_gram_10 * t9
+    r_r_11 = rotation_gram_11 * t9
+    r_r_12 = rotation_gram_12 * t9
+    r_r_20 = rotation_gram_20 * t9
+    r_r_21 = rotation_gram_21 * t9
+    r_r_22 = rotation_gram_22 * t9
+    t10 = r_r_01 * r_r_10
+    t11 = r_r_02 * r_r_20
+    r_r2_00 = r_r_00 * r_r_00 + t10 + t11
+    r_r2_01 = r_r_00 * r_r_01 + r_r_01 * r_r_11 + r_r_02 * r_r_21
+    r_r2_02 = r_r_00 * r_r_02 + r_r_01 * r_r_12 + r_r_02 * r_r_22
+    r_r2_10 = r_r_00 * r_r_10 + r_r_10 * r_r_11 + r_r_12 * r_r_20
+    t12 = r_r_12 * r_r_21
+    r_r2_11 = t10 + r_r_11 * r_r_11 + t12
+    r_r2_12 = r_r_02 * r_r_10 + r_r_11 * r_r_12 + r_r_12 * r_r_22
+    r_r2_20 = r_r_00 * r_r_20 + r_r_10 * r_r_21 + r_r_20 * r_r_22
+    r_r2_21 = r_r_01 * r_r_20 + r_r_11 * r_r_21 + r_r_21 * r_r_22
+    r_r2_22 = t12 + (t11 + r_r_22 * r_r_22)
+    t13 = r_r2_01 * r_r2_10
+    t14 = r_r2_02 * r_r2_20
+    r_r4_00 = r_r2_00 * r_r2_00 + t13 + t14
     r_r4_01 = r_r2_00 * r_r2_01 + r_r2_01 * r_r2_11 + r_r2_02 * r_r2_21
     r_r4_02 = r_r2_00 * r_r2_02 + r_r2_01 * r_r2_12 + r_r2_02 * r_r2_22
     r_r4_10 = r_r2_00 * r_r2_10 + r_r2_10 * r_r2_11 + r_r2_12 * r_r2_20
-    t13 = r_r2_12 * r_r2_21
-    r_r4_11 = t11 + r_r2_11 * r_r2_11 + t13
+    t15 = r_r2_12 * r_r2_21
+    r_r4_11 = t13 + r_r2_11 * r_r2_11 + t15
     r_r4_12 = r_r2_02 * r_r2_10 + r_r2_11 * r_r2_12 + r_r2_12 * r_r2_22
     r_r4_20 = r_r2_00 * r_r2_20 + r_r2_10 * r_r2_21 + r_r2_20 * r_r2_22
     r_r4_21 = r_r2_01 * r_r2_20 + r_r2_11 * r_r2_21 + r_r2_21 * r_r2_22
-    r_r4_22 = t13 + (t12 + r_r2_22 * r_r2_22)
-    t14 = r_r4_00 * r_r4_00 + r_r4_01 * r_r4_01 + r_r4_02 * r_r4_02 + r_r4_10 * r_r4_10 + r_r4_11 * r_r4_11
-    r_8 = t14 + r_r4_12 * r_r4_12 + r_r4_20 * r_r4_20 + r_r4_21 * r_r4_21 + r_r4_22 * r_r4_22
+    r_r4_22 = t15 + (t14 + r_r2_22 * r_r2_22)
+    t16 = r_r4_00 * r_r4_00 + r_r4_01 * r_r4_01 + r_r4_02 * r_r4_02 + r_r4_10 * r_r4_10 + r_r4_11 * r_r4_11
+    r_8 = t16 + r_r4_12 * r_r4_12 + r_r4_20 * r_r4_20 + r_r4_21 * r_r4_21 + r_r4_22 * r_r4_22
     r_4 = ca.sqrt(r_8)
     r_2 = ca.sqrt(r_4)
     r_1 = ca.sqrt(r_2)
-    t15 = largest_0 * largest_0
-    t16 = t15 * t15
-    t17 = largest_1 * largest_1
-    t18 = t17 * t17
-    t19 = largest_2 * largest_2
-    t20 = t19 * t19
-    l_8 = t16 * t16 + t18 * t18 + t20 * t20
+    l_0 = largest_2 + (largest_0 + largest_1)
+    t17 = 1 / l_0
+    l_r1 = largest_0 * t17
+    l_r2 = largest_1 * t17
+    l_r3 = largest_2 * t17
+    t18 = l_r1 * l_r1
+    t19 = t18 * t18
+    t20 = l_r2 * l_r2
+    t21 = t20 * t20
+    t22 = l_r3 * l_r3
+    t23 = t22 * t22
+    l_8 = t19 * t19 + t21 * t21 + t23 * t23
     l_4 = ca.sqrt(l_8)
     l_2 = ca.sqrt(l_4)
     l_1 = ca.sqrt(l_2)
     inv_s = 1 / smallest_0
     inv_s_a = 1 / smallest_1
     inv_s_b = 1 / smallest_2
-    t21 = inv_s * inv_s
-    t22 = t21 * t21
-    t23 = inv_s_a * inv_s_a
-    t24 = t23 * t23
-    t25 = inv_s_b * inv_s_b
+    s_0 = inv_s_b + (inv_s + inv_s_a)
+    t24 = 1 / s_0
+    s_r1 = inv_s * t24
+    s_r2 = inv_s_a * t24
+    s_r3 = inv_s_b * t24
+    t25 = s_r1 * s_r1
     t26 = t25 * t25
-    s_8 = t22 * t22 + t24 * t24 + t26 * t26
+    t27 = s_r2 * s_r2
+    t28 = t27 * t27
+    t29 = s_r3 * s_r3
+    t30 = t29 * t29
+    s_8 = t26 * t26 + t28 * t28 + t30 * t30
     s_4 = ca.sqrt(s_8)
     s_2 = ca.sqrt(s_4)
     s_1 = ca.sqrt(s_2)
     return (
         (  # eta_1
-            ca.sqrt(p_1),
+            ca.sqrt(p_0 * p_1),
         ),
         (  # eta_2
-            ca.sqrt(r_1),
+            ca.sqrt(r_0 * r_1),
         ),
         (  # eta_3
-            ca.sqrt(l_1 * s_1),
+            ca.sqrt(s_1 * (s_0 * (l_0 * l_1))),
         ),
     )
 

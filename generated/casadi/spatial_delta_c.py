@@ -791,7 +791,7 @@ def indices(geometry: Any) -> Any:
         w_i, b_i, _u = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         gram_i, cofactors_i, square_i, reach_i, _regularity = subleg.gram(
             subleg.prepare(fields), w_i, b_i, N_i)
-        largest_i, smallest_i = algebra.spread(gram_i, cofactors_i, square_i)
+        largest_i, smallest_i, _evenness = algebra.spread(gram_i, cofactors_i, square_i)
         line += line_i
         point += point_i
         reach += reach_i
@@ -832,7 +832,7 @@ def index_bounds(geometry: Any) -> Any:
         w_i, b_i, _u = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         gram_i, cofactors_i, square_i, reach_i, _regularity = subleg.gram(
             subleg.prepare(fields), w_i, b_i, N_i)
-        largest_i, smallest_i = algebra.spread_bound(gram_i, cofactors_i, square_i)
+        largest_i, smallest_i, _evenness = algebra.spread_bound(gram_i, cofactors_i, square_i)
         line += line_i
         point += point_i
         reach += reach_i

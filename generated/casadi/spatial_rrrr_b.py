@@ -824,7 +824,7 @@ def indices(geometry: Any) -> Any:
             subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         gram_i, cofactors_i, square_i, reach_i = subleg.gram(
             subleg.prepare(fields), x_i, e_2_i, d_i, v_i, e_4_i, N_i)
-        largest_i, smallest_i = algebra.spread(gram_i, cofactors_i, square_i)
+        largest_i, smallest_i, _evenness = algebra.spread(gram_i, cofactors_i, square_i)
         line += line_i
         point += point_i
         reach += reach_i
@@ -866,7 +866,7 @@ def index_bounds(geometry: Any) -> Any:
             subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
         gram_i, cofactors_i, square_i, reach_i = subleg.gram(
             subleg.prepare(fields), x_i, e_2_i, d_i, v_i, e_4_i, N_i)
-        largest_i, smallest_i = algebra.spread_bound(gram_i, cofactors_i, square_i)
+        largest_i, smallest_i, _evenness = algebra.spread_bound(gram_i, cofactors_i, square_i)
         line += line_i
         point += point_i
         reach += reach_i

@@ -77,7 +77,7 @@ def rotation(phi: Any) -> tuple[Any, ...]:
 
 
 def spread(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
-    """Largest and smallest singular value of M, squared.  Thesis: 1.8.  (8 add, 8 multiply, 1 divide,
+    """Largest and smallest singular value of M, squared.  Thesis: 1.8.  (8 add, 8 multiply, 2 divide,
     2 square root)"""
     gram_00, gram_01, _gram_10, gram_11 = gram
     cofactors_00, cofactors_01, _cofactors_10, cofactors_11 = cofactors
@@ -88,56 +88,78 @@ def spread(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
     t3 = cofactors_00 * 0.5
     t4 = cofactors_11 * 0.5
     h_h = t3 - t4
+    high = t2 + (t1 + np.sqrt(g_h * g_h + gram_01 * gram_01))
+    low = square / (t4 + (t3 + np.sqrt(cofactors_01 * cofactors_01 + h_h * h_h)))
     return (
         (  # largest
-            t2 + (t1 + np.sqrt(g_h * g_h + gram_01 * gram_01)),
+            high,
         ),
         (  # smallest
-            square / (t4 + (t3 + np.sqrt(cofactors_01 * cofactors_01 + h_h * h_h))),
+            low,
+        ),
+        (  # evenness
+            low / high,
         ),
     )
 
 
 def spread_bound(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
-    """Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (22 add,
-    36 multiply, 1 divide, 6 square root)"""
+    """Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (24 add,
+    46 multiply, 4 divide, 6 square root)"""
     gram_00, gram_01, gram_10, gram_11 = gram
     cofactors_00, cofactors_01, cofactors_10, cofactors_11 = cofactors
     square, = square
-    t1 = gram_01 * gram_10
-    g_r2_00 = gram_00 * gram_00 + t1
-    g_r2_01 = gram_00 * gram_01 + gram_01 * gram_11
-    g_r2_10 = gram_00 * gram_10 + gram_10 * gram_11
-    g_r2_11 = t1 + gram_11 * gram_11
-    t2 = g_r2_01 * g_r2_10
-    g_r4_00 = g_r2_00 * g_r2_00 + t2
+    g_0 = gram_00 + gram_11
+    t1 = 1 / g_0
+    g_r_00 = gram_00 * t1
+    g_r_01 = gram_01 * t1
+    g_r_10 = gram_10 * t1
+    g_r_11 = gram_11 * t1
+    t2 = g_r_01 * g_r_10
+    g_r2_00 = g_r_00 * g_r_00 + t2
+    g_r2_01 = g_r_00 * g_r_01 + g_r_01 * g_r_11
+    g_r2_10 = g_r_00 * g_r_10 + g_r_10 * g_r_11
+    g_r2_11 = t2 + g_r_11 * g_r_11
+    t3 = g_r2_01 * g_r2_10
+    g_r4_00 = g_r2_00 * g_r2_00 + t3
     g_r4_01 = g_r2_00 * g_r2_01 + g_r2_01 * g_r2_11
     g_r4_10 = g_r2_00 * g_r2_10 + g_r2_10 * g_r2_11
-    g_r4_11 = t2 + g_r2_11 * g_r2_11
+    g_r4_11 = t3 + g_r2_11 * g_r2_11
     g_8 = g_r4_00 * g_r4_00 + g_r4_01 * g_r4_01 + g_r4_10 * g_r4_10 + g_r4_11 * g_r4_11
     g_4 = np.sqrt(g_8)
     g_2 = np.sqrt(g_4)
     g_1 = np.sqrt(g_2)
-    t3 = cofactors_01 * cofactors_10
-    h_r2_00 = cofactors_00 * cofactors_00 + t3
-    h_r2_01 = cofactors_00 * cofactors_01 + cofactors_01 * cofactors_11
-    h_r2_10 = cofactors_00 * cofactors_10 + cofactors_10 * cofactors_11
-    h_r2_11 = t3 + cofactors_11 * cofactors_11
-    t4 = h_r2_01 * h_r2_10
-    h_r4_00 = h_r2_00 * h_r2_00 + t4
+    h_0 = cofactors_00 + cofactors_11
+    t4 = 1 / h_0
+    h_r_00 = cofactors_00 * t4
+    h_r_01 = cofactors_01 * t4
+    h_r_10 = cofactors_10 * t4
+    h_r_11 = cofactors_11 * t4
+    t5 = h_r_01 * h_r_10
+    h_r2_00 = h_r_00 * h_r_00 + t5
+    h_r2_01 = h_r_00 * h_r_01 + h_r_01 * h_r_11
+    h_r2_10 = h_r_00 * h_r_10 + h_r_10 * h_r_11
+    h_r2_11 = t5 + h_r_11 * h_r_11
+    t6 = h_r2_01 * h_r2_10
+    h_r4_00 = h_r2_00 * h_r2_00 + t6
     h_r4_01 = h_r2_00 * h_r2_01 + h_r2_01 * h_r2_11
     h_r4_10 = h_r2_00 * h_r2_10 + h_r2_10 * h_r2_11
-    h_r4_11 = t4 + h_r2_11 * h_r2_11
+    h_r4_11 = t6 + h_r2_11 * h_r2_11
     h_8 = h_r4_00 * h_r4_00 + h_r4_01 * h_r4_01 + h_r4_10 * h_r4_10 + h_r4_11 * h_r4_11
     h_4 = np.sqrt(h_8)
     h_2 = np.sqrt(h_4)
     h_1 = np.sqrt(h_2)
+    high = g_0 * g_1
+    low = square / (h_0 * h_1)
     return (
         (  # largest
-            g_1,
+            high,
         ),
         (  # smallest
-            square / h_1,
+            low,
+        ),
+        (  # evenness
+            low / high,
         ),
     )
 
@@ -172,58 +194,74 @@ def norms(position_gram: Any, rotation_gram: Any, largest: Any, smallest: Any) -
 
 
 def norm_bounds(position_gram: Any, rotation_gram: Any, largest: Any, smallest: Any) -> tuple[Any, ...]:
-    """Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (15 add, 37
-    multiply, 3 divide, 12 square root)"""
+    """Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (20 add, 50
+    multiply, 6 divide, 12 square root)"""
     position_gram_00, position_gram_01, position_gram_10, position_gram_11 = position_gram
     rotation_gram_00, = rotation_gram
     largest_0, largest_1, largest_2 = largest
     smallest_0, smallest_1, smallest_2 = smallest
-    t1 = position_gram_01 * position_gram_10
-    p_r2_00 = position_gram_00 * position_gram_00 + t1
-    p_r2_01 = position_gram_00 * position_gram_01 + position_gram_01 * position_gram_11
-    p_r2_10 = position_gram_00 * position_gram_10 + position_gram_10 * position_gram_11
-    p_r2_11 = t1 + position_gram_11 * position_gram_11
-    t2 = p_r2_01 * p_r2_10
-    p_r4_00 = p_r2_00 * p_r2_00 + t2
+    p_0 = position_gram_00 + position_gram_11
+    t1 = 1 / p_0
+    p_r_00 = position_gram_00 * t1
+    p_r_01 = position_gram_01 * t1
+    p_r_10 = position_gram_10 * t1
+    p_r_11 = position_gram_11 * t1
+    t2 = p_r_01 * p_r_10
+    p_r2_00 = p_r_00 * p_r_00 + t2
+    p_r2_01 = p_r_00 * p_r_01 + p_r_01 * p_r_11
+    p_r2_10 = p_r_00 * p_r_10 + p_r_10 * p_r_11
+    p_r2_11 = t2 + p_r_11 * p_r_11
+    t3 = p_r2_01 * p_r2_10
+    p_r4_00 = p_r2_00 * p_r2_00 + t3
     p_r4_01 = p_r2_00 * p_r2_01 + p_r2_01 * p_r2_11
     p_r4_10 = p_r2_00 * p_r2_10 + p_r2_10 * p_r2_11
-    p_r4_11 = t2 + p_r2_11 * p_r2_11
+    p_r4_11 = t3 + p_r2_11 * p_r2_11
     p_8 = p_r4_00 * p_r4_00 + p_r4_01 * p_r4_01 + p_r4_10 * p_r4_10 + p_r4_11 * p_r4_11
     p_4 = np.sqrt(p_8)
     p_2 = np.sqrt(p_4)
     p_1 = np.sqrt(p_2)
-    t3 = largest_0 * largest_0
-    t4 = t3 * t3
-    t5 = largest_1 * largest_1
+    l_0 = largest_2 + (largest_0 + largest_1)
+    t4 = 1 / l_0
+    l_r1 = largest_0 * t4
+    l_r2 = largest_1 * t4
+    l_r3 = largest_2 * t4
+    t5 = l_r1 * l_r1
     t6 = t5 * t5
-    t7 = largest_2 * largest_2
+    t7 = l_r2 * l_r2
     t8 = t7 * t7
-    l_8 = t4 * t4 + t6 * t6 + t8 * t8
+    t9 = l_r3 * l_r3
+    t10 = t9 * t9
+    l_8 = t6 * t6 + t8 * t8 + t10 * t10
     l_4 = np.sqrt(l_8)
     l_2 = np.sqrt(l_4)
     l_1 = np.sqrt(l_2)
     inv_s = 1 / smallest_0
     inv_s_a = 1 / smallest_1
     inv_s_b = 1 / smallest_2
-    t9 = inv_s * inv_s
-    t10 = t9 * t9
-    t11 = inv_s_a * inv_s_a
-    t12 = t11 * t11
-    t13 = inv_s_b * inv_s_b
-    t14 = t13 * t13
-    s_8 = t10 * t10 + t12 * t12 + t14 * t14
+    s_0 = inv_s_b + (inv_s + inv_s_a)
+    t11 = 1 / s_0
+    s_r1 = inv_s * t11
+    s_r2 = inv_s_a * t11
+    s_r3 = inv_s_b * t11
+    t12 = s_r1 * s_r1
+    t13 = t12 * t12
+    t14 = s_r2 * s_r2
+    t15 = t14 * t14
+    t16 = s_r3 * s_r3
+    t17 = t16 * t16
+    s_8 = t13 * t13 + t15 * t15 + t17 * t17
     s_4 = np.sqrt(s_8)
     s_2 = np.sqrt(s_4)
     s_1 = np.sqrt(s_2)
     return (
         (  # eta_1
-            np.sqrt(p_1),
+            np.sqrt(p_0 * p_1),
         ),
         (  # eta_2
             np.sqrt(rotation_gram_00),
         ),
         (  # eta_3
-            np.sqrt(l_1 * s_1),
+            np.sqrt(s_1 * (s_0 * (l_0 * l_1))),
         ),
     )
 

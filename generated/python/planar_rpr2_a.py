@@ -1783,7 +1783,7 @@ def indices(
         w, b = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         gram, cofactors, square, reach, regularity = subleg.gram(
             g.subleg, w, b, arguments.leg("characteristic_length"), N)
-        largest, smallest = algebra.spread(gram, cofactors, square)
+        largest, smallest, evenness = algebra.spread(gram, cofactors, square)
         position_gram, rotation_gram, det_regularity = platform.sensitivity(
             rt.legs(line), rt.legs(point), rt.legs(reach))
         eta_1, eta_2, eta_3, condition = algebra.norms(
@@ -1797,6 +1797,7 @@ def indices(
             },
             (
                 rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True, ("eta_1", "eta_2", "eta_3", "condition", )),
+                rt.Guard(evenness[0], True, 1e-24, Status.SINGULAR_LEG_1, True, ("eta_1", "eta_2", "eta_3", "condition", )),
                 rt.Guard(det_regularity[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("eta_1", "eta_2", "eta_3", "condition", )),
             ),
         )
@@ -1838,7 +1839,7 @@ def index_bounds(
         w, b = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         gram, cofactors, square, reach, regularity = subleg.gram(
             g.subleg, w, b, arguments.leg("characteristic_length"), N)
-        largest, smallest = algebra.spread_bound(gram, cofactors, square)
+        largest, smallest, evenness = algebra.spread_bound(gram, cofactors, square)
         position_gram, rotation_gram, det_regularity = platform.sensitivity(
             rt.legs(line), rt.legs(point), rt.legs(reach))
         eta_1, eta_2, eta_3 = algebra.norm_bounds(
@@ -1851,6 +1852,7 @@ def index_bounds(
             },
             (
                 rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True, ("eta_1", "eta_2", "eta_3", )),
+                rt.Guard(evenness[0], True, 1e-24, Status.SINGULAR_LEG_1, True, ("eta_1", "eta_2", "eta_3", )),
                 rt.Guard(det_regularity[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("eta_1", "eta_2", "eta_3", )),
             ),
         )

@@ -1933,7 +1933,7 @@ def indices(
         line, point, N, _scale = platform.line(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
         d, u_2, u_3 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         gram, cofactors, square, reach = subleg.gram(g.subleg, d, u_2, u_3, N)
-        largest, smallest = algebra.spread(gram, cofactors, square)
+        largest, smallest, evenness = algebra.spread(gram, cofactors, square)
         position_gram, rotation_gram, det_regularity = platform.sensitivity(
             rt.legs(line), rt.legs(point), rt.legs(reach))
         eta_1, eta_2, eta_3, condition = algebra.norms(
@@ -1946,6 +1946,7 @@ def indices(
                 "condition": condition,
             },
             (
+                rt.Guard(evenness[0], True, 1e-24, Status.SINGULAR_LEG_1, True, ("eta_1", "eta_2", "eta_3", "condition", )),
                 rt.Guard(det_regularity[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("eta_1", "eta_2", "eta_3", "condition", )),
             ),
         )
@@ -1982,7 +1983,7 @@ def index_bounds(
         line, point, N, _scale = platform.line(g.platform, arguments.leg("p"), Q, arguments.leg("s"))
         d, u_2, u_3 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         gram, cofactors, square, reach = subleg.gram(g.subleg, d, u_2, u_3, N)
-        largest, smallest = algebra.spread_bound(gram, cofactors, square)
+        largest, smallest, evenness = algebra.spread_bound(gram, cofactors, square)
         position_gram, rotation_gram, det_regularity = platform.sensitivity(
             rt.legs(line), rt.legs(point), rt.legs(reach))
         eta_1, eta_2, eta_3 = algebra.norm_bounds(
@@ -1994,6 +1995,7 @@ def index_bounds(
                 "eta_3": eta_3,
             },
             (
+                rt.Guard(evenness[0], True, 1e-24, Status.SINGULAR_LEG_1, True, ("eta_1", "eta_2", "eta_3", )),
                 rt.Guard(det_regularity[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("eta_1", "eta_2", "eta_3", )),
             ),
         )

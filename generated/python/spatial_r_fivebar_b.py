@@ -2006,7 +2006,7 @@ def indices(
             g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         gram, cofactors, square, reach, regularity = subleg.gram(g.subleg, x, e_2, d, u_1, u_2, N)
-        largest, smallest = algebra.spread(gram, cofactors, square)
+        largest, smallest, evenness = algebra.spread(gram, cofactors, square)
         position_gram, rotation_gram, det_regularity = platform.sensitivity(
             rt.legs(line), rt.legs(point), rt.legs(reach))
         eta_1, eta_2, eta_3, condition = algebra.norms(
@@ -2020,6 +2020,7 @@ def indices(
             },
             (
                 rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True, ("eta_1", "eta_2", "eta_3", "condition", )),
+                rt.Guard(evenness[0], True, 1e-24, Status.SINGULAR_LEG_1, True, ("eta_1", "eta_2", "eta_3", "condition", )),
                 rt.Guard(det_regularity[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("eta_1", "eta_2", "eta_3", "condition", )),
                 rt.Guard(det_regularity[1], True, 1e-24, Status.SINGULAR_NORMAL, False, ("eta_1", "eta_2", "eta_3", "condition", )),
             ),
@@ -2057,7 +2058,7 @@ def index_bounds(
             g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         gram, cofactors, square, reach, regularity = subleg.gram(g.subleg, x, e_2, d, u_1, u_2, N)
-        largest, smallest = algebra.spread_bound(gram, cofactors, square)
+        largest, smallest, evenness = algebra.spread_bound(gram, cofactors, square)
         position_gram, rotation_gram, det_regularity = platform.sensitivity(
             rt.legs(line), rt.legs(point), rt.legs(reach))
         eta_1, eta_2, eta_3 = algebra.norm_bounds(
@@ -2070,6 +2071,7 @@ def index_bounds(
             },
             (
                 rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True, ("eta_1", "eta_2", "eta_3", )),
+                rt.Guard(evenness[0], True, 1e-24, Status.SINGULAR_LEG_1, True, ("eta_1", "eta_2", "eta_3", )),
                 rt.Guard(det_regularity[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("eta_1", "eta_2", "eta_3", )),
                 rt.Guard(det_regularity[1], True, 1e-24, Status.SINGULAR_NORMAL, False, ("eta_1", "eta_2", "eta_3", )),
             ),

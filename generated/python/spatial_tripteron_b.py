@@ -1915,7 +1915,7 @@ def indices(
             g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         _rho = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         gram, cofactors, square, reach = subleg.gram(g.subleg, arguments.leg("characteristic_length"), N)
-        largest, smallest = algebra.spread(gram, cofactors, square)
+        largest, smallest, evenness = algebra.spread(gram, cofactors, square)
         position_gram, rotation_gram, det_regularity = platform.sensitivity(
             rt.legs(line), rt.legs(point), rt.legs(reach))
         eta_1, eta_2, eta_3, condition = algebra.norms(
@@ -1928,6 +1928,7 @@ def indices(
                 "condition": condition,
             },
             (
+                rt.Guard(evenness[0], True, 1e-24, Status.SINGULAR_LEG_1, True, ("eta_1", "eta_2", "eta_3", "condition", )),
                 rt.Guard(det_regularity[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("eta_1", "eta_2", "eta_3", "condition", )),
                 rt.Guard(det_regularity[1], True, 1e-24, Status.SINGULAR_NORMAL, False, ("eta_1", "eta_2", "eta_3", "condition", )),
             ),
@@ -1969,7 +1970,7 @@ def index_bounds(
             g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
         _rho = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
         gram, cofactors, square, reach = subleg.gram(g.subleg, arguments.leg("characteristic_length"), N)
-        largest, smallest = algebra.spread_bound(gram, cofactors, square)
+        largest, smallest, evenness = algebra.spread_bound(gram, cofactors, square)
         position_gram, rotation_gram, det_regularity = platform.sensitivity(
             rt.legs(line), rt.legs(point), rt.legs(reach))
         eta_1, eta_2, eta_3 = algebra.norm_bounds(
@@ -1981,6 +1982,7 @@ def index_bounds(
                 "eta_3": eta_3,
             },
             (
+                rt.Guard(evenness[0], True, 1e-24, Status.SINGULAR_LEG_1, True, ("eta_1", "eta_2", "eta_3", )),
                 rt.Guard(det_regularity[0], True, 1e-24, Status.SINGULAR_IN_PLANE, False, ("eta_1", "eta_2", "eta_3", )),
                 rt.Guard(det_regularity[1], True, 1e-24, Status.SINGULAR_NORMAL, False, ("eta_1", "eta_2", "eta_3", )),
             ),

@@ -92,53 +92,67 @@ KRHPR_STATIC void krhpr_algebra_planar_rotation_tangent(const krhpr_dual *phi, k
     }
 }
 
-/* `spread` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8.  (21 add, 22
- * multiply, 4 divide, 2 square root) */
+/* `spread` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8.  (22 add, 24
+ * multiply, 6 divide, 2 square root) */
 KRHPR_STATIC void krhpr_algebra_planar_spread_tangent(
     const krhpr_dual *gram, const krhpr_dual *cofactors, const krhpr_dual *square,
-    krhpr_dual *KRHPR_RESTRICT largest, krhpr_dual *KRHPR_RESTRICT smallest)
+    krhpr_dual *KRHPR_RESTRICT largest, krhpr_dual *KRHPR_RESTRICT smallest,
+    krhpr_dual *KRHPR_RESTRICT evenness)
 {
     const double t1 = gram[0].v * 0.5;
     const double t2 = gram[3].v * 0.5;
     const double g_h = t1 - t2;
-    const double t3 = sqrt(g_h * g_h + gram[1].v * gram[1].v);
-    const double t4 = cofactors[0].v * 0.5;
-    const double t5 = cofactors[3].v * 0.5;
-    const double h_h = t4 - t5;
+    const double t3 = cofactors[0].v * 0.5;
+    const double t4 = cofactors[3].v * 0.5;
+    const double h_h = t3 - t4;
+    const double t5 = sqrt(g_h * g_h + gram[1].v * gram[1].v);
+    const double high = t2 + (t1 + t5);
     const double t6 = sqrt(cofactors[1].v * cofactors[1].v + h_h * h_h);
-    const double t7 = t5 + (t4 + t6);
-    const double smallest_a = square[0].v / t7;
-    const double h1 = 1.0 / t3;
+    const double t7 = t4 + (t3 + t6);
+    const double low = square[0].v / t7;
+    const double evenness_a = low / high;
+    const double h1 = 1.0 / t5;
     const double h2 = 1.0 / t6;
     const double h3 = 1.0 / t7;
-    largest[0].v = t2 + (t1 + t3);
-    smallest[0].v = smallest_a;
+    const double h4 = 1.0 / high;
+    largest[0].v = high;
+    smallest[0].v = low;
+    evenness[0].v = evenness_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t8 = 0.5 * gram[0].t[k];
         const double t9 = 0.5 * gram[3].t[k];
-        const double t10 = g_h * (t8 - t9);
-        const double t11 = gram[1].v * gram[1].t[k];
-        const double t12 = 0.5 * cofactors[0].t[k];
-        const double t13 = 0.5 * cofactors[3].t[k];
-        const double t14 = cofactors[1].v * cofactors[1].t[k];
-        const double t15 = h_h * (t12 - t13);
-        const double t16 = square[0].t[k] - smallest_a * (t13 + (t12 + h2 * (0.5 * (t14 + t14 + (t15 + t15)))));
-        largest[0].t[k] = t9 + (t8 + h1 * (0.5 * (t10 + t10 + (t11 + t11))));
-        smallest[0].t[k] = h3 * t16;
+        const double t10 = 0.5 * cofactors[0].t[k];
+        const double t11 = 0.5 * cofactors[3].t[k];
+        const double t12 = g_h * (t8 - t9);
+        const double t13 = gram[1].v * gram[1].t[k];
+        const double t14 = t9 + (t8 + h1 * (0.5 * (t12 + t12 + (t13 + t13))));
+        const double t15 = cofactors[1].v * cofactors[1].t[k];
+        const double t16 = h_h * (t10 - t11);
+        const double t17 = h3 * (square[0].t[k] - low * (t11 + (t10 + h2 * (0.5 * (t15 + t15 + (t16 + t16))))));
+        largest[0].t[k] = t14;
+        smallest[0].t[k] = t17;
+        evenness[0].t[k] = h4 * (t17 - evenness_a * t14);
     }
 }
 
-/* `spread_bound` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8.  (81
- * add, 106 multiply, 7 divide, 6 square root) */
+/* `spread_bound` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8.  (96
+ * add, 142 multiply, 12 divide, 6 square root) */
 KRHPR_STATIC void krhpr_algebra_planar_spread_bound_tangent(
     const krhpr_dual *gram, const krhpr_dual *cofactors, const krhpr_dual *square,
-    krhpr_dual *KRHPR_RESTRICT largest, krhpr_dual *KRHPR_RESTRICT smallest)
+    krhpr_dual *KRHPR_RESTRICT largest, krhpr_dual *KRHPR_RESTRICT smallest,
+    krhpr_dual *KRHPR_RESTRICT evenness)
 {
-    const double t1 = gram[1].v * gram[2].v;
-    const double g_r2_00 = gram[0].v * gram[0].v + t1;
-    const double g_r2_01 = gram[0].v * gram[1].v + gram[1].v * gram[3].v;
-    const double g_r2_10 = gram[0].v * gram[2].v + gram[2].v * gram[3].v;
-    const double g_r2_11 = t1 + gram[3].v * gram[3].v;
+    const double g_0 = gram[0].v + gram[3].v;
+    const double h1 = 1.0 / g_0;
+    const double g_r_00 = gram[0].v * h1;
+    const double g_r_01 = gram[1].v * h1;
+    const double g_r_10 = gram[2].v * h1;
+    const double g_r_11 = gram[3].v * h1;
+    const double t1 = g_r_01 * g_r_10;
+    const double g_r2_00 = g_r_00 * g_r_00 + t1;
+    const double g_r2_01 = g_r_00 * g_r_01 + g_r_01 * g_r_11;
+    const double g_r2_10 = g_r_00 * g_r_10 + g_r_10 * g_r_11;
+    const double g_r2_11 = t1 + g_r_11 * g_r_11;
     const double t2 = g_r2_01 * g_r2_10;
     const double g_r4_00 = g_r2_00 * g_r2_00 + t2;
     const double g_r4_01 = g_r2_00 * g_r2_01 + g_r2_01 * g_r2_11;
@@ -148,11 +162,17 @@ KRHPR_STATIC void krhpr_algebra_planar_spread_bound_tangent(
     const double g_4 = sqrt(g_8);
     const double g_2 = sqrt(g_4);
     const double g_1 = sqrt(g_2);
-    const double t3 = cofactors[1].v * cofactors[2].v;
-    const double h_r2_00 = cofactors[0].v * cofactors[0].v + t3;
-    const double h_r2_01 = cofactors[0].v * cofactors[1].v + cofactors[1].v * cofactors[3].v;
-    const double h_r2_10 = cofactors[0].v * cofactors[2].v + cofactors[2].v * cofactors[3].v;
-    const double h_r2_11 = t3 + cofactors[3].v * cofactors[3].v;
+    const double h_0 = cofactors[0].v + cofactors[3].v;
+    const double h5 = 1.0 / h_0;
+    const double h_r_00 = cofactors[0].v * h5;
+    const double h_r_01 = cofactors[1].v * h5;
+    const double h_r_10 = cofactors[2].v * h5;
+    const double h_r_11 = cofactors[3].v * h5;
+    const double t3 = h_r_01 * h_r_10;
+    const double h_r2_00 = h_r_00 * h_r_00 + t3;
+    const double h_r2_01 = h_r_00 * h_r_01 + h_r_01 * h_r_11;
+    const double h_r2_10 = h_r_00 * h_r_10 + h_r_10 * h_r_11;
+    const double h_r2_11 = t3 + h_r_11 * h_r_11;
     const double t4 = h_r2_01 * h_r2_10;
     const double h_r4_00 = h_r2_00 * h_r2_00 + t4;
     const double h_r4_01 = h_r2_00 * h_r2_01 + h_r2_01 * h_r2_11;
@@ -162,48 +182,69 @@ KRHPR_STATIC void krhpr_algebra_planar_spread_bound_tangent(
     const double h_4 = sqrt(h_8);
     const double h_2 = sqrt(h_4);
     const double h_1 = sqrt(h_2);
-    const double smallest_a = square[0].v / h_1;
-    const double h1 = 1.0 / g_4;
-    const double h2 = 1.0 / g_2;
-    const double h3 = 1.0 / g_1;
-    const double h4 = 1.0 / h_4;
-    const double h5 = 1.0 / h_2;
-    const double h6 = 1.0 / h_1;
-    largest[0].v = g_1;
-    smallest[0].v = smallest_a;
+    const double high = g_0 * g_1;
+    const double t5 = h_0 * h_1;
+    const double low = square[0].v / t5;
+    const double evenness_a = low / high;
+    const double h2 = 1.0 / g_4;
+    const double h3 = 1.0 / g_2;
+    const double h4 = 1.0 / g_1;
+    const double h6 = 1.0 / h_4;
+    const double h7 = 1.0 / h_2;
+    const double h8 = 1.0 / h_1;
+    const double h9 = 1.0 / t5;
+    const double h10 = 1.0 / high;
+    largest[0].v = high;
+    smallest[0].v = low;
+    evenness[0].v = evenness_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t5 = gram[0].v * gram[0].t[k];
-        const double t6 = gram[2].v * gram[1].t[k] + gram[1].v * gram[2].t[k];
-        const double t7 = t5 + t5 + t6;
-        const double t8 = gram[1].v * gram[0].t[k] + gram[0].v * gram[1].t[k] + (gram[3].v * gram[1].t[k] + gram[1].v * gram[3].t[k]);
-        const double t9 = gram[2].v * gram[0].t[k] + gram[0].v * gram[2].t[k] + (gram[3].v * gram[2].t[k] + gram[2].v * gram[3].t[k]);
-        const double t10 = gram[3].v * gram[3].t[k];
-        const double t11 = t6 + (t10 + t10);
-        const double t12 = g_r2_00 * t7;
-        const double t13 = g_r2_10 * t8 + g_r2_01 * t9;
-        const double t14 = g_r2_11 * t11;
-        const double t15 = g_r4_00 * (t12 + t12 + t13);
-        const double t16 = g_r4_01 * (g_r2_01 * t7 + g_r2_00 * t8 + (g_r2_11 * t8 + g_r2_01 * t11));
-        const double t17 = g_r4_10 * (g_r2_10 * t7 + g_r2_00 * t9 + (g_r2_11 * t9 + g_r2_10 * t11));
-        const double t18 = g_r4_11 * (t13 + (t14 + t14));
-        const double t19 = h2 * (0.5 * (h1 * (0.5 * (t15 + t15 + (t16 + t16) + (t17 + t17) + (t18 + t18)))));
-        const double t20 = cofactors[0].v * cofactors[0].t[k];
-        const double t21 = cofactors[2].v * cofactors[1].t[k] + cofactors[1].v * cofactors[2].t[k];
-        const double t22 = t20 + t20 + t21;
-        const double t23 = cofactors[1].v * cofactors[0].t[k] + cofactors[0].v * cofactors[1].t[k] + (cofactors[3].v * cofactors[1].t[k] + cofactors[1].v * cofactors[3].t[k]);
-        const double t24 = cofactors[2].v * cofactors[0].t[k] + cofactors[0].v * cofactors[2].t[k] + (cofactors[3].v * cofactors[2].t[k] + cofactors[2].v * cofactors[3].t[k]);
-        const double t25 = cofactors[3].v * cofactors[3].t[k];
-        const double t26 = t21 + (t25 + t25);
-        const double t27 = h_r2_00 * t22;
-        const double t28 = h_r2_10 * t23 + h_r2_01 * t24;
-        const double t29 = h_r2_11 * t26;
-        const double t30 = h_r4_00 * (t27 + t27 + t28);
-        const double t31 = h_r4_01 * (h_r2_01 * t22 + h_r2_00 * t23 + (h_r2_11 * t23 + h_r2_01 * t26));
-        const double t32 = h_r4_10 * (h_r2_10 * t22 + h_r2_00 * t24 + (h_r2_11 * t24 + h_r2_10 * t26));
-        const double t33 = h_r4_11 * (t28 + (t29 + t29));
-        const double t34 = h5 * (0.5 * (h4 * (0.5 * (t30 + t30 + (t31 + t31) + (t32 + t32) + (t33 + t33)))));
-        largest[0].t[k] = h3 * (0.5 * t19);
-        smallest[0].t[k] = h6 * (square[0].t[k] - smallest_a * (h6 * (0.5 * t34)));
+        const double t6 = gram[0].t[k] + gram[3].t[k];
+        const double t7 = h1 * (h1 * t6);
+        const double t8 = h1 * gram[0].t[k] - gram[0].v * t7;
+        const double t9 = h1 * gram[1].t[k] - gram[1].v * t7;
+        const double t10 = h1 * gram[2].t[k] - gram[2].v * t7;
+        const double t11 = h1 * gram[3].t[k] - gram[3].v * t7;
+        const double t12 = g_r_00 * t8;
+        const double t13 = g_r_10 * t9 + g_r_01 * t10;
+        const double t14 = t12 + t12 + t13;
+        const double t15 = g_r_01 * t8 + g_r_00 * t9 + (g_r_11 * t9 + g_r_01 * t11);
+        const double t16 = g_r_10 * t8 + g_r_00 * t10 + (g_r_11 * t10 + g_r_10 * t11);
+        const double t17 = g_r_11 * t11;
+        const double t18 = t13 + (t17 + t17);
+        const double t19 = g_r2_00 * t14;
+        const double t20 = g_r2_10 * t15 + g_r2_01 * t16;
+        const double t21 = g_r2_11 * t18;
+        const double t22 = g_r4_00 * (t19 + t19 + t20);
+        const double t23 = g_r4_01 * (g_r2_01 * t14 + g_r2_00 * t15 + (g_r2_11 * t15 + g_r2_01 * t18));
+        const double t24 = g_r4_10 * (g_r2_10 * t14 + g_r2_00 * t16 + (g_r2_11 * t16 + g_r2_10 * t18));
+        const double t25 = g_r4_11 * (t20 + (t21 + t21));
+        const double t26 = h3 * (0.5 * (h2 * (0.5 * (t22 + t22 + (t23 + t23) + (t24 + t24) + (t25 + t25)))));
+        const double t27 = cofactors[0].t[k] + cofactors[3].t[k];
+        const double t28 = h5 * (h5 * t27);
+        const double t29 = h5 * cofactors[0].t[k] - cofactors[0].v * t28;
+        const double t30 = h5 * cofactors[1].t[k] - cofactors[1].v * t28;
+        const double t31 = h5 * cofactors[2].t[k] - cofactors[2].v * t28;
+        const double t32 = h5 * cofactors[3].t[k] - cofactors[3].v * t28;
+        const double t33 = h_r_00 * t29;
+        const double t34 = h_r_10 * t30 + h_r_01 * t31;
+        const double t35 = t33 + t33 + t34;
+        const double t36 = h_r_01 * t29 + h_r_00 * t30 + (h_r_11 * t30 + h_r_01 * t32);
+        const double t37 = h_r_10 * t29 + h_r_00 * t31 + (h_r_11 * t31 + h_r_10 * t32);
+        const double t38 = h_r_11 * t32;
+        const double t39 = t34 + (t38 + t38);
+        const double t40 = h_r2_00 * t35;
+        const double t41 = h_r2_10 * t36 + h_r2_01 * t37;
+        const double t42 = h_r2_11 * t39;
+        const double t43 = h_r4_00 * (t40 + t40 + t41);
+        const double t44 = h_r4_01 * (h_r2_01 * t35 + h_r2_00 * t36 + (h_r2_11 * t36 + h_r2_01 * t39));
+        const double t45 = h_r4_10 * (h_r2_10 * t35 + h_r2_00 * t37 + (h_r2_11 * t37 + h_r2_10 * t39));
+        const double t46 = h_r4_11 * (t41 + (t42 + t42));
+        const double t47 = h7 * (0.5 * (h6 * (0.5 * (t43 + t43 + (t44 + t44) + (t45 + t45) + (t46 + t46)))));
+        const double t48 = g_1 * t6 + g_0 * (h4 * (0.5 * t26));
+        const double t49 = h9 * (square[0].t[k] - low * (h_1 * t27 + h_0 * (h8 * (0.5 * t47))));
+        largest[0].t[k] = t48;
+        smallest[0].t[k] = t49;
+        evenness[0].t[k] = h10 * (t49 - evenness_a * t48);
     }
 }
 
@@ -254,17 +295,23 @@ KRHPR_STATIC void krhpr_algebra_planar_norms_tangent(
 }
 
 /* `norm_bounds` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.
- * (67 add, 115 multiply, 15 divide, 12 square root) */
+ * (90 add, 160 multiply, 18 divide, 12 square root) */
 KRHPR_STATIC void krhpr_algebra_planar_norm_bounds_tangent(
     const krhpr_dual *position_gram, const krhpr_dual *rotation_gram, const krhpr_dual *largest,
     const krhpr_dual *smallest, krhpr_dual *KRHPR_RESTRICT eta_1, krhpr_dual *KRHPR_RESTRICT eta_2,
     krhpr_dual *KRHPR_RESTRICT eta_3)
 {
-    const double t1 = position_gram[1].v * position_gram[2].v;
-    const double p_r2_00 = position_gram[0].v * position_gram[0].v + t1;
-    const double p_r2_01 = position_gram[0].v * position_gram[1].v + position_gram[1].v * position_gram[3].v;
-    const double p_r2_10 = position_gram[0].v * position_gram[2].v + position_gram[2].v * position_gram[3].v;
-    const double p_r2_11 = t1 + position_gram[3].v * position_gram[3].v;
+    const double p_0 = position_gram[0].v + position_gram[3].v;
+    const double h1 = 1.0 / p_0;
+    const double p_r_00 = position_gram[0].v * h1;
+    const double p_r_01 = position_gram[1].v * h1;
+    const double p_r_10 = position_gram[2].v * h1;
+    const double p_r_11 = position_gram[3].v * h1;
+    const double t1 = p_r_01 * p_r_10;
+    const double p_r2_00 = p_r_00 * p_r_00 + t1;
+    const double p_r2_01 = p_r_00 * p_r_01 + p_r_01 * p_r_11;
+    const double p_r2_10 = p_r_00 * p_r_10 + p_r_10 * p_r_11;
+    const double p_r2_11 = t1 + p_r_11 * p_r_11;
     const double t2 = p_r2_01 * p_r2_10;
     const double p_r4_00 = p_r2_00 * p_r2_00 + t2;
     const double p_r4_01 = p_r2_00 * p_r2_01 + p_r2_01 * p_r2_11;
@@ -274,90 +321,111 @@ KRHPR_STATIC void krhpr_algebra_planar_norm_bounds_tangent(
     const double p_4 = sqrt(p_8);
     const double p_2 = sqrt(p_4);
     const double p_1 = sqrt(p_2);
-    const double eta_1_a = sqrt(p_1);
+    const double eta_1_a = sqrt(p_0 * p_1);
     const double eta_2_a = sqrt(rotation_gram[0].v);
-    const double h6 = largest[0].v * largest[0].v;
-    const double h7 = h6 * h6;
-    const double h8 = largest[1].v * largest[1].v;
+    const double l_0 = largest[2].v + (largest[0].v + largest[1].v);
+    const double h7 = 1.0 / l_0;
+    const double l_r1 = largest[0].v * h7;
+    const double l_r2 = largest[1].v * h7;
+    const double l_r3 = largest[2].v * h7;
+    const double h8 = l_r1 * l_r1;
     const double h9 = h8 * h8;
-    const double h10 = largest[2].v * largest[2].v;
+    const double h10 = l_r2 * l_r2;
     const double h11 = h10 * h10;
-    const double l_8 = h7 * h7 + h9 * h9 + h11 * h11;
+    const double h12 = l_r3 * l_r3;
+    const double h13 = h12 * h12;
+    const double l_8 = h9 * h9 + h11 * h11 + h13 * h13;
     const double l_4 = sqrt(l_8);
     const double l_2 = sqrt(l_4);
     const double l_1 = sqrt(l_2);
     const double inv_s = 1.0 / smallest[0].v;
     const double inv_s_a = 1.0 / smallest[1].v;
     const double inv_s_b = 1.0 / smallest[2].v;
-    const double h15 = inv_s * inv_s;
-    const double h16 = h15 * h15;
-    const double h17 = inv_s_a * inv_s_a;
-    const double h18 = h17 * h17;
-    const double h19 = inv_s_b * inv_s_b;
-    const double h20 = h19 * h19;
-    const double s_8 = h16 * h16 + h18 * h18 + h20 * h20;
+    const double s_0 = inv_s_b + (inv_s + inv_s_a);
+    const double h17 = 1.0 / s_0;
+    const double s_r1 = inv_s * h17;
+    const double s_r2 = inv_s_a * h17;
+    const double s_r3 = inv_s_b * h17;
+    const double h18 = s_r1 * s_r1;
+    const double h19 = h18 * h18;
+    const double h20 = s_r2 * s_r2;
+    const double h21 = h20 * h20;
+    const double h22 = s_r3 * s_r3;
+    const double h23 = h22 * h22;
+    const double s_8 = h19 * h19 + h21 * h21 + h23 * h23;
     const double s_4 = sqrt(s_8);
     const double s_2 = sqrt(s_4);
     const double s_1 = sqrt(s_2);
-    const double eta_3_a = sqrt(l_1 * s_1);
-    const double h1 = 1.0 / p_4;
-    const double h2 = 1.0 / p_2;
-    const double h3 = 1.0 / p_1;
-    const double h4 = 1.0 / eta_1_a;
-    const double h5 = 1.0 / eta_2_a;
-    const double h12 = 1.0 / l_4;
-    const double h13 = 1.0 / l_2;
-    const double h14 = 1.0 / l_1;
-    const double h21 = 1.0 / s_4;
-    const double h22 = 1.0 / s_2;
-    const double h23 = 1.0 / s_1;
-    const double h24 = 1.0 / eta_3_a;
+    const double h27 = l_0 * l_1;
+    const double h28 = s_0 * h27;
+    const double eta_3_a = sqrt(s_1 * h28);
+    const double h2 = 1.0 / p_4;
+    const double h3 = 1.0 / p_2;
+    const double h4 = 1.0 / p_1;
+    const double h5 = 1.0 / eta_1_a;
+    const double h6 = 1.0 / eta_2_a;
+    const double h14 = 1.0 / l_4;
+    const double h15 = 1.0 / l_2;
+    const double h16 = 1.0 / l_1;
+    const double h24 = 1.0 / s_4;
+    const double h25 = 1.0 / s_2;
+    const double h26 = 1.0 / s_1;
+    const double h29 = 1.0 / eta_3_a;
     eta_1[0].v = eta_1_a;
     eta_2[0].v = eta_2_a;
     eta_3[0].v = eta_3_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t3 = position_gram[0].v * position_gram[0].t[k];
-        const double t4 = position_gram[2].v * position_gram[1].t[k] + position_gram[1].v * position_gram[2].t[k];
-        const double t5 = t3 + t3 + t4;
-        const double t6 = position_gram[1].v * position_gram[0].t[k] + position_gram[0].v * position_gram[1].t[k];
-        const double t7 = position_gram[3].v * position_gram[1].t[k] + position_gram[1].v * position_gram[3].t[k];
-        const double t8 = t6 + t7;
-        const double t9 = position_gram[2].v * position_gram[0].t[k] + position_gram[0].v * position_gram[2].t[k];
-        const double t10 = position_gram[3].v * position_gram[2].t[k] + position_gram[2].v * position_gram[3].t[k];
-        const double t11 = t9 + t10;
-        const double t12 = position_gram[3].v * position_gram[3].t[k];
-        const double t13 = t4 + (t12 + t12);
-        const double t14 = p_r2_00 * t5;
-        const double t15 = p_r2_10 * t8 + p_r2_01 * t11;
-        const double t16 = p_r2_11 * t13;
-        const double t17 = p_r4_00 * (t14 + t14 + t15);
-        const double t18 = p_r4_01 * (p_r2_01 * t5 + p_r2_00 * t8 + (p_r2_11 * t8 + p_r2_01 * t13));
-        const double t19 = p_r4_10 * (p_r2_10 * t5 + p_r2_00 * t11 + (p_r2_11 * t11 + p_r2_10 * t13));
-        const double t20 = p_r4_11 * (t15 + (t16 + t16));
-        const double t21 = h2 * (0.5 * (h1 * (0.5 * (t17 + t17 + (t18 + t18) + (t19 + t19) + (t20 + t20)))));
-        const double t22 = largest[0].v * largest[0].t[k];
-        const double t23 = h6 * (t22 + t22);
-        const double t24 = h7 * (t23 + t23);
-        const double t25 = largest[1].v * largest[1].t[k];
-        const double t26 = h8 * (t25 + t25);
-        const double t27 = h9 * (t26 + t26);
-        const double t28 = largest[2].v * largest[2].t[k];
-        const double t29 = h10 * (t28 + t28);
-        const double t30 = h11 * (t29 + t29);
-        const double t31 = h14 * (0.5 * (h13 * (0.5 * (h12 * (0.5 * (t24 + t24 + (t27 + t27) + (t30 + t30)))))));
-        const double t32 = inv_s * (inv_s * (inv_s * smallest[0].t[k]));
-        const double t33 = h15 * (t32 + t32);
-        const double t34 = h16 * (t33 + t33);
-        const double t35 = inv_s_a * (inv_s_a * (inv_s_a * smallest[1].t[k]));
-        const double t36 = h17 * (t35 + t35);
-        const double t37 = h18 * (t36 + t36);
-        const double t38 = inv_s_b * (inv_s_b * (inv_s_b * smallest[2].t[k]));
-        const double t39 = h19 * (t38 + t38);
-        const double t40 = h20 * (t39 + t39);
-        const double t41 = h23 * (0.5 * (h22 * (0.5 * (h21 * (0.5 * (t34 + t34 + (t37 + t37) + (t40 + t40)))))));
-        eta_1[0].t[k] = h4 * (0.5 * (h3 * (0.5 * t21)));
-        eta_2[0].t[k] = h5 * (0.5 * rotation_gram[0].t[k]);
-        eta_3[0].t[k] = h24 * (0.5 * (s_1 * t31 - l_1 * t41));
+        const double t3 = position_gram[0].t[k] + position_gram[3].t[k];
+        const double t4 = h1 * (h1 * t3);
+        const double t5 = h1 * position_gram[0].t[k] - position_gram[0].v * t4;
+        const double t6 = h1 * position_gram[1].t[k] - position_gram[1].v * t4;
+        const double t7 = h1 * position_gram[2].t[k] - position_gram[2].v * t4;
+        const double t8 = h1 * position_gram[3].t[k] - position_gram[3].v * t4;
+        const double t9 = p_r_00 * t5;
+        const double t10 = p_r_10 * t6 + p_r_01 * t7;
+        const double t11 = t9 + t9 + t10;
+        const double t12 = p_r_01 * t5 + p_r_00 * t6 + (p_r_11 * t6 + p_r_01 * t8);
+        const double t13 = p_r_10 * t5 + p_r_00 * t7 + (p_r_11 * t7 + p_r_10 * t8);
+        const double t14 = p_r_11 * t8;
+        const double t15 = t10 + (t14 + t14);
+        const double t16 = p_r2_00 * t11;
+        const double t17 = p_r2_10 * t12 + p_r2_01 * t13;
+        const double t18 = p_r2_11 * t15;
+        const double t19 = p_r4_00 * (t16 + t16 + t17);
+        const double t20 = p_r4_01 * (p_r2_01 * t11 + p_r2_00 * t12 + (p_r2_11 * t12 + p_r2_01 * t15));
+        const double t21 = p_r4_10 * (p_r2_10 * t11 + p_r2_00 * t13 + (p_r2_11 * t13 + p_r2_10 * t15));
+        const double t22 = p_r4_11 * (t17 + (t18 + t18));
+        const double t23 = h3 * (0.5 * (h2 * (0.5 * (t19 + t19 + (t20 + t20) + (t21 + t21) + (t22 + t22)))));
+        const double t24 = largest[2].t[k] + (largest[0].t[k] + largest[1].t[k]);
+        const double t25 = h7 * (h7 * t24);
+        const double t26 = l_r1 * (h7 * largest[0].t[k] - largest[0].v * t25);
+        const double t27 = h8 * (t26 + t26);
+        const double t28 = h9 * (t27 + t27);
+        const double t29 = l_r2 * (h7 * largest[1].t[k] - largest[1].v * t25);
+        const double t30 = h10 * (t29 + t29);
+        const double t31 = h11 * (t30 + t30);
+        const double t32 = l_r3 * (h7 * largest[2].t[k] - largest[2].v * t25);
+        const double t33 = h12 * (t32 + t32);
+        const double t34 = h13 * (t33 + t33);
+        const double t35 = h16 * (0.5 * (h15 * (0.5 * (h14 * (0.5 * (t28 + t28 + (t31 + t31) + (t34 + t34)))))));
+        const double t36 = inv_s * (inv_s * smallest[0].t[k]);
+        const double t37 = inv_s_a * (inv_s_a * smallest[1].t[k]);
+        const double t38 = inv_s_b * (inv_s_b * smallest[2].t[k]);
+        const double t39 = t38 + (t36 + t37);
+        const double t40 = h17 * (h17 * t39);
+        const double t41 = s_r1 * (inv_s * t40 - h17 * t36);
+        const double t42 = h18 * (t41 + t41);
+        const double t43 = h19 * (t42 + t42);
+        const double t44 = s_r2 * (inv_s_a * t40 - h17 * t37);
+        const double t45 = h20 * (t44 + t44);
+        const double t46 = h21 * (t45 + t45);
+        const double t47 = s_r3 * (inv_s_b * t40 - h17 * t38);
+        const double t48 = h22 * (t47 + t47);
+        const double t49 = h23 * (t48 + t48);
+        const double t50 = h26 * (0.5 * (h25 * (0.5 * (h24 * (0.5 * (t43 + t43 + (t46 + t46) + (t49 + t49)))))));
+        eta_1[0].t[k] = h5 * (0.5 * (p_1 * t3 + p_0 * (h4 * (0.5 * t23))));
+        eta_2[0].t[k] = h6 * (0.5 * rotation_gram[0].t[k]);
+        eta_3[0].t[k] = h29 * (0.5 * (h28 * t50 + s_1 * (s_0 * (l_1 * t24 + l_0 * t35) - h27 * t39)));
     }
 }
 

@@ -1540,12 +1540,14 @@ static void tangent_index_bounds(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual gram[4];
         krhpr_dual cofactors[4];
         krhpr_dual square[1];
+        krhpr_dual evenness[1];
         krhpr_platform_planar_c_line_tangent(
             &geometry.platform, i, p, Q, s + 2 * i, line + 3 * i, point + 2 * i, N, scale);
         krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
         krhpr_subleg_planar_rrr_gram_tangent(
             &geometry.subleg, i, d, u_2, u_3, N, gram, cofactors, square, reach + i);
-        krhpr_algebra_planar_spread_bound_tangent(gram, cofactors, square, largest + i, smallest + i);
+        krhpr_algebra_planar_spread_bound_tangent(
+            gram, cofactors, square, largest + i, smallest + i, evenness);
     }
     krhpr_platform_planar_c_sensitivity_tangent(
         line, point, reach, position_gram, rotation_gram, det_regularity);

@@ -1370,12 +1370,14 @@ static void tangent_index_bounds(const krhpr_dual *given, krhpr_dual *found)
         krhpr_dual gram[9];
         krhpr_dual cofactors[9];
         krhpr_dual square[1];
+        krhpr_dual evenness[1];
         krhpr_platform_spatial_a_line_tangent(
             &geometry.platform, i, p, Q, s + 3 * i, line + 6 * i, point + 2 * i, N, scale);
         krhpr_subleg_rrr_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
         krhpr_subleg_rrr_gram_tangent(
             &geometry.subleg, i, x, e_2, d, v_1, N, gram, cofactors, square, reach + 3 * i);
-        krhpr_algebra_spatial_spread_bound_tangent(gram, cofactors, square, largest + i, smallest + i);
+        krhpr_algebra_spatial_spread_bound_tangent(
+            gram, cofactors, square, largest + i, smallest + i, evenness);
     }
     krhpr_platform_spatial_a_sensitivity_tangent(
         line, point, reach, position_gram, rotation_gram, det_regularity);

@@ -151,6 +151,7 @@ def indices(subject: Subject, here: Configuration, found: Measured) -> None:
         low = result["smallest"][0]
         inverse = [scaled(Ball(1) / inputs["square"][0], row) for row in matrix(inputs["cofactors"], d)]
         _is_largest(found, inverse, Ball(1) / low, f"leg {leg + 1}, smallest")
+        found.equal(result["evenness"], [low / result["largest"][0]], f"leg {leg + 1}, evenness")
         largest += result["largest"]
         smallest += result["smallest"]
     _, gathered = whole(here)
