@@ -64,7 +64,7 @@ def test_the_length_matters_where_something_slides() -> None:
     assert turning.indices(*there, characteristic_length=0.1).eta_2 == turning.indices(*there).eta_2
 
 
-def test_nan_in_a_type_2_singularity_and_infinity_in_one_of_type_1() -> None:
+def test_singularities_have_a_status_and_no_indices() -> None:
     robot, (p, Q, s, theta) = home("spatial_rrr_a")
     assert np.isnan(directions(robot, p, Q, s, theta * np.nan).position).all()
     beta = np.full(3, np.pi)
@@ -74,7 +74,13 @@ def test_nan_in_a_type_2_singularity_and_infinity_in_one_of_type_1() -> None:
     assert status == krhpr.Status.SINGULAR_IN_PLANE
     straight = theta.copy()
     straight[0, 2] = 0.0
-    assert robot.indices(p, Q, robot.subleg_forward(straight), straight).eta_3 > 1e12
+    for function in (robot.indices, robot.index_bounds):
+        found, status = function(p, Q, robot.subleg_forward(straight), straight, status=True)
+        assert status == krhpr.Status.SINGULAR_LEG_1 and np.isnan(found.eta_3)
+        straight[0, 2] = 1e-6  # beside it there is an answer
+        found, status = function(p, Q, robot.subleg_forward(straight), straight, status=True)
+        assert status == 0 and 1e5 < found.eta_3 < 1e9
+        straight[0, 2] = 0.0
 
 
 def test_bounds_have_slopes_at_poses_with_the_symmetry_of_the_legs() -> None:
