@@ -32,7 +32,7 @@ def update(page: Path, results: Results) -> None:
     """Put the tables of a run into a page."""
     text = page.read_text()
     for name, table in TABLES.items():
-        if name in MEASURED_APART and not results[name]:
+        if not _is_measured(name, results):
             continue
         mark = f"<!-- measured: {name} -->\n"
         pattern = re.compile(f"{re.escape(mark)}.*?<!-- end -->", re.DOTALL)
@@ -193,8 +193,19 @@ TABLES: Mapping[str, Callable[[Results], str]] = {
     "every robot": every_robot,
 }
 
-MEASURED_APART = ("scaling", "every robot")
-"""Tables that keep what they show where a run leaves them out."""
+
+def _is_measured(table: str, results: Results) -> bool:
+    """Whether a run has figures for a table; one that it leaves out stays as it is."""
+    languages = {row["language"] for row in results["rows"]}
+    match table:
+        case "machine":
+            return True
+        case "scaling" | "every robot":
+            return bool(results[table])
+        case "from Python":
+            return "Python" in languages
+        case _:
+            return "C" in languages
 
 
 def _rows(results: Results, language: str) -> list[Row]:

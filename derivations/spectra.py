@@ -82,19 +82,24 @@ def root(k: KernelWriter, name: str, value: Any) -> Any:
     return value
 
 
+def _mean(values: Sequence[Any]) -> Any:
+    """A mean of up to three positive values whose weights are powers of two: ones are not rounded."""
+    return sum(value * sp.Rational(1, 2 ** min(i + 1, len(values) - 1)) for i, value in enumerate(values))
+
+
 def eigenvalue_bound(k: KernelWriter, name: str, a: sp.Matrix) -> Any:
     """An upper bound of the largest eigenvalue of a positive matrix, at most rows^(1/8) times too large."""
-    # relative to the trace, or the powers of what is large would not be numbers
-    trace = k.let(f"{name}_0", a.trace())
-    relative = k.let(f"{name}_r", a / trace)
-    return trace * root(k, name, k.let(f"{name}_8", power_sum(k, name, relative)))
+    # relative to their mean, or the powers of what is large would not be numbers
+    mean = k.let(f"{name}_0", _mean([a[i, i] for i in range(a.rows)]))
+    relative = k.let(f"{name}_r", a / mean)
+    return mean * root(k, name, k.let(f"{name}_8", power_sum(k, name, relative)))
 
 
 def bound_of_bounds(k: KernelWriter, name: str, values: Sequence[Any]) -> Any:
     """The bound for a block-diagonal matrix from those of its blocks."""
-    total = k.let(f"{name}_0", sum(values))
-    powers = sum(k.let(f"{name}_r{i + 1}", value / total) ** EXPONENT for i, value in enumerate(values))
-    return total * root(k, name, k.let(f"{name}_8", powers))
+    mean = k.let(f"{name}_0", _mean(values))
+    powers = sum(k.let(f"{name}_r{i + 1}", value / mean) ** EXPONENT for i, value in enumerate(values))
+    return mean * root(k, name, k.let(f"{name}_8", powers))
 
 
 def cofactors(m: sp.Matrix) -> sp.Matrix:

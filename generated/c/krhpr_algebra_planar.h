@@ -86,13 +86,13 @@ KRHPR_STATIC void krhpr_algebra_planar_spread(
     *evenness = low / high;
 }
 
-/* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (24 add, 46
+/* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (24 add, 50
  * multiply, 4 divide, 6 square root) */
 KRHPR_STATIC void krhpr_algebra_planar_spread_bound(
     const double gram[4], const double cofactors[4], double square, double *KRHPR_RESTRICT largest,
     double *KRHPR_RESTRICT smallest, double *KRHPR_RESTRICT evenness)
 {
-    const double g_0 = gram[0] + gram[3];
+    const double g_0 = gram[0] * 0.5 + gram[3] * 0.5;
     const double t1 = 1.0 / g_0;
     const double g_r_00 = gram[0] * t1;
     const double g_r_01 = gram[1] * t1;
@@ -112,7 +112,7 @@ KRHPR_STATIC void krhpr_algebra_planar_spread_bound(
     const double g_4 = sqrt(g_8);
     const double g_2 = sqrt(g_4);
     const double g_1 = sqrt(g_2);
-    const double h_0 = cofactors[0] + cofactors[3];
+    const double h_0 = cofactors[0] * 0.5 + cofactors[3] * 0.5;
     const double t4 = 1.0 / h_0;
     const double h_r_00 = cofactors[0] * t4;
     const double h_r_01 = cofactors[1] * t4;
@@ -158,14 +158,14 @@ KRHPR_STATIC void krhpr_algebra_planar_norms(
     condition[2] = sqrt(largest[2] / smallest[2]);
 }
 
-/* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (20 add, 50 multiply, 6
+/* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (20 add, 58 multiply, 6
  * divide, 12 square root) */
 KRHPR_STATIC void krhpr_algebra_planar_norm_bounds(
     const double position_gram[4], const double rotation_gram[1], const double largest[3],
     const double smallest[3], double *KRHPR_RESTRICT eta_1, double *KRHPR_RESTRICT eta_2,
     double *KRHPR_RESTRICT eta_3)
 {
-    const double p_0 = position_gram[0] + position_gram[3];
+    const double p_0 = position_gram[0] * 0.5 + position_gram[3] * 0.5;
     const double t1 = 1.0 / p_0;
     const double p_r_00 = position_gram[0] * t1;
     const double p_r_01 = position_gram[1] * t1;
@@ -185,7 +185,7 @@ KRHPR_STATIC void krhpr_algebra_planar_norm_bounds(
     const double p_4 = sqrt(p_8);
     const double p_2 = sqrt(p_4);
     const double p_1 = sqrt(p_2);
-    const double l_0 = largest[2] + (largest[0] + largest[1]);
+    const double l_0 = largest[0] * 0.5 + largest[1] * 0.25 + largest[2] * 0.25;
     const double t4 = 1.0 / l_0;
     const double l_r1 = largest[0] * t4;
     const double l_r2 = largest[1] * t4;
@@ -203,7 +203,7 @@ KRHPR_STATIC void krhpr_algebra_planar_norm_bounds(
     const double inv_s = 1.0 / smallest[0];
     const double inv_s_a = 1.0 / smallest[1];
     const double inv_s_b = 1.0 / smallest[2];
-    const double s_0 = inv_s_b + (inv_s + inv_s_a);
+    const double s_0 = 0.5 * inv_s + 0.25 * inv_s_a + 0.25 * inv_s_b;
     const double t11 = 1.0 / s_0;
     const double s_r1 = inv_s * t11;
     const double s_r2 = inv_s_a * t11;

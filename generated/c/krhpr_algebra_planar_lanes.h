@@ -87,14 +87,14 @@ KRHPR_INLINE void krhpr_algebra_planar_spread_lanes(
     *evenness = low / high;
 }
 
-/* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (24 add, 46
+/* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (24 add, 50
  * multiply, 4 divide, 6 square root) */
 KRHPR_INLINE void krhpr_algebra_planar_spread_bound_lanes(
     const krhpr_lanes_at gram[4], const krhpr_lanes_at cofactors[4], krhpr_lanes square,
     krhpr_lanes_at *KRHPR_RESTRICT largest, krhpr_lanes_at *KRHPR_RESTRICT smallest,
     krhpr_lanes_at *KRHPR_RESTRICT evenness)
 {
-    const krhpr_lanes g_0 = gram[0] + gram[3];
+    const krhpr_lanes g_0 = gram[0] * 0.5 + gram[3] * 0.5;
     const krhpr_lanes t1 = 1.0 / g_0;
     const krhpr_lanes g_r_00 = gram[0] * t1;
     const krhpr_lanes g_r_01 = gram[1] * t1;
@@ -114,7 +114,7 @@ KRHPR_INLINE void krhpr_algebra_planar_spread_bound_lanes(
     const krhpr_lanes g_4 = krhpr_lanes_sqrt(g_8);
     const krhpr_lanes g_2 = krhpr_lanes_sqrt(g_4);
     const krhpr_lanes g_1 = krhpr_lanes_sqrt(g_2);
-    const krhpr_lanes h_0 = cofactors[0] + cofactors[3];
+    const krhpr_lanes h_0 = cofactors[0] * 0.5 + cofactors[3] * 0.5;
     const krhpr_lanes t4 = 1.0 / h_0;
     const krhpr_lanes h_r_00 = cofactors[0] * t4;
     const krhpr_lanes h_r_01 = cofactors[1] * t4;
@@ -162,14 +162,14 @@ KRHPR_INLINE void krhpr_algebra_planar_norms_lanes(
     condition[2] = krhpr_lanes_sqrt(largest[2] / smallest[2]);
 }
 
-/* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (20 add, 50 multiply, 6
+/* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (20 add, 58 multiply, 6
  * divide, 12 square root) */
 KRHPR_INLINE void krhpr_algebra_planar_norm_bounds_lanes(
     const krhpr_lanes_at position_gram[4], const krhpr_lanes_at rotation_gram[1],
     const krhpr_lanes_at largest[3], const krhpr_lanes_at smallest[3], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3)
 {
-    const krhpr_lanes p_0 = position_gram[0] + position_gram[3];
+    const krhpr_lanes p_0 = position_gram[0] * 0.5 + position_gram[3] * 0.5;
     const krhpr_lanes t1 = 1.0 / p_0;
     const krhpr_lanes p_r_00 = position_gram[0] * t1;
     const krhpr_lanes p_r_01 = position_gram[1] * t1;
@@ -189,7 +189,7 @@ KRHPR_INLINE void krhpr_algebra_planar_norm_bounds_lanes(
     const krhpr_lanes p_4 = krhpr_lanes_sqrt(p_8);
     const krhpr_lanes p_2 = krhpr_lanes_sqrt(p_4);
     const krhpr_lanes p_1 = krhpr_lanes_sqrt(p_2);
-    const krhpr_lanes l_0 = largest[2] + (largest[0] + largest[1]);
+    const krhpr_lanes l_0 = largest[0] * 0.5 + largest[1] * 0.25 + largest[2] * 0.25;
     const krhpr_lanes t4 = 1.0 / l_0;
     const krhpr_lanes l_r1 = largest[0] * t4;
     const krhpr_lanes l_r2 = largest[1] * t4;
@@ -207,7 +207,7 @@ KRHPR_INLINE void krhpr_algebra_planar_norm_bounds_lanes(
     const krhpr_lanes inv_s = 1.0 / smallest[0];
     const krhpr_lanes inv_s_a = 1.0 / smallest[1];
     const krhpr_lanes inv_s_b = 1.0 / smallest[2];
-    const krhpr_lanes s_0 = inv_s_b + (inv_s + inv_s_a);
+    const krhpr_lanes s_0 = 0.5 * inv_s + 0.25 * inv_s_a + 0.25 * inv_s_b;
     const krhpr_lanes t11 = 1.0 / s_0;
     const krhpr_lanes s_r1 = inv_s * t11;
     const krhpr_lanes s_r2 = inv_s_a * t11;

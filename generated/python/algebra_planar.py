@@ -105,11 +105,11 @@ def spread(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
 
 def spread_bound(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
     """Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (24 add,
-    46 multiply, 4 divide, 6 square root)"""
+    50 multiply, 4 divide, 6 square root)"""
     gram_00, gram_01, gram_10, gram_11 = gram
     cofactors_00, cofactors_01, cofactors_10, cofactors_11 = cofactors
     square, = square
-    g_0 = gram_00 + gram_11
+    g_0 = gram_00 * 0.5 + gram_11 * 0.5
     t1 = 1 / g_0
     g_r_00 = gram_00 * t1
     g_r_01 = gram_01 * t1
@@ -129,7 +129,7 @@ def spread_bound(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
     g_4 = np.sqrt(g_8)
     g_2 = np.sqrt(g_4)
     g_1 = np.sqrt(g_2)
-    h_0 = cofactors_00 + cofactors_11
+    h_0 = cofactors_00 * 0.5 + cofactors_11 * 0.5
     t4 = 1 / h_0
     h_r_00 = cofactors_00 * t4
     h_r_01 = cofactors_01 * t4
@@ -194,13 +194,13 @@ def norms(position_gram: Any, rotation_gram: Any, largest: Any, smallest: Any) -
 
 
 def norm_bounds(position_gram: Any, rotation_gram: Any, largest: Any, smallest: Any) -> tuple[Any, ...]:
-    """Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (20 add, 50
+    """Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (20 add, 58
     multiply, 6 divide, 12 square root)"""
     position_gram_00, position_gram_01, position_gram_10, position_gram_11 = position_gram
     rotation_gram_00, = rotation_gram
     largest_0, largest_1, largest_2 = largest
     smallest_0, smallest_1, smallest_2 = smallest
-    p_0 = position_gram_00 + position_gram_11
+    p_0 = position_gram_00 * 0.5 + position_gram_11 * 0.5
     t1 = 1 / p_0
     p_r_00 = position_gram_00 * t1
     p_r_01 = position_gram_01 * t1
@@ -220,7 +220,7 @@ def norm_bounds(position_gram: Any, rotation_gram: Any, largest: Any, smallest: 
     p_4 = np.sqrt(p_8)
     p_2 = np.sqrt(p_4)
     p_1 = np.sqrt(p_2)
-    l_0 = largest_2 + (largest_0 + largest_1)
+    l_0 = largest_0 * 0.5 + largest_1 * 0.25 + largest_2 * 0.25
     t4 = 1 / l_0
     l_r1 = largest_0 * t4
     l_r2 = largest_1 * t4
@@ -238,7 +238,7 @@ def norm_bounds(position_gram: Any, rotation_gram: Any, largest: Any, smallest: 
     inv_s = 1 / smallest_0
     inv_s_a = 1 / smallest_1
     inv_s_b = 1 / smallest_2
-    s_0 = inv_s_b + (inv_s + inv_s_a)
+    s_0 = 0.5 * inv_s + 0.25 * inv_s_a + 0.25 * inv_s_b
     t11 = 1 / s_0
     s_r1 = inv_s * t11
     s_r2 = inv_s_a * t11

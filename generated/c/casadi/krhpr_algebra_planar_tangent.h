@@ -136,13 +136,13 @@ KRHPR_STATIC void krhpr_algebra_planar_spread_tangent(
 }
 
 /* `spread_bound` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8.  (96
- * add, 142 multiply, 12 divide, 6 square root) */
+ * add, 150 multiply, 12 divide, 6 square root) */
 KRHPR_STATIC void krhpr_algebra_planar_spread_bound_tangent(
     const krhpr_dual *gram, const krhpr_dual *cofactors, const krhpr_dual *square,
     krhpr_dual *KRHPR_RESTRICT largest, krhpr_dual *KRHPR_RESTRICT smallest,
     krhpr_dual *KRHPR_RESTRICT evenness)
 {
-    const double g_0 = gram[0].v + gram[3].v;
+    const double g_0 = gram[0].v * 0.5 + gram[3].v * 0.5;
     const double h1 = 1.0 / g_0;
     const double g_r_00 = gram[0].v * h1;
     const double g_r_01 = gram[1].v * h1;
@@ -162,7 +162,7 @@ KRHPR_STATIC void krhpr_algebra_planar_spread_bound_tangent(
     const double g_4 = sqrt(g_8);
     const double g_2 = sqrt(g_4);
     const double g_1 = sqrt(g_2);
-    const double h_0 = cofactors[0].v + cofactors[3].v;
+    const double h_0 = cofactors[0].v * 0.5 + cofactors[3].v * 0.5;
     const double h5 = 1.0 / h_0;
     const double h_r_00 = cofactors[0].v * h5;
     const double h_r_01 = cofactors[1].v * h5;
@@ -198,7 +198,7 @@ KRHPR_STATIC void krhpr_algebra_planar_spread_bound_tangent(
     smallest[0].v = low;
     evenness[0].v = evenness_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t6 = gram[0].t[k] + gram[3].t[k];
+        const double t6 = 0.5 * gram[0].t[k] + 0.5 * gram[3].t[k];
         const double t7 = h1 * (h1 * t6);
         const double t8 = h1 * gram[0].t[k] - gram[0].v * t7;
         const double t9 = h1 * gram[1].t[k] - gram[1].v * t7;
@@ -219,7 +219,7 @@ KRHPR_STATIC void krhpr_algebra_planar_spread_bound_tangent(
         const double t24 = g_r4_10 * (g_r2_10 * t14 + g_r2_00 * t16 + (g_r2_11 * t16 + g_r2_10 * t18));
         const double t25 = g_r4_11 * (t20 + (t21 + t21));
         const double t26 = h3 * (0.5 * (h2 * (0.5 * (t22 + t22 + (t23 + t23) + (t24 + t24) + (t25 + t25)))));
-        const double t27 = cofactors[0].t[k] + cofactors[3].t[k];
+        const double t27 = 0.5 * cofactors[0].t[k] + 0.5 * cofactors[3].t[k];
         const double t28 = h5 * (h5 * t27);
         const double t29 = h5 * cofactors[0].t[k] - cofactors[0].v * t28;
         const double t30 = h5 * cofactors[1].t[k] - cofactors[1].v * t28;
@@ -295,13 +295,13 @@ KRHPR_STATIC void krhpr_algebra_planar_norms_tangent(
 }
 
 /* `norm_bounds` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.
- * (90 add, 160 multiply, 18 divide, 12 square root) */
+ * (90 add, 176 multiply, 18 divide, 12 square root) */
 KRHPR_STATIC void krhpr_algebra_planar_norm_bounds_tangent(
     const krhpr_dual *position_gram, const krhpr_dual *rotation_gram, const krhpr_dual *largest,
     const krhpr_dual *smallest, krhpr_dual *KRHPR_RESTRICT eta_1, krhpr_dual *KRHPR_RESTRICT eta_2,
     krhpr_dual *KRHPR_RESTRICT eta_3)
 {
-    const double p_0 = position_gram[0].v + position_gram[3].v;
+    const double p_0 = position_gram[0].v * 0.5 + position_gram[3].v * 0.5;
     const double h1 = 1.0 / p_0;
     const double p_r_00 = position_gram[0].v * h1;
     const double p_r_01 = position_gram[1].v * h1;
@@ -323,7 +323,7 @@ KRHPR_STATIC void krhpr_algebra_planar_norm_bounds_tangent(
     const double p_1 = sqrt(p_2);
     const double eta_1_a = sqrt(p_0 * p_1);
     const double eta_2_a = sqrt(rotation_gram[0].v);
-    const double l_0 = largest[2].v + (largest[0].v + largest[1].v);
+    const double l_0 = largest[0].v * 0.5 + largest[1].v * 0.25 + largest[2].v * 0.25;
     const double h7 = 1.0 / l_0;
     const double l_r1 = largest[0].v * h7;
     const double l_r2 = largest[1].v * h7;
@@ -341,7 +341,7 @@ KRHPR_STATIC void krhpr_algebra_planar_norm_bounds_tangent(
     const double inv_s = 1.0 / smallest[0].v;
     const double inv_s_a = 1.0 / smallest[1].v;
     const double inv_s_b = 1.0 / smallest[2].v;
-    const double s_0 = inv_s_b + (inv_s + inv_s_a);
+    const double s_0 = 0.5 * inv_s + 0.25 * inv_s_a + 0.25 * inv_s_b;
     const double h17 = 1.0 / s_0;
     const double s_r1 = inv_s * h17;
     const double s_r2 = inv_s_a * h17;
@@ -375,7 +375,7 @@ KRHPR_STATIC void krhpr_algebra_planar_norm_bounds_tangent(
     eta_2[0].v = eta_2_a;
     eta_3[0].v = eta_3_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t3 = position_gram[0].t[k] + position_gram[3].t[k];
+        const double t3 = 0.5 * position_gram[0].t[k] + 0.5 * position_gram[3].t[k];
         const double t4 = h1 * (h1 * t3);
         const double t5 = h1 * position_gram[0].t[k] - position_gram[0].v * t4;
         const double t6 = h1 * position_gram[1].t[k] - position_gram[1].v * t4;
@@ -396,7 +396,7 @@ KRHPR_STATIC void krhpr_algebra_planar_norm_bounds_tangent(
         const double t21 = p_r4_10 * (p_r2_10 * t11 + p_r2_00 * t13 + (p_r2_11 * t13 + p_r2_10 * t15));
         const double t22 = p_r4_11 * (t17 + (t18 + t18));
         const double t23 = h3 * (0.5 * (h2 * (0.5 * (t19 + t19 + (t20 + t20) + (t21 + t21) + (t22 + t22)))));
-        const double t24 = largest[2].t[k] + (largest[0].t[k] + largest[1].t[k]);
+        const double t24 = 0.5 * largest[0].t[k] + 0.25 * largest[1].t[k] + 0.25 * largest[2].t[k];
         const double t25 = h7 * (h7 * t24);
         const double t26 = l_r1 * (h7 * largest[0].t[k] - largest[0].v * t25);
         const double t27 = h8 * (t26 + t26);
@@ -411,7 +411,7 @@ KRHPR_STATIC void krhpr_algebra_planar_norm_bounds_tangent(
         const double t36 = inv_s * (inv_s * smallest[0].t[k]);
         const double t37 = inv_s_a * (inv_s_a * smallest[1].t[k]);
         const double t38 = inv_s_b * (inv_s_b * smallest[2].t[k]);
-        const double t39 = t38 + (t36 + t37);
+        const double t39 = 0.5 * t36 + 0.25 * t37 + 0.25 * t38;
         const double t40 = h17 * (h17 * t39);
         const double t41 = s_r1 * (inv_s * t40 - h17 * t36);
         const double t42 = h18 * (t41 + t41);
