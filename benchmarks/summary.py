@@ -6,6 +6,7 @@ Each table stands between `<!-- measured: NAME -->` and `<!-- end -->`; what was
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -37,7 +38,11 @@ def update(page: Path, results: Results) -> None:
         mark = f"<!-- measured: {name} -->\n"
         pattern = re.compile(f"{re.escape(mark)}.*?<!-- end -->", re.DOTALL)
         if not pattern.search(text):
-            raise ValueError(f"{page} has no place {mark.strip()} ... <!-- end --> for that table")
+            print(
+                f"{page} has no place {mark.strip()} ... <!-- end -->: that table is left out",
+                file=sys.stderr,
+            )
+            continue
         made = f"{mark}\n{table(results)}\n<!-- end -->"
         text = pattern.sub(lambda _, made=made: made, text)  # type: ignore[misc]
     page.write_text(text)
