@@ -17,6 +17,7 @@ import numpy as np
 
 import krhpr
 from benchmarks.build import HARNESS_FLAGS, PLUMBING_FLAGS, SPEED_FLAGS, Tools, run, section_sizes
+from benchmarks.harness import CLOCK
 from benchmarks.measure import CHUNK_NS, POOL, Series
 from krhpr.backend import c_sources
 from krhpr.validation.sampling import rotations
@@ -28,11 +29,6 @@ NEAR = 0.05
 
 DRIVER = """#include "krhpr_@NAME@.h"
 #include <time.h>
-static double now_ns(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
-}
 """
 LOOPS = """
 double @KEY@_single(long calls, long pool, const void *g, const double *const *in, double *const *out) {
@@ -128,7 +124,7 @@ def _series(jobs: dict[str, tuple[Any, Any, Any]], geometry: Any, rounds: int) -
 
 
 def _driver(robot: krhpr.Robot) -> str:
-    text = DRIVER
+    text = DRIVER + CLOCK
     for key, function in FUNCTIONS.items():
         signature = robot.signature(function)
         inputs = [

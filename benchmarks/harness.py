@@ -14,6 +14,14 @@ from __future__ import annotations
 
 from benchmarks.workloads import Workload
 
+CLOCK = """static double now_ns(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
+}
+"""
+"""Nanoseconds of the thread's processor clock, in C."""
+
 _TEMPLATE = """#include <stddef.h>
 #include <stdint.h>
 #include <string.h>
@@ -22,12 +30,7 @@ _TEMPLATE = """#include <stddef.h>
 typedef void (*single_t)(@POINTERS@);
 typedef void (*batch_t)(long, @POINTERS@);
 
-static double now_ns(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
-}
-
+@CLOCK@
 static inline uint64_t bits_of(const double *x) {
     uint64_t bits;
     memcpy(&bits, x, sizeof bits);
@@ -97,6 +100,7 @@ def harness_source(workload: Workload) -> str:
         "@AT_I@": ", ".join([*in_i, *(a.name for a in workload.outputs)]),
         "@NAMES@": ", ".join(a.name for a in arrays),
         "@CHAINS@": chains,
+        "@CLOCK@": CLOCK,
     }
     source = _TEMPLATE
     for placeholder, text in replacements.items():

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from krhpr.cli.optimise_command import METHODS
+from krhpr.trajectory import Method
 from tests.cli.support import Cli
 
 EXAMPLE = str(Path(__file__).resolve().parents[2] / "examples" / "translation.yaml")
@@ -42,3 +44,8 @@ def test_limits_that_are_not_met_have_an_exit_code(cli: Cli) -> None:
 def test_wrong_use(arguments: list[str], message: str, cli: Cli) -> None:
     done = cli("optimise", *arguments)
     assert done.code in (1, 2) and message in done.err
+
+
+def test_the_command_offers_every_method() -> None:
+    """The help takes no NumPy, and therefore its own list."""
+    assert tuple(Method) == METHODS
