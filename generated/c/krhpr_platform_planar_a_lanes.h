@@ -262,7 +262,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_attachment_lanes(
     attachment[1] = p[1] + Qb_1;
 }
 
-/* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (27
+/* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (28
  * add, 53 multiply, 2 divide) */
 KRHPR_INLINE void krhpr_platform_planar_a_solve_lanes(
     const krhpr_lanes_at Q[4], const krhpr_lanes_at line[9], const krhpr_lanes_at point[6],
@@ -283,7 +283,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_solve_lanes(
     const krhpr_lanes d2_0 = line[0] * line[0] + line[1] * line[1];
     const krhpr_lanes d2_1 = line[3] * line[3] + line[4] * line[4];
     const krhpr_lanes d2_2 = line[6] * line[6] + line[7] * line[7];
-    const krhpr_lanes t7 = point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
+    const krhpr_lanes t7 = 1e-150 + point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
     const krhpr_lanes size = t7 + point[4] * point[4] + point[5] * point[5]; /* sum of |S_i - O'|^2 */
     twist[0] = Q[0] * t_l_0 + Q[1] * t_l_1;
     twist[1] = Q[2] * t_l_0 + Q[3] * t_l_1;
@@ -306,7 +306,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_type_2_lanes(
 }
 
 /* Squares of the position and the rotation part of U = J^-1 K, in the platform frame.  Thesis: 1.8, 4.2.2.
- * (27 add, 70 multiply, 2 divide) */
+ * (28 add, 70 multiply, 2 divide) */
 KRHPR_INLINE void krhpr_platform_planar_a_sensitivity_lanes(
     const krhpr_lanes_at line[9], const krhpr_lanes_at point[6], const krhpr_lanes_at reach[3],
     krhpr_lanes_at *KRHPR_RESTRICT position_gram, krhpr_lanes_at *KRHPR_RESTRICT rotation_gram,
@@ -339,7 +339,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_sensitivity_lanes(
     const krhpr_lanes d2_0 = line[0] * line[0] + line[1] * line[1];
     const krhpr_lanes d2_1 = line[3] * line[3] + line[4] * line[4];
     const krhpr_lanes d2_2 = line[6] * line[6] + line[7] * line[7];
-    const krhpr_lanes t1 = point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
+    const krhpr_lanes t1 = 1e-150 + point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
     const krhpr_lanes size = t1 + point[4] * point[4] + point[5] * point[5]; /* sum of |S_i - O'|^2 */
     position_gram[0] = position_gram_00;
     position_gram[1] = position_gram_01;
@@ -638,12 +638,12 @@ KRHPR_INLINE void krhpr_platform_planar_a_uniqueness_lanes(
     const krhpr_lanes t13 = 1.0 / length[0];
     const krhpr_lanes t14 = length[1] * t13 - 1.0;
     const krhpr_lanes t15 = length[2] * t13 - 1.0;
-    certificate[0] = (1.0 / 1000000000000000000.0) - t8 * t8;
-    certificate[1] = (1.0 / 1000000000000000000.0) - t9 * t9;
-    certificate[2] = (1.0 / 1000000000000000000.0) - t11 * t11;
-    certificate[3] = (1.0 / 1000000000000000000.0) - t12 * t12;
-    certificate[4] = (1.0 / 1000000000000000000.0) - t14 * t14;
-    certificate[5] = (1.0 / 1000000000000000000.0) - t15 * t15;
+    certificate[0] = 1e-18 - t8 * t8;
+    certificate[1] = 1e-18 - t9 * t9;
+    certificate[2] = 1e-18 - t11 * t11;
+    certificate[3] = 1e-18 - t12 * t12;
+    certificate[4] = 1e-18 - t14 * t14;
+    certificate[5] = 1e-18 - t15 * t15;
     certificate[6] = t1 * t4 - t2 * t3;
     certificate[7] = R_1 * (8999999991.0 / 16000000000.0) - length[0] * length[0];
     certificate[8] = box[0] - (1308996938995747.0 / 2500000000000000.0);
@@ -958,7 +958,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_one_encoder_lanes(
     const krhpr_lanes t7 = krhpr_lanes_fabs(miss_plus);
     const krhpr_lanes t8 = krhpr_lanes_fabs(miss_minus);
     const krhpr_lanes gap = t8 - t7;
-    const krhpr_lanes t9 = gap + (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0);
+    const krhpr_lanes t9 = gap + 1e-300;
     const krhpr_lanes sign = t9 / krhpr_lanes_fabs(t9);
     const krhpr_lanes t10 = t4 * sign;
     const krhpr_lanes cos_best = t3 - t10;
@@ -1380,7 +1380,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_redundant_line_lanes(
 }
 
 /* Forces along the legs' lines that give a wrench and forces along the redundant coordinates: J^T lambda =
- * F - C^T phi solved in the platform frame.  Thesis: (5.12), (5.44).  (36 add, 62 multiply, 2 divide) */
+ * F - C^T phi solved in the platform frame.  Thesis: (5.12), (5.44).  (37 add, 62 multiply, 2 divide) */
 KRHPR_INLINE void krhpr_platform_planar_a_balance_lanes(
     const krhpr_lanes_at Q[4], const krhpr_lanes_at line[9], const krhpr_lanes_at point[6],
     const krhpr_lanes_at redundant_line[9], const krhpr_lanes_at redundant_forces[3],
@@ -1407,7 +1407,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_balance_lanes(
     const krhpr_lanes d2_0 = line[0] * line[0] + line[1] * line[1];
     const krhpr_lanes d2_1 = line[3] * line[3] + line[4] * line[4];
     const krhpr_lanes d2_2 = line[6] * line[6] + line[7] * line[7];
-    const krhpr_lanes t10 = point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
+    const krhpr_lanes t10 = 1e-150 + point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
     const krhpr_lanes size = t10 + point[4] * point[4] + point[5] * point[5]; /* sum of |S_i - O'|^2 */
     line_forces[0] = lambda_a_0;
     line_forces[1] = lambda_a_1;

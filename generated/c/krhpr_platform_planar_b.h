@@ -219,7 +219,7 @@ KRHPR_STATIC void krhpr_platform_planar_b_attachment(
     attachment[1] = s[1] + g->l_r[i] * Qn_1;
 }
 
-/* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (27
+/* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (28
  * add, 53 multiply, 2 divide) */
 KRHPR_STATIC void krhpr_platform_planar_b_solve(
     const double Q[4], const double line[9], const double point[6], const double rate[3],
@@ -239,7 +239,7 @@ KRHPR_STATIC void krhpr_platform_planar_b_solve(
     const double d2_0 = line[0] * line[0] + line[1] * line[1];
     const double d2_1 = line[3] * line[3] + line[4] * line[4];
     const double d2_2 = line[6] * line[6] + line[7] * line[7];
-    const double t7 = point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
+    const double t7 = 1e-150 + point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
     const double size = t7 + point[4] * point[4] + point[5] * point[5]; /* sum of |S_i - O'|^2 */
     twist[0] = Q[0] * t_l_0 + Q[1] * t_l_1;
     twist[1] = Q[2] * t_l_0 + Q[3] * t_l_1;
@@ -263,7 +263,7 @@ KRHPR_STATIC void krhpr_platform_planar_b_type_2(
 }
 
 /* Squares of the position and the rotation part of U = J^-1 K, in the platform frame.  Thesis: 1.8, 4.2.2.
- * (27 add, 70 multiply, 2 divide) */
+ * (28 add, 70 multiply, 2 divide) */
 KRHPR_STATIC void krhpr_platform_planar_b_sensitivity(
     const double line[9], const double point[6], const double reach[3], double *KRHPR_RESTRICT position_gram,
     double *KRHPR_RESTRICT rotation_gram, double *KRHPR_RESTRICT regularity)
@@ -295,7 +295,7 @@ KRHPR_STATIC void krhpr_platform_planar_b_sensitivity(
     const double d2_0 = line[0] * line[0] + line[1] * line[1];
     const double d2_1 = line[3] * line[3] + line[4] * line[4];
     const double d2_2 = line[6] * line[6] + line[7] * line[7];
-    const double t1 = point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
+    const double t1 = 1e-150 + point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
     const double size = t1 + point[4] * point[4] + point[5] * point[5]; /* sum of |S_i - O'|^2 */
     position_gram[0] = position_gram_00;
     position_gram[1] = position_gram_01;
@@ -855,7 +855,7 @@ KRHPR_STATIC void krhpr_platform_planar_b_redundant_line(
 }
 
 /* Forces along the legs' lines that give a wrench and forces along the redundant coordinates: J^T lambda =
- * F - C^T phi solved in the platform frame.  Thesis: (5.12), (5.44).  (36 add, 62 multiply, 2 divide) */
+ * F - C^T phi solved in the platform frame.  Thesis: (5.12), (5.44).  (37 add, 62 multiply, 2 divide) */
 KRHPR_STATIC void krhpr_platform_planar_b_balance(
     const double Q[4], const double line[9], const double point[6], const double redundant_line[9],
     const double redundant_forces[3], const double wrench[3], double *KRHPR_RESTRICT line_forces,
@@ -881,7 +881,7 @@ KRHPR_STATIC void krhpr_platform_planar_b_balance(
     const double d2_0 = line[0] * line[0] + line[1] * line[1];
     const double d2_1 = line[3] * line[3] + line[4] * line[4];
     const double d2_2 = line[6] * line[6] + line[7] * line[7];
-    const double t10 = point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
+    const double t10 = 1e-150 + point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
     const double size = t10 + point[4] * point[4] + point[5] * point[5]; /* sum of |S_i - O'|^2 */
     line_forces[0] = lambda_a_0;
     line_forces[1] = lambda_a_1;

@@ -204,7 +204,7 @@ KRHPR_INLINE void krhpr_platform_planar_c_attachment_lanes(
     attachment[1] = s[1];
 }
 
-/* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (27
+/* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (28
  * add, 53 multiply, 2 divide) */
 KRHPR_INLINE void krhpr_platform_planar_c_solve_lanes(
     const krhpr_lanes_at Q[4], const krhpr_lanes_at line[9], const krhpr_lanes_at point[6],
@@ -225,7 +225,7 @@ KRHPR_INLINE void krhpr_platform_planar_c_solve_lanes(
     const krhpr_lanes d2_0 = line[0] * line[0] + line[1] * line[1];
     const krhpr_lanes d2_1 = line[3] * line[3] + line[4] * line[4];
     const krhpr_lanes d2_2 = line[6] * line[6] + line[7] * line[7];
-    const krhpr_lanes t7 = point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
+    const krhpr_lanes t7 = 1e-150 + point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
     const krhpr_lanes size = t7 + point[4] * point[4] + point[5] * point[5]; /* sum of |S_i - O'|^2 */
     twist[0] = Q[0] * t_l_0 + Q[1] * t_l_1;
     twist[1] = Q[2] * t_l_0 + Q[3] * t_l_1;
@@ -249,7 +249,7 @@ KRHPR_INLINE void krhpr_platform_planar_c_type_2_lanes(
 }
 
 /* Squares of the position and the rotation part of U = J^-1 K, in the platform frame.  Thesis: 1.8, 4.2.2.
- * (27 add, 70 multiply, 2 divide) */
+ * (28 add, 70 multiply, 2 divide) */
 KRHPR_INLINE void krhpr_platform_planar_c_sensitivity_lanes(
     const krhpr_lanes_at line[9], const krhpr_lanes_at point[6], const krhpr_lanes_at reach[3],
     krhpr_lanes_at *KRHPR_RESTRICT position_gram, krhpr_lanes_at *KRHPR_RESTRICT rotation_gram,
@@ -282,7 +282,7 @@ KRHPR_INLINE void krhpr_platform_planar_c_sensitivity_lanes(
     const krhpr_lanes d2_0 = line[0] * line[0] + line[1] * line[1];
     const krhpr_lanes d2_1 = line[3] * line[3] + line[4] * line[4];
     const krhpr_lanes d2_2 = line[6] * line[6] + line[7] * line[7];
-    const krhpr_lanes t1 = point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
+    const krhpr_lanes t1 = 1e-150 + point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
     const krhpr_lanes size = t1 + point[4] * point[4] + point[5] * point[5]; /* sum of |S_i - O'|^2 */
     position_gram[0] = position_gram_00;
     position_gram[1] = position_gram_01;
@@ -834,7 +834,7 @@ KRHPR_INLINE void krhpr_platform_planar_c_redundant_line_lanes(
 }
 
 /* Forces along the legs' lines that give a wrench and forces along the redundant coordinates: J^T lambda =
- * F - C^T phi solved in the platform frame.  Thesis: (5.12), (5.44).  (36 add, 62 multiply, 2 divide) */
+ * F - C^T phi solved in the platform frame.  Thesis: (5.12), (5.44).  (37 add, 62 multiply, 2 divide) */
 KRHPR_INLINE void krhpr_platform_planar_c_balance_lanes(
     const krhpr_lanes_at Q[4], const krhpr_lanes_at line[9], const krhpr_lanes_at point[6],
     const krhpr_lanes_at redundant_line[9], const krhpr_lanes_at redundant_forces[3],
@@ -861,7 +861,7 @@ KRHPR_INLINE void krhpr_platform_planar_c_balance_lanes(
     const krhpr_lanes d2_0 = line[0] * line[0] + line[1] * line[1];
     const krhpr_lanes d2_1 = line[3] * line[3] + line[4] * line[4];
     const krhpr_lanes d2_2 = line[6] * line[6] + line[7] * line[7];
-    const krhpr_lanes t10 = point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
+    const krhpr_lanes t10 = 1e-150 + point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
     const krhpr_lanes size = t10 + point[4] * point[4] + point[5] * point[5]; /* sum of |S_i - O'|^2 */
     line_forces[0] = lambda_a_0;
     line_forces[1] = lambda_a_1;

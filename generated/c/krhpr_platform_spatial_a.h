@@ -351,7 +351,7 @@ KRHPR_STATIC void krhpr_platform_spatial_a_attachment(
     attachment[2] = p[2] + Qb_2;
 }
 
-/* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (64
+/* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (65
  * add, 98 multiply, 4 divide) */
 KRHPR_STATIC void krhpr_platform_spatial_a_solve(
     const double Q[9], const double line[18], const double point[6], const double rate[6],
@@ -386,7 +386,7 @@ KRHPR_STATIC void krhpr_platform_spatial_a_solve(
     const double d2_0 = line[0] * line[0] + line[1] * line[1];
     const double d2_1 = line[6] * line[6] + line[7] * line[7];
     const double d2_2 = line[12] * line[12] + line[13] * line[13];
-    const double t14 = point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
+    const double t14 = 1e-150 + point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
     const double size = t14 + point[4] * point[4] + point[5] * point[5]; /* sum of |S_i - O'|^2 */
     twist[0] = Q[0] * a_l_0 + Q[1] * a_l_1 + Q[2] * n_l_0;
     twist[1] = Q[3] * a_l_0 + Q[4] * a_l_1 + Q[5] * n_l_0;
@@ -417,7 +417,7 @@ KRHPR_STATIC void krhpr_platform_spatial_a_type_2(
 }
 
 /* Squares of the position and the rotation part of U = J^-1 K, in the platform frame.  Thesis: 1.8, 4.2.2.
- * (126 add, 233 multiply, 4 divide) */
+ * (127 add, 233 multiply, 4 divide) */
 KRHPR_STATIC void krhpr_platform_spatial_a_sensitivity(
     const double line[18], const double point[6], const double reach[9],
     double *KRHPR_RESTRICT position_gram, double *KRHPR_RESTRICT rotation_gram,
@@ -510,7 +510,7 @@ KRHPR_STATIC void krhpr_platform_spatial_a_sensitivity(
     const double d2_0 = line[0] * line[0] + line[1] * line[1];
     const double d2_1 = line[6] * line[6] + line[7] * line[7];
     const double d2_2 = line[12] * line[12] + line[13] * line[13];
-    const double t24 = point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
+    const double t24 = 1e-150 + point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
     const double size = t24 + point[4] * point[4] + point[5] * point[5]; /* sum of |S_i - O'|^2 */
     position_gram[0] = position_gram_00;
     position_gram[1] = position_gram_01;
@@ -867,12 +867,12 @@ KRHPR_STATIC void krhpr_platform_spatial_a_uniqueness(
     const double t13 = 1.0 / length[0];
     const double t14 = length[1] * t13 - 1.0;
     const double t15 = length[2] * t13 - 1.0;
-    certificate[0] = (1.0 / 1000000000000000000.0) - t8 * t8;
-    certificate[1] = (1.0 / 1000000000000000000.0) - t9 * t9;
-    certificate[2] = (1.0 / 1000000000000000000.0) - t11 * t11;
-    certificate[3] = (1.0 / 1000000000000000000.0) - t12 * t12;
-    certificate[4] = (1.0 / 1000000000000000000.0) - t14 * t14;
-    certificate[5] = (1.0 / 1000000000000000000.0) - t15 * t15;
+    certificate[0] = 1e-18 - t8 * t8;
+    certificate[1] = 1e-18 - t9 * t9;
+    certificate[2] = 1e-18 - t11 * t11;
+    certificate[3] = 1e-18 - t12 * t12;
+    certificate[4] = 1e-18 - t14 * t14;
+    certificate[5] = 1e-18 - t15 * t15;
     certificate[6] = t1 * t4 - t2 * t3;
     certificate[7] = R_1 * (8999999991.0 / 16000000000.0) - length[0] * length[0];
     certificate[8] = box[0] - (1308996938995747.0 / 2500000000000000.0);
@@ -1261,7 +1261,7 @@ KRHPR_STATIC void krhpr_platform_spatial_a_one_encoder(
     const double t9 = fabs(miss_plus);
     const double t10 = fabs(miss_minus);
     const double gap = t10 - t9;
-    const double t11 = gap + (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0);
+    const double t11 = gap + 1e-300;
     const double sign = t11 / fabs(t11);
     const double t12 = t6 * sign;
     const double cos_best = t5 - t12;
@@ -1792,7 +1792,7 @@ KRHPR_STATIC void krhpr_platform_spatial_a_redundant_line(
 }
 
 /* Forces along the legs' lines that give a wrench and forces along the redundant coordinates: J^T lambda =
- * F - C^T phi solved in the platform frame.  Thesis: (5.12), (5.44).  (84 add, 114 multiply, 4 divide) */
+ * F - C^T phi solved in the platform frame.  Thesis: (5.12), (5.44).  (85 add, 114 multiply, 4 divide) */
 KRHPR_STATIC void krhpr_platform_spatial_a_balance(
     const double Q[9], const double line[18], const double point[6], const double redundant_line[18],
     const double redundant_forces[3], const double wrench[6], double *KRHPR_RESTRICT line_forces,
@@ -1841,7 +1841,7 @@ KRHPR_STATIC void krhpr_platform_spatial_a_balance(
     const double d2_0 = line[0] * line[0] + line[1] * line[1];
     const double d2_1 = line[6] * line[6] + line[7] * line[7];
     const double d2_2 = line[12] * line[12] + line[13] * line[13];
-    const double t22 = point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
+    const double t22 = 1e-150 + point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
     const double size = t22 + point[4] * point[4] + point[5] * point[5]; /* sum of |S_i - O'|^2 */
     line_forces[0] = lambda_a_0;
     line_forces[1] = lambda_n_0;

@@ -296,7 +296,7 @@ KRHPR_INLINE void krhpr_platform_spatial_b_attachment_lanes(
     attachment[2] = s[2] + g_l_r * Qn_2;
 }
 
-/* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (64
+/* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (65
  * add, 98 multiply, 4 divide) */
 KRHPR_INLINE void krhpr_platform_spatial_b_solve_lanes(
     const krhpr_lanes_at Q[9], const krhpr_lanes_at line[18], const krhpr_lanes_at point[6],
@@ -332,7 +332,7 @@ KRHPR_INLINE void krhpr_platform_spatial_b_solve_lanes(
     const krhpr_lanes d2_0 = line[0] * line[0] + line[1] * line[1];
     const krhpr_lanes d2_1 = line[6] * line[6] + line[7] * line[7];
     const krhpr_lanes d2_2 = line[12] * line[12] + line[13] * line[13];
-    const krhpr_lanes t14 = point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
+    const krhpr_lanes t14 = 1e-150 + point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
     const krhpr_lanes size = t14 + point[4] * point[4] + point[5] * point[5]; /* sum of |S_i - O'|^2 */
     twist[0] = Q[0] * a_l_0 + Q[1] * a_l_1 + Q[2] * n_l_0;
     twist[1] = Q[3] * a_l_0 + Q[4] * a_l_1 + Q[5] * n_l_0;
@@ -364,7 +364,7 @@ KRHPR_INLINE void krhpr_platform_spatial_b_type_2_lanes(
 }
 
 /* Squares of the position and the rotation part of U = J^-1 K, in the platform frame.  Thesis: 1.8, 4.2.2.
- * (126 add, 233 multiply, 4 divide) */
+ * (127 add, 233 multiply, 4 divide) */
 KRHPR_INLINE void krhpr_platform_spatial_b_sensitivity_lanes(
     const krhpr_lanes_at line[18], const krhpr_lanes_at point[6], const krhpr_lanes_at reach[9],
     krhpr_lanes_at *KRHPR_RESTRICT position_gram, krhpr_lanes_at *KRHPR_RESTRICT rotation_gram,
@@ -457,7 +457,7 @@ KRHPR_INLINE void krhpr_platform_spatial_b_sensitivity_lanes(
     const krhpr_lanes d2_0 = line[0] * line[0] + line[1] * line[1];
     const krhpr_lanes d2_1 = line[6] * line[6] + line[7] * line[7];
     const krhpr_lanes d2_2 = line[12] * line[12] + line[13] * line[13];
-    const krhpr_lanes t24 = point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
+    const krhpr_lanes t24 = 1e-150 + point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
     const krhpr_lanes size = t24 + point[4] * point[4] + point[5] * point[5]; /* sum of |S_i - O'|^2 */
     position_gram[0] = position_gram_00;
     position_gram[1] = position_gram_01;
@@ -1236,7 +1236,7 @@ KRHPR_INLINE void krhpr_platform_spatial_b_redundant_line_lanes(
 }
 
 /* Forces along the legs' lines that give a wrench and forces along the redundant coordinates: J^T lambda =
- * F - C^T phi solved in the platform frame.  Thesis: (5.12), (5.44).  (84 add, 114 multiply, 4 divide) */
+ * F - C^T phi solved in the platform frame.  Thesis: (5.12), (5.44).  (85 add, 114 multiply, 4 divide) */
 KRHPR_INLINE void krhpr_platform_spatial_b_balance_lanes(
     const krhpr_lanes_at Q[9], const krhpr_lanes_at line[18], const krhpr_lanes_at point[6],
     const krhpr_lanes_at redundant_line[18], const krhpr_lanes_at redundant_forces[3],
@@ -1286,7 +1286,7 @@ KRHPR_INLINE void krhpr_platform_spatial_b_balance_lanes(
     const krhpr_lanes d2_0 = line[0] * line[0] + line[1] * line[1];
     const krhpr_lanes d2_1 = line[6] * line[6] + line[7] * line[7];
     const krhpr_lanes d2_2 = line[12] * line[12] + line[13] * line[13];
-    const krhpr_lanes t22 = point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
+    const krhpr_lanes t22 = 1e-150 + point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
     const krhpr_lanes size = t22 + point[4] * point[4] + point[5] * point[5]; /* sum of |S_i - O'|^2 */
     line_forces[0] = lambda_a_0;
     line_forces[1] = lambda_n_0;

@@ -272,7 +272,7 @@ KRHPR_STATIC void krhpr_platform_spatial_c_attachment(
     attachment[2] = s[2];
 }
 
-/* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (64
+/* The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis: (1.30).  (65
  * add, 98 multiply, 4 divide) */
 KRHPR_STATIC void krhpr_platform_spatial_c_solve(
     const double Q[9], const double line[18], const double point[6], const double rate[6],
@@ -307,7 +307,7 @@ KRHPR_STATIC void krhpr_platform_spatial_c_solve(
     const double d2_0 = line[0] * line[0] + line[1] * line[1];
     const double d2_1 = line[6] * line[6] + line[7] * line[7];
     const double d2_2 = line[12] * line[12] + line[13] * line[13];
-    const double t14 = point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
+    const double t14 = 1e-150 + point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
     const double size = t14 + point[4] * point[4] + point[5] * point[5]; /* sum of |S_i - O'|^2 */
     twist[0] = Q[0] * a_l_0 + Q[1] * a_l_1 + Q[2] * n_l_0;
     twist[1] = Q[3] * a_l_0 + Q[4] * a_l_1 + Q[5] * n_l_0;
@@ -338,7 +338,7 @@ KRHPR_STATIC void krhpr_platform_spatial_c_type_2(
 }
 
 /* Squares of the position and the rotation part of U = J^-1 K, in the platform frame.  Thesis: 1.8, 4.2.2.
- * (126 add, 233 multiply, 4 divide) */
+ * (127 add, 233 multiply, 4 divide) */
 KRHPR_STATIC void krhpr_platform_spatial_c_sensitivity(
     const double line[18], const double point[6], const double reach[9],
     double *KRHPR_RESTRICT position_gram, double *KRHPR_RESTRICT rotation_gram,
@@ -431,7 +431,7 @@ KRHPR_STATIC void krhpr_platform_spatial_c_sensitivity(
     const double d2_0 = line[0] * line[0] + line[1] * line[1];
     const double d2_1 = line[6] * line[6] + line[7] * line[7];
     const double d2_2 = line[12] * line[12] + line[13] * line[13];
-    const double t24 = point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
+    const double t24 = 1e-150 + point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
     const double size = t24 + point[4] * point[4] + point[5] * point[5]; /* sum of |S_i - O'|^2 */
     position_gram[0] = position_gram_00;
     position_gram[1] = position_gram_01;
@@ -1176,7 +1176,7 @@ KRHPR_STATIC void krhpr_platform_spatial_c_redundant_line(
 }
 
 /* Forces along the legs' lines that give a wrench and forces along the redundant coordinates: J^T lambda =
- * F - C^T phi solved in the platform frame.  Thesis: (5.12), (5.44).  (84 add, 114 multiply, 4 divide) */
+ * F - C^T phi solved in the platform frame.  Thesis: (5.12), (5.44).  (85 add, 114 multiply, 4 divide) */
 KRHPR_STATIC void krhpr_platform_spatial_c_balance(
     const double Q[9], const double line[18], const double point[6], const double redundant_line[18],
     const double redundant_forces[3], const double wrench[6], double *KRHPR_RESTRICT line_forces,
@@ -1225,7 +1225,7 @@ KRHPR_STATIC void krhpr_platform_spatial_c_balance(
     const double d2_0 = line[0] * line[0] + line[1] * line[1];
     const double d2_1 = line[6] * line[6] + line[7] * line[7];
     const double d2_2 = line[12] * line[12] + line[13] * line[13];
-    const double t22 = point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
+    const double t22 = 1e-150 + point[0] * point[0] + point[1] * point[1] + point[2] * point[2] + point[3] * point[3];
     const double size = t22 + point[4] * point[4] + point[5] * point[5]; /* sum of |S_i - O'|^2 */
     line_forces[0] = lambda_a_0;
     line_forces[1] = lambda_n_0;

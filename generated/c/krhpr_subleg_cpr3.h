@@ -296,7 +296,7 @@ KRHPR_STATIC void krhpr_subleg_cpr3_forward_step(
     const double t38 = t35 * t37;
     const double t39 = residual_0 * t34 + residual_1 * (df_20 * df_01 - df_00 * df_21) + residual_2 * (df_00 * df_11 - df_10 * df_01);
     const double t40 = t35 * t39;
-    const double size = krhpr_max(s[0] * s[0] + s[1] * s[1] + s[2] * s[2], (1.0 / 1000000000000000000000000.0)); /* squared length of the unknowns */
+    const double size = krhpr_max(s[0] * s[0] + s[1] * s[1] + s[2] * s[2], 1e-24); /* squared length of the unknowns */
     s_next[0] = s[0] - t36;
     s_next[1] = s[1] - t38;
     s_next[2] = s[2] - t40;

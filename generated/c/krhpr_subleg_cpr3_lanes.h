@@ -121,7 +121,7 @@ KRHPR_INLINE void krhpr_subleg_cpr3_forward_step_lanes(
     const krhpr_lanes t38 = t35 * t37;
     const krhpr_lanes t39 = residual_0 * t34 + residual_1 * (df_20 * df_01 - df_00 * df_21) + residual_2 * (df_00 * df_11 - df_10 * df_01);
     const krhpr_lanes t40 = t35 * t39;
-    const krhpr_lanes size = krhpr_lanes_max(s[0] * s[0] + s[1] * s[1] + s[2] * s[2], krhpr_all((1.0 / 1000000000000000000000000.0))); /* squared length of the unknowns */
+    const krhpr_lanes size = krhpr_lanes_max(s[0] * s[0] + s[1] * s[1] + s[2] * s[2], krhpr_all(1e-24)); /* squared length of the unknowns */
     s_next[0] = s[0] - t36;
     s_next[1] = s[1] - t38;
     s_next[2] = s[2] - t40;

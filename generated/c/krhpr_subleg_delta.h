@@ -138,7 +138,7 @@ KRHPR_STATIC void krhpr_subleg_delta_forward(
     const double foot_2 = t4 * (q_2 * (g_13_0 * n_1 - g_13_1 * n_0) + q_3 * (g_12_1 * n_0 - g_12_0 * n_1));
     const double h2 = t4 * (g->k[0][i] - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const double side = n_0 * (s_near[0] - k_1_0) + n_1 * (s_near[1] - k_1_1) + n_2 * (s_near[2] - k_1_2);
-    const double t5 = side + (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0);
+    const double t5 = side + 1e-300;
     const double height = t5 * sqrt(h2) / fabs(t5);
     s[0] = k_1_0 + foot_0 + n_0 * height;
     s[1] = k_1_1 + foot_1 + n_1 * height;
@@ -201,7 +201,7 @@ KRHPR_STATIC void krhpr_subleg_delta_forward_posture(
     const double foot_2 = t13 * (q_2 * (g_13_0 * n_1 - g_13_1 * n_0) + q_3 * (g_12_1 * n_0 - g_12_0 * n_1));
     const double h2 = t13 * (g->k[0][i] - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const double side = n_0 * (s_near[0] - k_1_0) + n_1 * (s_near[1] - k_1_1) + n_2 * (s_near[2] - k_1_2);
-    const double t14 = side + (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0);
+    const double t14 = side + 1e-300;
     const double height = t14 * sqrt(h2) / fabs(t14);
     const double s_0 = k_1_0 + foot_0 + n_0 * height;
     const double s_1 = k_1_1 + foot_1 + n_1 * height;

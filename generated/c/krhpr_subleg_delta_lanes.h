@@ -72,7 +72,7 @@ KRHPR_INLINE void krhpr_subleg_delta_forward_lanes(
     const krhpr_lanes foot_2 = t4 * (q_2 * (g_13_0 * n_1 - g_13_1 * n_0) + q_3 * (g_12_1 * n_0 - g_12_0 * n_1));
     const krhpr_lanes h2 = t4 * (g_k_0 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const krhpr_lanes side = n_0 * (s_near[0] - k_1_0) + n_1 * (s_near[1] - k_1_1) + n_2 * (s_near[2] - k_1_2);
-    const krhpr_lanes t5 = side + (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0);
+    const krhpr_lanes t5 = side + 1e-300;
     const krhpr_lanes height = t5 * krhpr_lanes_sqrt(h2) / krhpr_lanes_fabs(t5);
     s[0] = k_1_0 + foot_0 + n_0 * height;
     s[1] = k_1_1 + foot_1 + n_1 * height;
@@ -153,7 +153,7 @@ KRHPR_INLINE void krhpr_subleg_delta_forward_posture_lanes(
     const krhpr_lanes foot_2 = t13 * (q_2 * (g_13_0 * n_1 - g_13_1 * n_0) + q_3 * (g_12_1 * n_0 - g_12_0 * n_1));
     const krhpr_lanes h2 = t13 * (g_k_0 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const krhpr_lanes side = n_0 * (s_near[0] - k_1_0) + n_1 * (s_near[1] - k_1_1) + n_2 * (s_near[2] - k_1_2);
-    const krhpr_lanes t14 = side + (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0);
+    const krhpr_lanes t14 = side + 1e-300;
     const krhpr_lanes height = t14 * krhpr_lanes_sqrt(h2) / krhpr_lanes_fabs(t14);
     const krhpr_lanes s_0 = k_1_0 + foot_0 + n_0 * height;
     const krhpr_lanes s_1 = k_1_1 + foot_1 + n_1 * height;

@@ -112,7 +112,7 @@ KRHPR_STATIC void krhpr_subleg_ups3_forward(
     const double foot_2 = g->k[6][i] * (g->k[0][i] * q_2 + g->k[0][i] * q_3);
     const double h2 = g->k[6][i] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const double side = g->k[0][i] * (s_near[0] - g->g[0][i]) + g->k[0][i] * (s_near[1] - g->g[1][i]) + g->k[1][i] * (s_near[2] - g->g[2][i]);
-    const double t3 = side + (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0);
+    const double t3 = side + 1e-300;
     const double height = t3 * sqrt(h2) / fabs(t3);
     const double t4 = g->k[0][i] * height;
     s[0] = g->g[0][i] + foot_0 + t4;
@@ -137,7 +137,7 @@ KRHPR_STATIC void krhpr_subleg_ups3_forward_posture(
     const double foot_2 = g->k[6][i] * (g->k[0][i] * q_2 + g->k[0][i] * q_3);
     const double h2 = g->k[6][i] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const double side = g->k[0][i] * (s_near[0] - g->g[0][i]) + g->k[0][i] * (s_near[1] - g->g[1][i]) + g->k[1][i] * (s_near[2] - g->g[2][i]);
-    const double t3 = side + (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0);
+    const double t3 = side + 1e-300;
     const double height = t3 * sqrt(h2) / fabs(t3);
     const double t4 = g->k[0][i] * height;
     const double s_0 = g->g[0][i] + foot_0 + t4;

@@ -36,7 +36,7 @@ KRHPR_INLINE void krhpr_subleg_ups3_forward_lanes(
     const krhpr_lanes foot_2 = g_k_6 * (g_k_0 * q_2 + g_k_0 * q_3);
     const krhpr_lanes h2 = g_k_6 * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const krhpr_lanes side = g_k_0 * (s_near[0] - g_g_0) + g_k_0 * (s_near[1] - g_g_1) + g_k_1 * (s_near[2] - g_g_2);
-    const krhpr_lanes t3 = side + (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0);
+    const krhpr_lanes t3 = side + 1e-300;
     const krhpr_lanes height = t3 * krhpr_lanes_sqrt(h2) / krhpr_lanes_fabs(t3);
     const krhpr_lanes t4 = g_k_0 * height;
     s[0] = g_g_0 + foot_0 + t4;
@@ -79,7 +79,7 @@ KRHPR_INLINE void krhpr_subleg_ups3_forward_posture_lanes(
     const krhpr_lanes foot_2 = g_k_6 * (g_k_0 * q_2 + g_k_0 * q_3);
     const krhpr_lanes h2 = g_k_6 * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const krhpr_lanes side = g_k_0 * (s_near[0] - g_g_0) + g_k_0 * (s_near[1] - g_g_1) + g_k_1 * (s_near[2] - g_g_2);
-    const krhpr_lanes t3 = side + (1.0 / 1000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000.0);
+    const krhpr_lanes t3 = side + 1e-300;
     const krhpr_lanes height = t3 * krhpr_lanes_sqrt(h2) / krhpr_lanes_fabs(t3);
     const krhpr_lanes t4 = g_k_0 * height;
     const krhpr_lanes s_0 = g_g_0 + foot_0 + t4;

@@ -345,7 +345,7 @@ def attachment(g: Any, Q: Any, s: Any) -> tuple[Any, ...]:
 
 def solve(Q: Any, line: Any, point: Any, rate: Any) -> tuple[Any, ...]:
     """The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis:
-    (1.30).  (64 add, 98 multiply, 4 divide)"""
+    (1.30).  (65 add, 98 multiply, 4 divide)"""
     Q_00, Q_01, Q_02, Q_10, Q_11, Q_12, Q_20, Q_21, Q_22 = Q
     line_00, line_01, line_02, line_03, line_04, line_05, line_10, line_11, line_12, line_13, line_14, line_15, line_20, line_21, line_22, line_23, line_24, line_25 = line
     point_00, point_01, point_10, point_11, point_20, point_21 = point
@@ -379,7 +379,7 @@ def solve(Q: Any, line: Any, point: Any, rate: Any) -> tuple[Any, ...]:
     d2_0 = line_00 * line_00 + line_01 * line_01
     d2_1 = line_10 * line_10 + line_11 * line_11
     d2_2 = line_20 * line_20 + line_21 * line_21
-    t14 = point_00 * point_00 + point_01 * point_01 + point_10 * point_10 + point_11 * point_11
+    t14 = 1e-150 + point_00 * point_00 + point_01 * point_01 + point_10 * point_10 + point_11 * point_11
     size = t14 + point_20 * point_20 + point_21 * point_21  # sum of |S_i - O'|^2
     return (
         (  # twist
@@ -422,7 +422,7 @@ def type_2(line: Any, point: Any, scale: Any) -> tuple[Any, ...]:
 
 def sensitivity(line: Any, point: Any, reach: Any) -> tuple[Any, ...]:
     """Squares of the position and the rotation part of U = J^-1 K, in the platform frame.  Thesis:
-    1.8, 4.2.2.  (126 add, 233 multiply, 4 divide)"""
+    1.8, 4.2.2.  (127 add, 233 multiply, 4 divide)"""
     line_00, line_01, line_02, line_03, line_04, line_05, line_10, line_11, line_12, line_13, line_14, line_15, line_20, line_21, line_22, line_23, line_24, line_25 = line
     point_00, point_01, point_10, point_11, point_20, point_21 = point
     reach_00, reach_01, reach_02, reach_10, reach_11, reach_12, reach_20, reach_21, reach_22 = reach
@@ -513,7 +513,7 @@ def sensitivity(line: Any, point: Any, reach: Any) -> tuple[Any, ...]:
     d2_0 = line_00 * line_00 + line_01 * line_01
     d2_1 = line_10 * line_10 + line_11 * line_11
     d2_2 = line_20 * line_20 + line_21 * line_21
-    t24 = point_00 * point_00 + point_01 * point_01 + point_10 * point_10 + point_11 * point_11
+    t24 = 1e-150 + point_00 * point_00 + point_01 * point_01 + point_10 * point_10 + point_11 * point_11
     size = t24 + point_20 * point_20 + point_21 * point_21  # sum of |S_i - O'|^2
     return (
         (  # position_gram
@@ -1402,7 +1402,7 @@ def balance(
     Q: Any, line: Any, point: Any, redundant_line: Any, redundant_forces: Any,
     wrench: Any) -> tuple[Any, ...]:
     """Forces along the legs' lines that give a wrench and forces along the redundant coordinates: J^T
-    lambda = F - C^T phi solved in the platform frame.  Thesis: (5.12), (5.44).  (84 add, 114
+    lambda = F - C^T phi solved in the platform frame.  Thesis: (5.12), (5.44).  (85 add, 114
     multiply, 4 divide)"""
     Q_00, Q_01, Q_02, Q_10, Q_11, Q_12, Q_20, Q_21, Q_22 = Q
     line_00, line_01, line_02, line_03, line_04, line_05, line_10, line_11, line_12, line_13, line_14, line_15, line_20, line_21, line_22, line_23, line_24, line_25 = line
@@ -1453,7 +1453,7 @@ def balance(
     d2_0 = line_00 * line_00 + line_01 * line_01
     d2_1 = line_10 * line_10 + line_11 * line_11
     d2_2 = line_20 * line_20 + line_21 * line_21
-    t22 = point_00 * point_00 + point_01 * point_01 + point_10 * point_10 + point_11 * point_11
+    t22 = 1e-150 + point_00 * point_00 + point_01 * point_01 + point_10 * point_10 + point_11 * point_11
     size = t22 + point_20 * point_20 + point_21 * point_21  # sum of |S_i - O'|^2
     return (
         (  # line_forces

@@ -223,7 +223,7 @@ def forward_step(g: Any, theta: Any, s: Any) -> tuple[Any, ...]:
     t38 = t35 * t37
     t39 = residual_0 * t34 + residual_1 * (df_20 * df_01 - df_00 * df_21) + residual_2 * (df_00 * df_11 - df_10 * df_01)
     t40 = t35 * t39
-    size = ca.fmax(s_0 * s_0 + s_1 * s_1 + s_2 * s_2, (1 / 1000000000000000000000000))  # squared length of the unknowns
+    size = ca.fmax(s_0 * s_0 + s_1 * s_1 + s_2 * s_2, 1e-24)  # squared length of the unknowns
     return (
         (  # s_next
             s_0 - t36,

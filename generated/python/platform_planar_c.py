@@ -250,7 +250,7 @@ def attachment(g: Any, s: Any) -> tuple[Any, ...]:
 
 def solve(Q: Any, line: Any, point: Any, rate: Any) -> tuple[Any, ...]:
     """The twist from the legs' rates r = N s_dot: J t = r solved in the platform frame.  Thesis:
-    (1.30).  (27 add, 53 multiply, 2 divide)"""
+    (1.30).  (28 add, 53 multiply, 2 divide)"""
     Q_00, Q_01, Q_10, Q_11 = Q
     line_00, line_01, line_02, line_10, line_11, line_12, line_20, line_21, line_22 = line
     point_00, point_01, point_10, point_11, point_20, point_21 = point
@@ -269,7 +269,7 @@ def solve(Q: Any, line: Any, point: Any, rate: Any) -> tuple[Any, ...]:
     d2_0 = line_00 * line_00 + line_01 * line_01
     d2_1 = line_10 * line_10 + line_11 * line_11
     d2_2 = line_20 * line_20 + line_21 * line_21
-    t7 = point_00 * point_00 + point_01 * point_01 + point_10 * point_10 + point_11 * point_11
+    t7 = 1e-150 + point_00 * point_00 + point_01 * point_01 + point_10 * point_10 + point_11 * point_11
     size = t7 + point_20 * point_20 + point_21 * point_21  # sum of |S_i - O'|^2
     return (
         (  # twist
@@ -302,7 +302,7 @@ def type_2(line: Any, point: Any, scale: Any) -> tuple[Any, ...]:
 
 def sensitivity(line: Any, point: Any, reach: Any) -> tuple[Any, ...]:
     """Squares of the position and the rotation part of U = J^-1 K, in the platform frame.  Thesis:
-    1.8, 4.2.2.  (27 add, 70 multiply, 2 divide)"""
+    1.8, 4.2.2.  (28 add, 70 multiply, 2 divide)"""
     line_00, line_01, line_02, line_10, line_11, line_12, line_20, line_21, line_22 = line
     point_00, point_01, point_10, point_11, point_20, point_21 = point
     reach_00, reach_10, reach_20 = reach
@@ -333,7 +333,7 @@ def sensitivity(line: Any, point: Any, reach: Any) -> tuple[Any, ...]:
     d2_0 = line_00 * line_00 + line_01 * line_01
     d2_1 = line_10 * line_10 + line_11 * line_11
     d2_2 = line_20 * line_20 + line_21 * line_21
-    t1 = point_00 * point_00 + point_01 * point_01 + point_10 * point_10 + point_11 * point_11
+    t1 = 1e-150 + point_00 * point_00 + point_01 * point_01 + point_10 * point_10 + point_11 * point_11
     size = t1 + point_20 * point_20 + point_21 * point_21  # sum of |S_i - O'|^2
     return (
         (  # position_gram
@@ -965,7 +965,7 @@ def balance(
     Q: Any, line: Any, point: Any, redundant_line: Any, redundant_forces: Any,
     wrench: Any) -> tuple[Any, ...]:
     """Forces along the legs' lines that give a wrench and forces along the redundant coordinates: J^T
-    lambda = F - C^T phi solved in the platform frame.  Thesis: (5.12), (5.44).  (36 add, 62
+    lambda = F - C^T phi solved in the platform frame.  Thesis: (5.12), (5.44).  (37 add, 62
     multiply, 2 divide)"""
     Q_00, Q_01, Q_10, Q_11 = Q
     line_00, line_01, line_02, line_10, line_11, line_12, line_20, line_21, line_22 = line
@@ -993,7 +993,7 @@ def balance(
     d2_0 = line_00 * line_00 + line_01 * line_01
     d2_1 = line_10 * line_10 + line_11 * line_11
     d2_2 = line_20 * line_20 + line_21 * line_21
-    t10 = point_00 * point_00 + point_01 * point_01 + point_10 * point_10 + point_11 * point_11
+    t10 = 1e-150 + point_00 * point_00 + point_01 * point_01 + point_10 * point_10 + point_11 * point_11
     size = t10 + point_20 * point_20 + point_21 * point_21  # sum of |S_i - O'|^2
     return (
         (  # line_forces

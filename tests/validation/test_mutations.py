@@ -235,9 +235,9 @@ FOLDERS = {
 }
 
 
-NO_MISTAKE = re.compile(r"positive where the legs go round z_1|/ sign\b")
-"""Lines whose change is none: of a value only the sign counts, as its remark says, and a sign divides as it
-multiplies.
+NO_MISTAKE = re.compile(r"positive where the legs go round z_1|/ sign\b|= residual_0 / ")
+"""Lines whose change is none: of a value only the sign counts, as its remark says; a sign divides as it
+multiplies; the 3-CPR's root is on the first cylinder, where that residual is a rounding error.
 """
 
 

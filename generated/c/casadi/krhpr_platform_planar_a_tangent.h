@@ -348,7 +348,7 @@ KRHPR_STATIC void krhpr_platform_planar_a_attachment_tangent(
     }
 }
 
-/* `solve` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.30).  (108 add,
+/* `solve` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.30).  (109 add,
  * 150 multiply, 3 divide) */
 KRHPR_STATIC void krhpr_platform_planar_a_solve_tangent(
     const krhpr_dual *Q, const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *rate,
@@ -374,8 +374,8 @@ KRHPR_STATIC void krhpr_platform_planar_a_solve_tangent(
     const double d2_0 = line[0].v * line[0].v + line[1].v * line[1].v;
     const double d2_1 = line[3].v * line[3].v + line[4].v * line[4].v;
     const double d2_2 = line[6].v * line[6].v + line[7].v * line[7].v;
-    const double t1 = point[0].v * point[0].v + point[1].v * point[1].v + point[2].v * point[2].v + point[3].v * point[3].v;
-    const double size = t1 + point[4].v * point[4].v + point[5].v * point[5].v;
+    const double t1 = 1e-150 + point[0].v * point[0].v + point[1].v * point[1].v + point[2].v * point[2].v;
+    const double size = t1 + point[3].v * point[3].v + point[4].v * point[4].v + point[5].v * point[5].v;
     const double h13 = d2_0 * d2_1;
     const double h14 = d2_2 * h13;
     const double t2 = size * h14;
@@ -456,7 +456,7 @@ KRHPR_STATIC void krhpr_platform_planar_a_type_2_tangent(
 }
 
 /* `sensitivity` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.
- * (125 add, 192 multiply, 3 divide) */
+ * (126 add, 192 multiply, 3 divide) */
 KRHPR_STATIC void krhpr_platform_planar_a_sensitivity_tangent(
     const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *reach,
     krhpr_dual *KRHPR_RESTRICT position_gram, krhpr_dual *KRHPR_RESTRICT rotation_gram,
@@ -498,8 +498,8 @@ KRHPR_STATIC void krhpr_platform_planar_a_sensitivity_tangent(
     const double d2_0 = line[0].v * line[0].v + line[1].v * line[1].v;
     const double d2_1 = line[3].v * line[3].v + line[4].v * line[4].v;
     const double d2_2 = line[6].v * line[6].v + line[7].v * line[7].v;
-    const double t1 = point[0].v * point[0].v + point[1].v * point[1].v + point[2].v * point[2].v + point[3].v * point[3].v;
-    const double size = t1 + point[4].v * point[4].v + point[5].v * point[5].v;
+    const double t1 = 1e-150 + point[0].v * point[0].v + point[1].v * point[1].v + point[2].v * point[2].v;
+    const double size = t1 + point[3].v * point[3].v + point[4].v * point[4].v + point[5].v * point[5].v;
     const double h13 = d2_0 * d2_1;
     const double h14 = d2_2 * h13;
     const double t2 = size * h14;
@@ -1212,12 +1212,12 @@ KRHPR_STATIC void krhpr_platform_planar_a_uniqueness_tangent(
     const double h13 = 1.0 / length[0].v;
     const double h14 = length[1].v * h13 - 1.0;
     const double h15 = length[2].v * h13 - 1.0;
-    certificate[0].v = (1.0 / 1000000000000000000.0) - h8 * h8;
-    certificate[1].v = (1.0 / 1000000000000000000.0) - h9 * h9;
-    certificate[2].v = (1.0 / 1000000000000000000.0) - h11 * h11;
-    certificate[3].v = (1.0 / 1000000000000000000.0) - h12 * h12;
-    certificate[4].v = (1.0 / 1000000000000000000.0) - h14 * h14;
-    certificate[5].v = (1.0 / 1000000000000000000.0) - h15 * h15;
+    certificate[0].v = 1e-18 - h8 * h8;
+    certificate[1].v = 1e-18 - h9 * h9;
+    certificate[2].v = 1e-18 - h11 * h11;
+    certificate[3].v = 1e-18 - h12 * h12;
+    certificate[4].v = 1e-18 - h14 * h14;
+    certificate[5].v = 1e-18 - h15 * h15;
     certificate[6].v = h1 * h4 - h2 * h3;
     certificate[7].v = R_1 * (8999999991.0 / 16000000000.0) - length[0].v * length[0].v;
     certificate[8].v = box[0].v - (1308996938995747.0 / 2500000000000000.0);
@@ -2675,7 +2675,7 @@ KRHPR_STATIC void krhpr_platform_planar_a_redundant_line_tangent(
 }
 
 /* `balance` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.12), (5.44).
- * (135 add, 177 multiply, 3 divide) */
+ * (136 add, 177 multiply, 3 divide) */
 KRHPR_STATIC void krhpr_platform_planar_a_balance_tangent(
     const krhpr_dual *Q, const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *redundant_line,
     const krhpr_dual *redundant_forces, const krhpr_dual *wrench, krhpr_dual *KRHPR_RESTRICT line_forces,
@@ -2707,8 +2707,8 @@ KRHPR_STATIC void krhpr_platform_planar_a_balance_tangent(
     const double d2_0 = line[0].v * line[0].v + line[1].v * line[1].v;
     const double d2_1 = line[3].v * line[3].v + line[4].v * line[4].v;
     const double d2_2 = line[6].v * line[6].v + line[7].v * line[7].v;
-    const double t4 = point[0].v * point[0].v + point[1].v * point[1].v + point[2].v * point[2].v + point[3].v * point[3].v;
-    const double size = t4 + point[4].v * point[4].v + point[5].v * point[5].v;
+    const double t4 = 1e-150 + point[0].v * point[0].v + point[1].v * point[1].v + point[2].v * point[2].v;
+    const double size = t4 + point[3].v * point[3].v + point[4].v * point[4].v + point[5].v * point[5].v;
     const double h13 = d2_0 * d2_1;
     const double h14 = d2_2 * h13;
     const double t5 = size * h14;

@@ -300,7 +300,7 @@ KRHPR_STATIC void krhpr_platform_planar_c_attachment_tangent(
     }
 }
 
-/* `solve` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.30).  (108 add,
+/* `solve` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.30).  (109 add,
  * 150 multiply, 3 divide) */
 KRHPR_STATIC void krhpr_platform_planar_c_solve_tangent(
     const krhpr_dual *Q, const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *rate,
@@ -326,8 +326,8 @@ KRHPR_STATIC void krhpr_platform_planar_c_solve_tangent(
     const double d2_0 = line[0].v * line[0].v + line[1].v * line[1].v;
     const double d2_1 = line[3].v * line[3].v + line[4].v * line[4].v;
     const double d2_2 = line[6].v * line[6].v + line[7].v * line[7].v;
-    const double t1 = point[0].v * point[0].v + point[1].v * point[1].v + point[2].v * point[2].v + point[3].v * point[3].v;
-    const double size = t1 + point[4].v * point[4].v + point[5].v * point[5].v;
+    const double t1 = 1e-150 + point[0].v * point[0].v + point[1].v * point[1].v + point[2].v * point[2].v;
+    const double size = t1 + point[3].v * point[3].v + point[4].v * point[4].v + point[5].v * point[5].v;
     const double h13 = d2_0 * d2_1;
     const double h14 = d2_2 * h13;
     const double t2 = size * h14;
@@ -401,7 +401,7 @@ KRHPR_STATIC void krhpr_platform_planar_c_type_2_tangent(
 }
 
 /* `sensitivity` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.
- * (125 add, 192 multiply, 3 divide) */
+ * (126 add, 192 multiply, 3 divide) */
 KRHPR_STATIC void krhpr_platform_planar_c_sensitivity_tangent(
     const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *reach,
     krhpr_dual *KRHPR_RESTRICT position_gram, krhpr_dual *KRHPR_RESTRICT rotation_gram,
@@ -443,8 +443,8 @@ KRHPR_STATIC void krhpr_platform_planar_c_sensitivity_tangent(
     const double d2_0 = line[0].v * line[0].v + line[1].v * line[1].v;
     const double d2_1 = line[3].v * line[3].v + line[4].v * line[4].v;
     const double d2_2 = line[6].v * line[6].v + line[7].v * line[7].v;
-    const double t1 = point[0].v * point[0].v + point[1].v * point[1].v + point[2].v * point[2].v + point[3].v * point[3].v;
-    const double size = t1 + point[4].v * point[4].v + point[5].v * point[5].v;
+    const double t1 = 1e-150 + point[0].v * point[0].v + point[1].v * point[1].v + point[2].v * point[2].v;
+    const double size = t1 + point[3].v * point[3].v + point[4].v * point[4].v + point[5].v * point[5].v;
     const double h13 = d2_0 * d2_1;
     const double h14 = d2_2 * h13;
     const double t2 = size * h14;
@@ -1809,7 +1809,7 @@ KRHPR_STATIC void krhpr_platform_planar_c_redundant_line_tangent(
 }
 
 /* `balance` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.12), (5.44).
- * (135 add, 177 multiply, 3 divide) */
+ * (136 add, 177 multiply, 3 divide) */
 KRHPR_STATIC void krhpr_platform_planar_c_balance_tangent(
     const krhpr_dual *Q, const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *redundant_line,
     const krhpr_dual *redundant_forces, const krhpr_dual *wrench, krhpr_dual *KRHPR_RESTRICT line_forces,
@@ -1841,8 +1841,8 @@ KRHPR_STATIC void krhpr_platform_planar_c_balance_tangent(
     const double d2_0 = line[0].v * line[0].v + line[1].v * line[1].v;
     const double d2_1 = line[3].v * line[3].v + line[4].v * line[4].v;
     const double d2_2 = line[6].v * line[6].v + line[7].v * line[7].v;
-    const double t4 = point[0].v * point[0].v + point[1].v * point[1].v + point[2].v * point[2].v + point[3].v * point[3].v;
-    const double size = t4 + point[4].v * point[4].v + point[5].v * point[5].v;
+    const double t4 = 1e-150 + point[0].v * point[0].v + point[1].v * point[1].v + point[2].v * point[2].v;
+    const double size = t4 + point[3].v * point[3].v + point[4].v * point[4].v + point[5].v * point[5].v;
     const double h13 = d2_0 * d2_1;
     const double h14 = d2_2 * h13;
     const double t5 = size * h14;

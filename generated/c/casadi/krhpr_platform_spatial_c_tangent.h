@@ -480,7 +480,7 @@ KRHPR_STATIC void krhpr_platform_spatial_c_attachment_tangent(
     }
 }
 
-/* `solve` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.30).  (228 add,
+/* `solve` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.30).  (229 add,
  * 287 multiply, 6 divide) */
 KRHPR_STATIC void krhpr_platform_spatial_c_solve_tangent(
     const krhpr_dual *Q, const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *rate,
@@ -528,8 +528,8 @@ KRHPR_STATIC void krhpr_platform_spatial_c_solve_tangent(
     const double d2_0 = line[0].v * line[0].v + line[1].v * line[1].v;
     const double d2_1 = line[6].v * line[6].v + line[7].v * line[7].v;
     const double d2_2 = line[12].v * line[12].v + line[13].v * line[13].v;
-    const double t3 = point[0].v * point[0].v + point[1].v * point[1].v + point[2].v * point[2].v + point[3].v * point[3].v;
-    const double size = t3 + point[4].v * point[4].v + point[5].v * point[5].v;
+    const double t3 = 1e-150 + point[0].v * point[0].v + point[1].v * point[1].v + point[2].v * point[2].v;
+    const double size = t3 + point[3].v * point[3].v + point[4].v * point[4].v + point[5].v * point[5].v;
     const double h25 = d2_0 * d2_1;
     const double h26 = d2_2 * h25;
     const double t4 = size * h26;
@@ -654,7 +654,7 @@ KRHPR_STATIC void krhpr_platform_spatial_c_type_2_tangent(
 }
 
 /* `sensitivity` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.
- * (487 add, 683 multiply, 6 divide) */
+ * (488 add, 683 multiply, 6 divide) */
 KRHPR_STATIC void krhpr_platform_spatial_c_sensitivity_tangent(
     const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *reach,
     krhpr_dual *KRHPR_RESTRICT position_gram, krhpr_dual *KRHPR_RESTRICT rotation_gram,
@@ -771,8 +771,8 @@ KRHPR_STATIC void krhpr_platform_spatial_c_sensitivity_tangent(
     const double d2_0 = line[0].v * line[0].v + line[1].v * line[1].v;
     const double d2_1 = line[6].v * line[6].v + line[7].v * line[7].v;
     const double d2_2 = line[12].v * line[12].v + line[13].v * line[13].v;
-    const double t1 = point[0].v * point[0].v + point[1].v * point[1].v + point[2].v * point[2].v + point[3].v * point[3].v;
-    const double size = t1 + point[4].v * point[4].v + point[5].v * point[5].v;
+    const double t1 = 1e-150 + point[0].v * point[0].v + point[1].v * point[1].v + point[2].v * point[2].v;
+    const double size = t1 + point[3].v * point[3].v + point[4].v * point[4].v + point[5].v * point[5].v;
     const double h52 = d2_0 * d2_1;
     const double h53 = d2_2 * h52;
     const double t2 = size * h53;
@@ -2715,7 +2715,7 @@ KRHPR_STATIC void krhpr_platform_spatial_c_redundant_line_tangent(
 }
 
 /* `balance` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.12), (5.44).
- * (284 add, 335 multiply, 6 divide) */
+ * (285 add, 335 multiply, 6 divide) */
 KRHPR_STATIC void krhpr_platform_spatial_c_balance_tangent(
     const krhpr_dual *Q, const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *redundant_line,
     const krhpr_dual *redundant_forces, const krhpr_dual *wrench, krhpr_dual *KRHPR_RESTRICT line_forces,
@@ -2779,8 +2779,8 @@ KRHPR_STATIC void krhpr_platform_spatial_c_balance_tangent(
     const double d2_0 = line[0].v * line[0].v + line[1].v * line[1].v;
     const double d2_1 = line[6].v * line[6].v + line[7].v * line[7].v;
     const double d2_2 = line[12].v * line[12].v + line[13].v * line[13].v;
-    const double t13 = point[0].v * point[0].v + point[1].v * point[1].v + point[2].v * point[2].v + point[3].v * point[3].v;
-    const double size = t13 + point[4].v * point[4].v + point[5].v * point[5].v;
+    const double t13 = 1e-150 + point[0].v * point[0].v + point[1].v * point[1].v + point[2].v * point[2].v;
+    const double size = t13 + point[3].v * point[3].v + point[4].v * point[4].v + point[5].v * point[5].v;
     const double h25 = d2_0 * d2_1;
     const double h26 = d2_2 * h25;
     const double t14 = size * h26;

@@ -7,6 +7,7 @@ from fractions import Fraction
 from krhpr.codegen.graph import InputRef, Op
 from krhpr.codegen.kernel import GEOMETRY_PREFIX, GeometryType, Kernel
 from krhpr.codegen.printers.infix import Body, Dialect, print_body
+from krhpr.codegen.printers.literals import decimal
 
 FUNCTIONS = {
     Op.SQRT: "sqrt",
@@ -36,9 +37,7 @@ def constant(value: Fraction) -> str:
     """
     if value.denominator == 1:
         return f"{value.numerator}.0"
-    if Fraction(float(value)) == value and value.denominator <= 1024:
-        return repr(float(value))
-    return f"({value.numerator}.0 / {value.denominator}.0)"
+    return decimal(value) or f"({value.numerator}.0 / {value.denominator}.0)"
 
 
 def print_kernel(kernel: Kernel) -> Body:

@@ -12,6 +12,7 @@ from krhpr.codegen.graph import InputRef, Op
 from krhpr.codegen.kernel import GEOMETRY_PREFIX, Kernel
 from krhpr.codegen.printers.c import is_array
 from krhpr.codegen.printers.infix import Body, Dialect, print_body
+from krhpr.codegen.printers.literals import decimal
 
 NUMPY = {
     Op.SQRT: "np.sqrt",
@@ -40,9 +41,7 @@ def constant(value: Fraction) -> str:
     """A literal; whole numbers stay whole, so that the code runs on exact numbers too."""
     if value.denominator == 1:
         return str(value.numerator)
-    if Fraction(float(value)) == value and value.denominator <= 1024:
-        return repr(float(value))
-    return f"({value.numerator} / {value.denominator})"
+    return decimal(value) or f"({value.numerator} / {value.denominator})"
 
 
 def component(port: str, index: int, shape: tuple[int, ...]) -> str:

@@ -5,6 +5,7 @@ equations.
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,6 +13,7 @@ from krhpr.codegen.evaluate import evaluate_kernel
 from krhpr.codegen.kernel import LEGS, Kernel
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.platforms.base import Platform
+from krhpr.derivations.platforms.kernels import NO_SIZE
 from krhpr.validation.arithmetic import RATIONAL
 from krhpr.validation.check import Check
 from krhpr.validation.configurations import Configuration, configuration
@@ -202,6 +204,41 @@ def solving(subject: Subject, check: Check, count: int) -> Measured:
     return found
 
 
+def balance(subject: Subject, check: Check, count: int) -> Measured:
+    """J^T lambda + C^T phi = F for any end points and any lines of the redundant coordinates."""
+    found = Measured(check)
+    source = Draw(check.seed)
+    f = subject.platform.space.degrees_of_freedom
+    for _ in range(count):
+        here = configuration(subject, source)
+        lines = [source.vector(f) for _ in range(LEGS)]
+        for s in (
+            [here.leg("s", leg) for leg in range(LEGS)],
+            [source.vector(len(here.leg("s", 0))) for _ in range(LEGS)],
+        ):
+            J, gathered = whole(here, s=s)
+            inputs = {
+                **{name: here.values[name] for name in ("Q", "wrench", "redundant_forces")},
+                **{name: gathered[name] for name in ("line", "point")},
+                "redundant_line": [entry for line in lines for entry in line],
+            }
+            result = evaluate_kernel(subject.derived("platform", "balance"), inputs, None, here.arithmetic)
+            total = apply(transpose(J), result["line_forces"])
+            for line, force in zip(lines, here.values["redundant_forces"], strict=True):
+                total = plus(total, scaled(force, _in_base(here, line)))
+            found.equal(total, here.values["wrench"], "J^T lambda + C^T phi")
+            _regularity(subject, gathered, result["regularity"], found)
+            found.samples += 1
+    return found
+
+
+def _in_base(here: Configuration, line: list[Any]) -> list[Any]:
+    """A line or wrench of the platform frame in the base frame; its moment stays about O'."""
+    d = here.subject.platform.space.dimension
+    Q = matrix(here.values["Q"], d)
+    return [*apply(Q, line[:d]), *(apply(Q, line[d:]) if d == 3 else line[d:])]
+
+
 def _regularity(
     subject: Subject, gathered: dict[str, list[Any]], regularity: list[Any], found: Measured
 ) -> None:
@@ -209,7 +246,7 @@ def _regularity(
     points = matrix(gathered["point"], 2)
     directions = [line[:2] for line in matrix(gathered["line"], 3 if subject.planar else 6)]
     moments = [line[-1] for line in matrix(gathered["line"], 3 if subject.planar else 6)]
-    size = sum((dot(point, point) for point in points), Exact(0))
+    size = sum((dot(point, point) for point in points), Exact(Fraction(NO_SIZE.p, NO_SIZE.q)))
     in_plane = determinant([[*line, moment] for line, moment in zip(directions, moments, strict=True)])
     bound = size
     for line in directions:
@@ -439,6 +476,7 @@ RUNNERS: dict[str, Runner] = {
     "end velocity and acceleration": proof(end_motion),
     "row bias": proof(row_bias),
     "solve": solving,
+    "balance": balance,
     "determinant of J": determinants,
     "degree": degree,
     "equilateral": equilateral,

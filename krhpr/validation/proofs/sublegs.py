@@ -192,7 +192,7 @@ def thesis_matrices(subject: Subject, here: Configuration, leg: int, found: Meas
 
 
 def products(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
-    """project, velocity and rates are products with M and its inverse."""
+    """project, velocity and rates are products with M and its inverse; their guards are factors of det M."""
     M, at = jacobian(here, leg), posture(here, leg)
     n, d = subject.subleg.n, subject.subleg.space.dimension
     rows = matrix([Exact(k * k + leg + 1) / (k + 2) for k in range(subject.subleg.space.rows_per_leg * d)], d)
@@ -209,16 +209,29 @@ def products(subject: Subject, here: Configuration, leg: int, found: Measured) -
         swivel = {"swivel_rates": [dot(row, rates)]}
     result = here.kernel("subleg", "rates", leg, **at, s_dot=s_dot, **swivel)
     found.equal(result["theta_dot"], rates, "rates of M theta_dot")
+    inputs = {**at, "N": flat_rows, "along": s_dot, "s_dot": s_dot, **swivel}
+    _guards(subject, here, leg, inputs, found)
+
+
+def _guards(subject: Subject, here: Configuration, leg: int, inputs: dict[str, Any], found: Measured) -> None:
+    """What kernels compare with a tolerance is the smallest of the factors of det M that they divide by."""
     serial, parallel, _ = factor_counts(subject.subleg)
-    factors = [abs(factor) for factor in here.kernel("subleg", "determinant", leg, **at)["factors"]]
-    guarding = factors[:serial] + (factors[serial + parallel :] if subject.subleg.redundant else [])
-    if guarding:
-        found.equal(result["regularity"], [min(guarding)], "regularity of rates")
-    for name in ("jacobian", "project", "velocity"):
-        kernel = here.kernel("subleg", name, leg, **at, N=flat_rows)
-        if "regularity" in kernel:
-            wanted = [min(factors[serial : serial + parallel])]
-            found.equal(kernel["regularity"], wanted, f"regularity of {name}")
+    factors = [abs(factor) for factor in here.kernel("subleg", "determinant", leg, **inputs)["factors"]]
+    of_swivel = factors[serial + parallel :] if subject.subleg.redundant else []
+    by_serial, by_parallel = factors[:serial], factors[serial : serial + parallel]
+    guarding = {
+        "jacobian": by_parallel,
+        "project": by_parallel,
+        "velocity": by_parallel,
+        "rates": by_serial + of_swivel,
+        "transmission": by_parallel + of_swivel,
+        "end_force": by_serial + of_swivel,
+    }
+    for name, values in guarding.items():
+        result = here.kernel("subleg", name, leg, **inputs)
+        assert bool(values) == ("regularity" in result), name
+        if values:
+            found.equal(result["regularity"], [min(values)], f"regularity of {name}")
 
 
 # -- determinant -----------------------------------------------------------------------------------

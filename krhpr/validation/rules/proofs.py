@@ -65,7 +65,7 @@ SUBLEG_PROOFS = (
         MANY,
         "project = N M, velocity = M theta_dot and rates = M^-1 s_dot; their guards are the factors of "
         "det M.",
-        ("velocity", "rates"),
+        ("velocity", "rates", "transmission", "end_force"),
     ),
     Proof(
         "determinant of M",
@@ -233,6 +233,15 @@ PLATFORM_PROOFS = (
         MANY,
         "J times the twist of `solve` gives the rates back, for any S_i; its guards are det J_a and det J_n, "
         "made dimensionless.",
+    ),
+    Proof(
+        "balance",
+        "balance",
+        EXACT,
+        MANY,
+        "J^T times the forces along the lines, and the forces along any redundant lines, add up to the "
+        "wrench, for any S_i; the guards are those of `solve`.",
+        ("rows",),
     ),
     Proof(
         "sensitivity",
