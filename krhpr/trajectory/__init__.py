@@ -10,6 +10,7 @@ The nonlinear programme takes the extras `casadi` and `trajectory` (CasADi with 
 """
 
 from krhpr.trajectory.examine import Examined, Lines, Violation
+from krhpr.trajectory.grip import Grip
 from krhpr.trajectory.optimise import LeavesWorkspace, Method, Trajectory, optimise
 from krhpr.trajectory.paths import (
     BUILT_IN,
@@ -24,8 +25,9 @@ from krhpr.trajectory.paths import (
     way_points,
 )
 from krhpr.trajectory.point import NoClosedForm
+from krhpr.trajectory.refusals import ContradictoryLimits, UnknownObjective
 from krhpr.trajectory.results import Result, ResultError, load_result, save
-from krhpr.trajectory.terms import Bounds, ContradictoryLimits, Objective, UnknownObjective, chapter_4
+from krhpr.trajectory.terms import Bounds, Objective, chapter_4
 from krhpr.trajectory.transcription import Curve
 
 __all__ = [
@@ -34,6 +36,7 @@ __all__ = [
     "ContradictoryLimits",
     "Curve",
     "Examined",
+    "Grip",
     "Interpolation",
     "LeavesWorkspace",
     "Lines",

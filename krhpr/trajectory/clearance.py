@@ -75,12 +75,34 @@ def segments(robot: Robot) -> tuple[Segment, ...]:
 
 
 def pairs(robot: Robot) -> tuple[Pair, ...]:
-    """Every pair of links that share no point."""
+    """Every pair of links that no joint joins.
+
+    A joint may be in the middle of a link, as on the distal link of a five-bar: links whose axes meet
+    wherever the robot stands are joined.
+    """
     found = []
     for a, b in combinations(segments(robot), 2):
         if not {a.start, a.end} & {b.start, b.end}:
             found.append(Pair(a, b))
-    return tuple(found)
+    p, Q, redundant = _around_home(robot)
+    theta = robot.inverse(p, Q, redundant)
+    points = robot.link_points(p, Q, robot.end_points(p, Q, redundant), theta)
+    gaps = np.linalg.norm(separations(robot, tuple(found), points.points, points.attachment), axis=-1)
+    apart = np.nanmax(gaps, axis=1) > 1e-9 * np.nanmax(np.abs(points.points))
+    return tuple(pair for pair, there in zip(found, apart, strict=True) if there)
+
+
+def _around_home(robot: Robot, count: int = 8) -> tuple[Floats, Floats, Floats]:
+    """Poses and redundant coordinates at the robot's home and a little away from it, always the same ones."""
+    from scipy.spatial.transform import Rotation
+
+    source = np.random.default_rng(0)
+    home = robot.home
+    p = np.asarray(home.p) * (1 + 0.03 * source.uniform(-1, 1, (count, 3)))
+    turns = Rotation.from_rotvec(0.05 * source.uniform(-1, 1, (count, 3))).as_matrix()
+    redundant = np.asarray(home.redundant) * (1 + 0.03 * source.uniform(-1, 1, (count, 3)))
+    p[0], turns[0], redundant[0] = home.p, np.eye(3), home.redundant
+    return p, np.asarray(home.orientation) @ turns, redundant
 
 
 def separation(first: tuple[Floats, Floats], second: tuple[Floats, Floats]) -> Floats:

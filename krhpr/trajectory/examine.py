@@ -140,6 +140,10 @@ def examine(
         for leg, (low, high) in enumerate(zip(*point.bounds.box(), strict=True))
     ]
     violations += _violations(times, box, redundant)[0]
+    if (grip := point.bounds.grip) is not None:
+        opening = np.asarray(robot.opening(redundant, grip.jaws).opening)
+        held = Quantity("opening of the gripper", "m", grip.opening, grip.opening, 0.1)
+        violations += _violations(times, [held], opening[:, None] / held.scale)[0]
     close: list[Pair] = []
     if of:
         least = float(point.bounds.clearance or 0.0)

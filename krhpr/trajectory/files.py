@@ -6,7 +6,7 @@
       - {time: 2.5, p: [100 mm, 0, 350 mm], rotation: [0, 40 deg, 0]}
     interpolation: spline          # or linear
     objective: eta_1               # or {eta_1: 11.4, eta_2: 0.12, eta_3: 0.67, rates: 0.001}
-    limits: chapter-4              # or a table, see `Bounds`
+    limits: chapter-4              # or a table, see `Bounds`, of which `grip` is a table, see `Grip`
     method: nlp
     intervals: 30
 
@@ -27,9 +27,11 @@ from krhpr.errors import nearest
 from krhpr.robot_files.problems import Problems, RobotFileError
 from krhpr.robot_files.quantities import BadQuantity, Kind, parse
 from krhpr.robot_files.tree import Items, Node, Table, Text, described, read_tree
+from krhpr.trajectory.grip import Grip
 from krhpr.trajectory.optimise import INTERVALS, Method
 from krhpr.trajectory.paths import BUILT_IN, Interpolation, Path, PathError, way_points
-from krhpr.trajectory.terms import TERMS, Bounds, Objective, UnknownObjective, chapter_4
+from krhpr.trajectory.refusals import UnknownObjective
+from krhpr.trajectory.terms import TERMS, Bounds, Objective, chapter_4
 
 FIELDS = ("path", "way_points", "interpolation", "objective", "limits", "method", "intervals")
 CHAPTER_4 = "chapter-4"
@@ -43,7 +45,9 @@ LIMITS = (
     "factors",
     "cone",
     "clearance",
+    "grip",
 )
+GRIP = ("opening", "jaws", "play")
 
 Found = TypeVar("Found")
 
@@ -192,7 +196,27 @@ class _Reader:
             self.problems.wrong(
                 factors.line, "limits.factors", f"found {described(factors)}, expected a table"
             )
+        if "grip" in node.entries:
+            values["grip"] = self._grip(node.entries["grip"])
         return Bounds(**values)
+
+    def _grip(self, node: Node) -> Grip | None:
+        where = "limits.grip"
+        if not isinstance(node, Table) or "opening" not in node.entries:
+            expected = f"a table with {', '.join(GRIP)}, of which opening must be there"
+            self.problems.wrong(node.line, where, f"found {described(node)}, expected {expected}")
+            return None
+        for field, line in node.lines.items():
+            if field not in GRIP:
+                self.problems.wrong(line, f"{where}.{field}", f"unknown field; {nearest(field, GRIP)}")
+        values: dict[str, Any] = {}
+        for field in GRIP:
+            if (given := node.entries.get(field)) is None:
+                continue
+            each = 3 if field == "jaws" and isinstance(given, Items) else None
+            numbers = self._numbers(given, f"{where}.{field}", Kind.LENGTH, each)
+            values[field] = numbers[0] if each is None else tuple(numbers)
+        return Grip(**values)
 
     # -- values ---------------------------------------------------------------------------------------------
 

@@ -276,9 +276,13 @@ class _Search:
         return found
 
     def _curve(self, start: Start) -> Curve:
-        ends = (self.task.path.times[0], self.task.path.times[-1])
-        curve = Curve.near(*ends, self.task.intervals, start.times, start.redundant)
-        return replace(curve, coefficients=np.clip(curve.coefficients, *self.task.point.bounds.box()))
+        task = self.task
+        ends = (task.path.times[0], task.path.times[-1])
+        curve, bounds = Curve.near(*ends, task.intervals, start.times, start.redundant), task.point.bounds
+        coefficients = curve.coefficients
+        if bounds.grip is not None:
+            coefficients = bounds.grip.nearest(task.point.robot, coefficients)
+        return replace(curve, coefficients=np.clip(coefficients, *bounds.box()))
 
     def _solve(self, found: _Found, curve: Curve, former: Solved | None) -> None:
         """Solve until limits hold on the fine grid too."""

@@ -171,12 +171,25 @@ class PointFunctions:
         unwrapped = theta + ca.reshape(turns, len(self.actuators), 3).T
         theta_dot = f.joint_rates(*at, twist, rates, *swivel)
         rows = [*self._of_singularity(f.singularity(*at)), *self._of_joints(unwrapped, at, rates, theta_dot)]
+        rows += self._of_grip(redundant)
         if self.accelerated:
             theta_ddot = f.joint_accelerations(*at, twist, rates, theta_dot, twist_rate, z[6:9], *swivel)
             rows += self._of_actuators(theta_ddot, "acceleration", self.bounds.actuator_acceleration, "/s^2")
         if self.pairs:
             rows += self._of_pairs(f.link_points(*at), z)
         return integrand, rows
+
+    def _of_grip(self, redundant: Any) -> list[tuple[Quantity, Any]]:
+        """Where the object's centre is; that the opening stays is for the programme, as it is linear."""
+        import casadi as ca
+
+        grip = self.bounds.grip
+        if grip is None or grip.play is None:
+            return []
+        _, centre, _ = self.robot.casadi.opening(redundant, np.broadcast_to(grip.jaws, 3))
+        name = "squared distance of the object's centre from O'"
+        most = grip.play**2
+        return [(Quantity(name, "m^2", high=most, scale=max(most, 1e-6)), ca.sumsqr(centre))]
 
     def _of_singularity(self, found: Any) -> list[tuple[Quantity, Any]]:
         _, factors, _, margins = found

@@ -37,6 +37,10 @@ UNITS = {
     "eta_3": "1",
 }
 """Arrays of a result and their units; the first axis is time."""
+OF_GRIP = {"opening": "m", "centre": "m"}
+"""Arrays that are there as well where the gripper keeps an opening: it, and the object's centre (n, 2) from
+O' in the platform's plane.
+"""
 
 
 class ResultError(KrhprError, ValueError):
@@ -48,7 +52,7 @@ class Result:
     """A result out of a file."""
 
     arrays: dict[str, Floats]
-    """By name, with the units of `UNITS`."""
+    """By name, with the units of `UNITS` and `OF_GRIP`."""
     about: dict[str, Any]
     """Robot, path, method, objective, limits, integrals, whether all limits are met, violations, settings."""
 
@@ -76,7 +80,16 @@ def arrays_of(found: Trajectory) -> dict[str, Floats]:
         "theta": examined.theta,
         "theta_rate": examined.theta_rate,
         **examined.indices,
+        **_of_grip(found),
     }
+
+
+def _of_grip(found: Trajectory) -> dict[str, Floats]:
+    """The opening that is kept, and where the object is."""
+    if (grip := found.bounds.grip) is None:
+        return {}
+    held = found.robot.opening(found.redundant, grip.jaws)
+    return {"opening": np.asarray(held.opening), "centre": np.asarray(held.centre)}
 
 
 def about(found: Trajectory) -> dict[str, Any]:
@@ -84,6 +97,8 @@ def about(found: Trajectory) -> dict[str, Any]:
     bounds = {name: value for name, value in vars(found.bounds).items() if value is not None}
     bounds["redundant"] = [side.tolist() for side in found.bounds.box()]
     bounds["factors"] = dict(found.bounds.factors)
+    if (grip := found.bounds.grip) is not None:
+        bounds["grip"] = {**asdict(grip), "jaws": np.broadcast_to(grip.jaws, 3).tolist()}
     return {
         "format": FORMAT,
         "krhpr": __version__,
@@ -104,7 +119,7 @@ def about(found: Trajectory) -> dict[str, Any]:
         "iterations": found.iterations,
         "rounds": found.rounds,
         "message": found.message,
-        "units": UNITS,
+        "units": {**UNITS, **(OF_GRIP if grip is not None else {})},
     }
 
 
@@ -132,7 +147,7 @@ def load_result(file: File | str) -> Result:
     try:
         with np.load(file, allow_pickle=False) as held:
             facts = json.loads(str(held["about"]))
-            found = {name: held[name] for name in UNITS if name in held.files}
+            found = {name: held[name] for name in (*UNITS, *OF_GRIP) if name in held.files}
     except (ValueError, KeyError, EOFError) as error:
         raise ResultError(f"{file}: no result of `krhpr optimise`: {error}") from None
     if facts.get("format") != FORMAT:
@@ -161,6 +176,9 @@ def csv_text(found: Trajectory) -> str:
         columns[f"{name} [{actuator_unit}]"] = examined.theta.reshape(len(motion.times), -1)[:, k]
         columns[f"{name}_rate [{actuator_unit}/s]"] = examined.theta_rate.reshape(len(motion.times), -1)[:, k]
     columns |= {f"{name} [{UNITS[name]}]": values for name, values in examined.indices.items()}
+    if of_grip := _of_grip(found):
+        columns["opening [m]"] = of_grip["opening"]
+        columns |= {f"centre_{axis} [m]": of_grip["centre"][:, k] for k, axis in enumerate("xy")}
     lines = [f"# {line}" for line in found.report().splitlines()]
     lines.append(",".join(columns))
     lines += [",".join(f"{x:.12g}" for x in row) for row in np.column_stack(list(columns.values()))]

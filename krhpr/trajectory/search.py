@@ -65,6 +65,7 @@ def _nodes(point: PointFunctions, motion: Motion, grid: Floats, theta: Floats) -
     margins = robot.type_2_of_redundant(mesh).margins
     for k, least in enumerate(point.bounds.margins):
         violation += np.maximum(least - margins[:, k], 0) / max(abs(least), 1e-9)
+    violation += _of_grip(point, grid, mesh)
     single = _of_legs(point, motion, grid)
     for leg in range(3):
         violation += single[:, index[:, leg], leg]
@@ -73,6 +74,22 @@ def _nodes(point: PointFunctions, motion: Motion, grid: Floats, theta: Floats) -
     nodes = np.where(there, cost / (unit or 1.0) + PENALTY * violation, 1e3 * PENALTY)
     shape = (stages, points, points, points)
     return nodes.reshape(shape), np.where(there, violation, np.inf).reshape(shape)
+
+
+def _of_grip(point: PointFunctions, grid: Floats, mesh: Floats) -> Floats:
+    """How far nodes (nodes, 3) are from holding the gripper's opening, and the object's centre from where it
+    may be, in steps of the grid; what the grid is too coarse for does not count."""
+    grip = point.bounds.grip
+    if grip is None:
+        return np.zeros(len(mesh))
+    robot, (row, value) = point.robot, grip.condition(point.robot)
+    step = max(float(np.ptp(grid, axis=0).max()) / (len(grid) - 1), 1e-9)
+    unit = float(np.abs(row).min()) * step
+    violation = np.maximum(np.abs(mesh @ row - value) / unit - 0.51, 0.0)
+    if grip.play is not None:
+        centre = np.asarray(robot.opening(grip.nearest(robot, mesh), grip.jaws).centre)
+        violation = violation + np.maximum(np.linalg.norm(centre, axis=1) - grip.play, 0.0) / step
+    return np.asarray(violation)
 
 
 def _of_legs(point: PointFunctions, motion: Motion, grid: Floats) -> Floats:

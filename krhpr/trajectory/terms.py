@@ -10,20 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from krhpr.errors import TrajectoryError, nearest
+from krhpr.errors import nearest
 from krhpr.robot import Robot
+from krhpr.trajectory.grip import Grip
+from krhpr.trajectory.refusals import ContradictoryLimits, UnknownObjective
 
 Floats = NDArray[np.float64]
 
 TERMS = ("eta_1", "eta_2", "eta_3", "rates")
-
-
-class UnknownObjective(TrajectoryError):
-    """No objective has this name."""
-
-
-class ContradictoryLimits(TrajectoryError):
-    """Limits that nothing can meet."""
 
 
 @dataclass(frozen=True)
@@ -99,6 +93,8 @@ class Bounds:
     """The largest angle between the last link of a sub-leg and the redundant link (rad)."""
     clearance: float | None = None
     """The least distance (m) between the axes of links that no joint joins."""
+    grip: Grip | None = None
+    """What the gripper of arrangement (b) or (c) holds: its opening stays as it is."""
 
     def box(self) -> tuple[Floats, Floats]:
         """Bounds of the three redundant coordinates."""
@@ -133,6 +129,8 @@ class Bounds:
                 raise ContradictoryLimits(
                     f"no factor of det M_i is called {name!r}; {nearest(name, labels['factors'])}"
                 )
+        if self.grip is not None:
+            self.grip.check(robot, low, high)
 
 
 def chapter_4() -> Bounds:

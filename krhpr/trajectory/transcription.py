@@ -121,15 +121,18 @@ class Programme:
         df, dg = point.slopes.map(count)(Z, Q)
         rows, columns = point.function.size1_out(1), point.size
         gradient = places.T @ ca.vec(df @ ca.diag(weights))
+        held, self._held_values = self._held(size)
         blocks = ca.diagcat(*[ca.Sparsity.dense(rows, columns)] * count)
-        jacobian = ca.mtimes(ca.MX(blocks, ca.vec(dg)), places)
-        weight, multipliers = ca.MX.sym("weight"), ca.MX.sym("multipliers", rows * count)
-        bent = point.curvature.map(count)(Z, Q, weight * weights.T, ca.reshape(multipliers, rows, count))
+        jacobian = ca.vertcat(ca.mtimes(ca.MX(blocks, ca.vec(dg)), places), held)
+        constraints = ca.vertcat(ca.vec(g), held @ X)
+        weight, multipliers = ca.MX.sym("weight"), ca.MX.sym("multipliers", constraints.numel())
+        of_points = ca.reshape(multipliers[: rows * count], rows, count)
+        bent = point.curvature.map(count)(Z, Q, weight * weights.T, of_points)
         squares = ca.diagcat(*[ca.Sparsity.dense(columns, columns)] * count)
         hessian = ca.triu(ca.mtimes([places.T, ca.MX(squares, ca.vec(bent)), places]))
         given = {
             "grad_f": ca.Function("grad_f", [X, p], [value, gradient], ["x", "p"], ["f", "grad:f:x"]),
-            "jac_g": ca.Function("jac_g", [X, p], [ca.vec(g), jacobian], ["x", "p"], ["g", "jac:g:x"]),
+            "jac_g": ca.Function("jac_g", [X, p], [constraints, jacobian], ["x", "p"], ["g", "jac:g:x"]),
             "hess_lag": ca.Function(
                 "hess_lag",
                 [X, p, weight, multipliers],
@@ -139,7 +142,7 @@ class Programme:
             ),
         }
         quiet = {"print_level": 0, "sb": "yes", **options}
-        self._nlp, self._count = {"x": X, "p": p, "f": value, "g": ca.vec(g)}, count
+        self._nlp, self._count = {"x": X, "p": p, "f": value, "g": constraints}, count
         self._options: dict[bool, dict[str, Any]] = {
             warm: {
                 "ipopt": {**quiet, **(WARM if warm else {})},
@@ -173,6 +176,22 @@ class Programme:
                 columns.append(self._main + k * extra + i)
                 values.append(1.0)
         return ca.DM.triplet(rows, columns, ca.DM(values), point.size * count, size)
+
+    def _held(self, size: int) -> tuple[Any, Floats]:
+        """Rows of the programme's variables and their values that hold the gripper's opening.
+
+        It is linear in the redundant coordinates: a spline has it at all times where its coefficients have.
+        """
+        import casadi as ca
+
+        grip = self.point.bounds.grip
+        if grip is None:
+            return ca.DM(0, size), np.zeros(0)
+        row, value = grip.condition(self.point.robot)
+        coefficients = self._main // 3
+        rows = ca.kron(ca.DM.eye(coefficients), ca.DM(row).T)
+        padded = ca.horzcat(rows, ca.DM(coefficients, size - self._main))
+        return ca.sparsify(padded), np.full(coefficients, value)
 
     def fits(self, former: Solved) -> bool:
         """Whether this programme has the variables and quantities of a former solution."""
@@ -209,8 +228,8 @@ class Programme:
             "p": np.concatenate([q.ravel(), weights]),
             "lbx": np.concatenate([np.tile(box[0], coefficients), -free]),
             "ubx": np.concatenate([np.tile(box[1], coefficients), free]),
-            "lbg": low.ravel(),
-            "ubg": high.ravel(),
+            "lbg": np.concatenate([low.ravel(), self._held_values]),
+            "ubg": np.concatenate([high.ravel(), self._held_values]),
         }
         if former is not None:
             x, of_x, of_g = former.state
