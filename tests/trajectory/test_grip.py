@@ -179,7 +179,10 @@ def test_the_least_play() -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (("opening: 60 mm, ", ""), "limits.grip: found a table of fields, expected a table with opening, jaws, play"),
+        (
+            ("opening: 60 mm, ", ""),
+            "limits.grip: found a table of fields, expected a table with opening, jaws, play",
+        ),
         (("play:", "plau:"), "limits.grip.plau: unknown field; did you mean play"),
         (
             ("jaws: 80 mm", "jaws: [80 mm, 80 mm]"),
