@@ -43,6 +43,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--method", choices=METHODS, help="how to choose; that of the file unless given")
     parser.add_argument("--mode", metavar="LABEL", help="working mode (default: the robot's)")
+    parser.add_argument(
+        "--compile",
+        action="store_true",
+        help="make C of the programme's functions: seconds once, then several times faster",
+    )
     parser.add_argument("--plot", action="store_true", help="draw NAME.png too (takes --out)")
     parser.add_argument("--json", action="store_true", help="print an object in place of words")
 

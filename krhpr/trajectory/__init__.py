@@ -9,9 +9,11 @@
 The nonlinear programme takes the extras `casadi` and `trajectory` (CasADi with IPOPT, SciPy).
 """
 
+from krhpr.trajectory.compiled import Evaluation
 from krhpr.trajectory.examine import Examined, Lines, Violation
 from krhpr.trajectory.grip import Grip
-from krhpr.trajectory.optimise import LeavesWorkspace, Method, Trajectory, optimise
+from krhpr.trajectory.horizon import BadState, Plan, RecedingHorizon, State
+from krhpr.trajectory.optimise import Method, Trajectory, optimise
 from krhpr.trajectory.paths import (
     BUILT_IN,
     Interpolation,
@@ -25,6 +27,7 @@ from krhpr.trajectory.paths import (
     way_points,
 )
 from krhpr.trajectory.point import NoClosedForm
+from krhpr.trajectory.reach import LeavesWorkspace
 from krhpr.trajectory.refusals import ContradictoryLimits, UnknownObjective
 from krhpr.trajectory.results import Result, ResultError, load_result, save
 from krhpr.trajectory.terms import Bounds, Objective, chapter_4
@@ -32,9 +35,11 @@ from krhpr.trajectory.transcription import Curve
 
 __all__ = [
     "BUILT_IN",
+    "BadState",
     "Bounds",
     "ContradictoryLimits",
     "Curve",
+    "Evaluation",
     "Examined",
     "Grip",
     "Interpolation",
@@ -46,8 +51,11 @@ __all__ = [
     "Objective",
     "Path",
     "PathError",
+    "Plan",
+    "RecedingHorizon",
     "Result",
     "ResultError",
+    "State",
     "Trajectory",
     "UnknownObjective",
     "Violation",

@@ -10,13 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from krhpr.trajectory.clearance import Pair, separations
-from krhpr.trajectory.paths import Motion, Path
+from krhpr.trajectory.paths import Motion
 from krhpr.trajectory.point import PointFunctions, Quantity
 
 Floats = NDArray[np.float64]
 
 TOLERANCE = 1e-6
 """By how much a quantity may be beyond its limit, relative to its scale."""
+
+
+class Moves(Protocol):
+    """Poses of the platform as a function of time: a path, or a part of one."""
+
+    def at(self, times: Any) -> Motion:
+        """Poses, twists and their rates at times (n)."""
 
 
 class Coordinates(Protocol):
@@ -100,17 +107,38 @@ class Examined:
         return max((one.relative for one in self.violations), default=0.0)
 
 
-def turns_along(point: PointFunctions, motion: Motion, redundant: Floats) -> tuple[Floats, Floats]:
-    """Joints along a trajectory without jumps (n, 3, actuators), and the full turns that were added (rad)."""
+def turns_along(
+    point: PointFunctions, motion: Motion, redundant: Floats, near: Floats | None = None
+) -> tuple[Floats, Floats]:
+    """Joints along a trajectory without jumps (n, 3, actuators), and the full turns that were added (rad).
+
+    It begins within half a turn of `near` (3, actuators), or in (-pi, pi].
+    """
     theta = np.asarray(point.robot.inverse(motion.p, motion.Q, redundant, mode=point.mode))
     there = np.nan_to_num(theta)
     unwrapped = np.where(point.robot.angular, np.unwrap(there, axis=0), there)
+    if near is not None:
+        before = np.round((near - unwrapped[0]) / (2 * np.pi))
+        unwrapped = unwrapped + 2 * np.pi * np.where(point.robot.angular, before, 0.0)
     turns = 2 * np.pi * np.round((unwrapped - there) / (2 * np.pi))
     return theta + turns, turns
 
 
+def separators_along(point: PointFunctions, motion: Motion, redundant: Floats) -> Floats:
+    """Unit vectors along the shortest distances of the pairs that are kept apart (n, pairs, 3)."""
+    if not point.pairs:
+        return np.zeros((len(redundant), 0, 3))
+    robot = point.robot
+    theta, _ = turns_along(point, motion, redundant)
+    s = robot.end_points(motion.p, motion.Q, redundant)
+    points = robot.link_points(motion.p, motion.Q, s, theta)
+    gaps = separations(robot, point.pairs, points.points, points.attachment)
+    sizes = np.linalg.norm(gaps, axis=-1, keepdims=True)
+    return np.moveaxis(gaps / np.maximum(sizes, 1e-9), 0, 1)
+
+
 def examine(
-    point: PointFunctions, path: Path, coordinates: Coordinates, times: Floats, of: Sequence[Pair] = ()
+    point: PointFunctions, path: Moves, coordinates: Coordinates, times: Floats, of: Sequence[Pair] = ()
 ) -> Examined:
     """Hold a trajectory to its limits at some times; `of` are the pairs of links to keep apart."""
     robot, motion = point.robot, path.at(times)

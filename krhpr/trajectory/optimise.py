@@ -13,13 +13,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from krhpr.calls import Branch
-from krhpr.errors import TrajectoryError
 from krhpr.robot import Robot
 from krhpr.trajectory import baselines
-from krhpr.trajectory.clearance import Pair, pairs, separations
-from krhpr.trajectory.examine import Coordinates, Examined, Violation, examine, turns_along
+from krhpr.trajectory.clearance import Pair, pairs
+from krhpr.trajectory.compiled import Evaluation
+from krhpr.trajectory.examine import (
+    Coordinates,
+    Examined,
+    Violation,
+    examine,
+    separators_along,
+    turns_along,
+)
 from krhpr.trajectory.paths import Path, PathError
 from krhpr.trajectory.point import PointFunctions
+from krhpr.trajectory.reach import check_path, signs_at_start
 from krhpr.trajectory.search import Start, global_start
 from krhpr.trajectory.terms import Bounds, Objective
 from krhpr.trajectory.transcription import Curve, Programme, Solved, uniform_knots
@@ -32,15 +40,6 @@ FINER = 10
 """How many times finer than the spline's intervals the grid is on which limits are checked."""
 ROUNDS = 8
 """The most solutions: limits are tightened where they are exceeded between samples, links kept apart."""
-
-
-class LeavesWorkspace(TrajectoryError):
-    """A path that a leg cannot follow: `leg` (1 to 3), `time` (s), `distance` (m) by which it is out of
-    reach."""
-
-    def __init__(self, message: str, leg: int, time: float, distance: float) -> None:
-        super().__init__(message, leg, time, distance)
-        self.leg, self.time, self.distance = leg, time, distance
 
 
 class Method(StrEnum):
@@ -137,6 +136,7 @@ def optimise(
     alpha: float = 0.2,
     progress: Callable[[str], None] = lambda step: None,
     solver: Mapping[str, Any] | None = None,
+    evaluation: Evaluation | str = Evaluation.SX,
 ) -> Trajectory:
     """Choose the redundant coordinates of a robot along a path.
 
@@ -158,6 +158,8 @@ def optimise(
         alpha: the smoothing factor for `Method.TWO`.
         progress: is told what begins.
         solver: further options of IPOPT.
+        evaluation: "compiled" makes C of the programme's functions, which takes seconds once and pays where
+            many trajectories of one robot with the same limits and objective are wanted.
 
     Returns:
         The trajectory; where limits cannot be met, the least infeasible one found, with `feasible` false and
@@ -167,24 +169,23 @@ def optimise(
         PathError: a planar path for a spatial robot, or the other way round.
         LeavesWorkspace: where and which leg, and by what distance.
         ContradictoryLimits, UnknownObjective, NoClosedForm: what cannot be asked for.
+        NoCompiler: there is none to compile with.
     """
     begin = perf_counter()
     wanted, how = Objective.of(objective), Method(method)
     bounds.check(robot)
-    if path.planar != robot.planar:
-        kinds = ("planar", "spatial") if path.planar else ("spatial", "planar")
-        raise PathError(f"{path.name} is a {kinds[0]} path, and {robot.name} is a {kinds[1]} robot")
     if intervals < 2:
         raise PathError(f"{intervals} intervals; a trajectory takes two or more")
     progress("workspace")
-    _reachable(robot, path, bounds, mode)
+    check_path(robot, path, bounds, mode)
     point = PointFunctions(
         robot,
         wanted,
         bounds,
-        _signs(robot, path, bounds, mode),
+        signs_at_start(robot, path, bounds, mode),
         mode=mode,
         characteristic_length=characteristic_length,
+        evaluation=Evaluation(evaluation),
     )
     task = _Task(point, path, intervals, pairs(robot) if bounds.clearance and not robot.planar else ())
     if how is Method.NLP:
@@ -325,7 +326,7 @@ class _Search:
         wider = np.zeros((len(self.times), len(point.quantities)))
         if tighter is not None:  # quantities of new pairs are the last ones
             wider[:, : tighter.shape[1]] = tighter
-        return programme, self._separators(point, curve), wider
+        return programme, separators_along(point, self.task.path.at(self.times), curve.at(self.times)), wider
 
     def _tighten(self, tighter: Floats, examined: Examined, point: PointFunctions) -> None:
         """Move limits inwards at the samples beside those times at which they are exceeded."""
@@ -342,54 +343,6 @@ class _Search:
         for k, one in enumerate(point.quantities):
             if one.of_pair:
                 tighter[:, k] += 1.2 * gaps.get(one.name, 0.0)
-
-    def _separators(self, point: PointFunctions, curve: Curve) -> Floats:
-        """Unit vectors along the shortest distances of the pairs kept apart (samples, pairs, 3)."""
-        if not point.pairs:
-            return np.zeros((len(self.times), 0, 3))
-        motion, redundant, robot = self.task.path.at(self.times), curve.at(self.times), point.robot
-        theta, _ = turns_along(point, motion, redundant)
-        s = robot.end_points(motion.p, motion.Q, redundant)
-        points = robot.link_points(motion.p, motion.Q, s, theta)
-        gaps = separations(robot, point.pairs, points.points, points.attachment)
-        sizes = np.linalg.norm(gaps, axis=-1, keepdims=True)
-        return np.moveaxis(gaps / np.maximum(sizes, 1e-9), 0, 1)
-
-
-def _reachable(robot: Robot, path: Path, bounds: Bounds, mode: Branch | None) -> None:
-    """Whether every leg reaches its end point somewhere in its box, all along the path."""
-    low, high = bounds.box()
-    grid = np.linspace(low, high, 61)
-    motion = path.at(np.linspace(path.times[0], path.times[-1], 121))
-    _, excess = robot.inverse_status(motion.p[:, None], motion.Q[:, None], grid, mode=mode)
-    least = np.asarray(excess).min(axis=1)  # (times, 3)
-    if (least <= 0).all():
-        return
-    k = int(np.argmax((least > 0).any(axis=1)))
-    leg = int(np.argmax(least[k]))
-    worst = float(least[:, leg].max())
-    raise LeavesWorkspace(
-        f"{path.name} leaves the workspace at {motion.times[k]:.4g} s: leg {leg + 1} cannot reach its end "
-        f"point with any redundant coordinate from {low[leg]:.4g} to {high[leg]:.4g}; it is up to "
-        f"{worst:.4g} m short along the path. Change the path or the sizes",
-        leg + 1,
-        float(motion.times[k]),
-        worst,
-    )
-
-
-def _signs(robot: Robot, path: Path, bounds: Bounds, mode: Branch | None) -> Floats:
-    """Signs of the factors of det M_i at the path's start, in the middle of the box where it is reached."""
-    first = path.at(path.times[:1])
-    grid = np.linspace(*bounds.box(), 61)
-    theta = np.asarray(robot.inverse(first.p, first.Q, grid, mode=mode))
-    there = np.isfinite(theta).all(axis=-1)
-    middle = np.abs(np.arange(61) - 30)[:, None] + 1e3 * ~there
-    best = middle.argmin(axis=0)
-    redundant = grid[best, np.arange(3)]
-    theta = robot.inverse(first.p, first.Q, redundant, mode=mode)
-    s = robot.end_points(first.p, first.Q, redundant)
-    return np.where(np.asarray(robot.singularity(first.p, first.Q, s, theta).factors)[0] < 0, -1.0, 1.0)
 
 
 def _baseline(

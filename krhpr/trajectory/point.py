@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from krhpr.errors import TrajectoryError
 from krhpr.robot import Robot
 from krhpr.trajectory.clearance import Pair
+from krhpr.trajectory.compiled import Evaluation, compiled
 from krhpr.trajectory.paths import Motion
 from krhpr.trajectory.terms import Bounds, Objective
 
@@ -59,6 +60,7 @@ class PointFunctions:
         mode: Any = None,
         characteristic_length: float = 1.0,
         pairs: tuple[Pair, ...] = (),
+        evaluation: Evaluation = Evaluation.SX,
     ) -> None:
         """`signs` (3, factors) are those of the factors of det M_i that are to be kept."""
         if "inverse" not in robot.casadi.names:
@@ -68,6 +70,7 @@ class PointFunctions:
             )
         self.robot, self.objective, self.bounds, self.signs = robot, objective, bounds, signs
         self.mode, self.length, self.pairs = robot.mode_signs(mode), characteristic_length, pairs
+        self.evaluation = evaluation
         self.accelerated = bounds.actuator_acceleration is not None
         self.planar = robot.planar
         self.actuators = robot.signature("inverse").outputs[0].labels
@@ -84,6 +87,7 @@ class PointFunctions:
             mode=self.mode,
             characteristic_length=self.length,
             pairs=pairs,
+            evaluation=self.evaluation,
         )
 
     @property
@@ -119,25 +123,27 @@ class PointFunctions:
         return ca.Function("point", [z, q], [integrand, ca.vertcat(*scaled)], ["z", "q"], ["f", "g"])
 
     @cached_property
-    def slopes(self) -> Any:
-        """(z, q) -> (gradient of the integrand, dense Jacobian of the quantities)."""
-        import casadi as ca
+    def functions(self) -> dict[str, Any]:
+        """What a programme is made of, each by itself so that nothing is computed in vain:
 
-        z, q = self._symbols
-        f, g = self.function(z, q)
-        dense = [ca.densify(ca.gradient(f, z)), ca.densify(ca.jacobian(g, z))]
-        return ca.Function("slopes", [z, q], dense, ["z", "q"], ["df", "dg"])
-
-    @cached_property
-    def curvature(self) -> Any:
-        """(z, q, weight, multipliers) -> dense Hessian of weight f + multipliers g."""
+        `integrand` and `limited` (z, q) -> the outputs of `function`; `gradient` and `jacobian` (z, q) ->
+        their dense derivatives by z; `curvature` (z, q, weight, multipliers) -> the dense Hessian of weight
+        times the integrand plus multipliers times the quantities.
+        """
         import casadi as ca
 
         z, q = self._symbols
         f, g = self.function(z, q)
         weight, multipliers = ca.SX.sym("weight"), ca.SX.sym("multipliers", g.numel())
         hessian, _ = ca.hessian(weight * f + ca.dot(multipliers, g), z)
-        return ca.Function("curvature", [z, q, weight, multipliers], [ca.densify(hessian)])
+        made = {
+            "integrand": ca.Function("integrand", [z, q], [f]),
+            "limited": ca.Function("limited", [z, q], [g]),
+            "gradient": ca.Function("gradient", [z, q], [ca.densify(ca.gradient(f, z))]),
+            "jacobian": ca.Function("slopes", [z, q], [ca.densify(ca.jacobian(g, z))]),
+            "curvature": ca.Function("curvature", [z, q, weight, multipliers], [ca.densify(hessian)]),
+        }
+        return compiled(made) if self.evaluation is Evaluation.COMPILED else made
 
     # -- how they are made ----------------------------------------------------------------------------------
 

@@ -9,11 +9,12 @@ the least infeasible one.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from krhpr.trajectory.paths import Motion, Path
+from krhpr.trajectory.paths import Motion
 from krhpr.trajectory.point import PointFunctions
 
 Floats = NDArray[np.float64]
@@ -34,13 +35,24 @@ class Start:
     violation: float
 
 
-def global_start(point: PointFunctions, path: Path, stages: int = 31, points: int = POINTS) -> Start:
+class Bounded(Protocol):
+    """Poses of the platform from a time to another: a path, or a part of one."""
+
+    @property
+    def times(self) -> Floats:
+        """The first and the last of them count, s."""
+
+    def at(self, times: Any) -> Motion:
+        """Poses, twists and their rates at times (n)."""
+
+
+def global_start(point: PointFunctions, path: Bounded, stages: int = 31, points: int = POINTS) -> Start:
     """The best path over a grid of `points` values for each leg, at up to `stages` times."""
     low, high = point.bounds.box()
     grid = np.linspace(low, high, points)  # (points, 3)
     step, rate = float((high - low).max()) / (points - 1), point.bounds.redundant_rate
     if rate is not None and step > 0:  # a step of the grid takes some time
-        stages = max(4, min(stages, int(path.duration / (1.5 * step / rate)) + 1))
+        stages = max(4, min(stages, int((path.times[-1] - path.times[0]) / (1.5 * step / rate)) + 1))
     motion = path.at(np.linspace(path.times[0], path.times[-1], stages))
     theta = point.robot.inverse(motion.p[:, None], motion.Q[:, None], grid, mode=point.mode)
     nodes, violation = _nodes(point, motion, grid, theta)

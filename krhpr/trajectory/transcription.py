@@ -7,6 +7,7 @@ taken once, in CasADi, evaluated at all samples and put in their places by spars
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -55,6 +56,11 @@ class Curve:
         """Intervals of time."""
         return len(self.coefficients) - DEGREE
 
+    @property
+    def start(self) -> float:
+        """Where it begins, s."""
+        return float(self.knots[0])
+
     @classmethod
     def near(cls, start: float, end: float, intervals: int, times: Floats, values: Floats) -> Curve:
         """The spline nearest to values (n, 3) at times (n), joined by straight lines between them."""
@@ -69,6 +75,13 @@ def uniform_knots(start: float, end: float, intervals: int) -> Floats:
     """Knots of a spline that begins and ends in its outer coefficients."""
     inner = np.linspace(start, end, intervals + 1)
     return np.concatenate([[start] * DEGREE, inner, [end] * DEGREE])
+
+
+def beginning(step: float, value: Floats, rate: Floats, acceleration: Floats) -> Floats:
+    """The first three coefficients (3, 3) of a spline over intervals of `step` seconds that begins with a
+    value and its derivatives."""
+    second = value + step / 3 * rate
+    return np.stack([value, second, second + 2 * step / 3 * (rate + step / 2 * acceleration)])
 
 
 def basis(knots: Floats, times: Floats, order: int = 0) -> Floats:
@@ -100,7 +113,13 @@ class Solved:
 class Programme:
     """The NLP of a robot's point functions over samples of a path."""
 
-    def __init__(self, point: PointFunctions, knots: Floats, times: Floats, options: dict[str, Any]) -> None:
+    def __init__(
+        self,
+        point: PointFunctions,
+        knots: Floats,
+        times: Floats,
+        options: Mapping[str, Any],
+    ) -> None:
         import casadi as ca
 
         self.point, self.knots, self.times = point, knots, times
@@ -116,18 +135,18 @@ class Programme:
         )
         p = ca.vertcat(ca.vec(Q), weights)
         Z = ca.reshape(places @ X, point.size, count)
-        f, g = point.function.map(count)(Z, Q)
-        value = ca.dot(weights, ca.vec(f))
-        df, dg = point.slopes.map(count)(Z, Q)
-        rows, columns = point.function.size1_out(1), point.size
-        gradient = places.T @ ca.vec(df @ ca.diag(weights))
+        of = {name: function.map(count) for name, function in point.functions.items()}
+        rows, columns = point.functions["limited"].size1_out(0), point.size
         held, self._held_values = self._held(size)
+        value = ca.dot(weights, ca.vec(of["integrand"](Z, Q)))
+        gradient = places.T @ ca.vec(of["gradient"](Z, Q) @ ca.diag(weights))
+        constraints = ca.vertcat(ca.vec(of["limited"](Z, Q)), held @ X)
         blocks = ca.diagcat(*[ca.Sparsity.dense(rows, columns)] * count)
-        jacobian = ca.vertcat(ca.mtimes(ca.MX(blocks, ca.vec(dg)), places), held)
-        constraints = ca.vertcat(ca.vec(g), held @ X)
+        slopes = ca.MX(blocks, ca.vec(of["jacobian"](Z, Q)))
+        jacobian = ca.vertcat(ca.mtimes(slopes, places), held)
         weight, multipliers = ca.MX.sym("weight"), ca.MX.sym("multipliers", constraints.numel())
         of_points = ca.reshape(multipliers[: rows * count], rows, count)
-        bent = point.curvature.map(count)(Z, Q, weight * weights.T, of_points)
+        bent = of["curvature"](Z, Q, weight * weights.T, of_points)
         squares = ca.diagcat(*[ca.Sparsity.dense(columns, columns)] * count)
         hessian = ca.triu(ca.mtimes([places.T, ca.MX(squares, ca.vec(bent)), places]))
         given = {
@@ -144,13 +163,15 @@ class Programme:
         quiet = {"print_level": 0, "sb": "yes", **options}
         self._nlp, self._count = {"x": X, "p": p, "f": value, "g": constraints}, count
         self._options: dict[bool, dict[str, Any]] = {
-            warm: {
-                "ipopt": {**quiet, **(WARM if warm else {})},
+            next_to: {
+                "ipopt": {**quiet, **(WARM if next_to else {})},
                 "print_time": False,
                 "show_eval_warnings": False,
+                "no_nlp_grad": True,
+                "calc_lam_p": False,
                 **given,
             }
-            for warm in (False, True)
+            for next_to in (False, True)
         }
         self._solvers: dict[bool, Any] = {}
 
@@ -206,6 +227,7 @@ class Programme:
         separators: Floats,
         tighter: Floats,
         former: Solved | None = None,
+        pinned: Floats | None = None,
     ) -> Solved:
         """Solve it.
 
@@ -217,6 +239,8 @@ class Programme:
             tighter: by how much quantities must be inside their limits, over their scales (samples,
                 quantities).
             former: a solution whose variables and multipliers to start from in place of `start`.
+            pinned: coefficients (k, 3) that the spline has to begin with; the first sample, where nothing is
+                left to choose, is not limited then.
         """
         low, high = self.limits(tighter)
         box = self.point.bounds.box()
@@ -233,7 +257,14 @@ class Programme:
         }
         if former is not None:
             x, of_x, of_g = former.state
-            arguments |= {"x0": x, "lam_x0": of_x, "lam_g0": of_g}
+            arguments |= {"x0": np.array(x).ravel(), "lam_x0": of_x, "lam_g0": of_g}
+        if pinned is not None:
+            for name in ("x0", "lbx", "ubx"):
+                arguments[name][: pinned.size] = pinned.ravel()
+            held = low.size + np.arange(min(len(pinned), len(self._held_values)))
+            for name, side in (("lbg", -np.inf), ("ubg", np.inf)):
+                arguments[name][: low.shape[1]] = side
+                arguments[name][held] = side
         solver = self._solver(former is not None)
         found = solver(**arguments)
         stats = solver.stats()
