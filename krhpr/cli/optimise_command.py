@@ -13,7 +13,7 @@ EPILOG = """\
 The file says the path, the objective and the limits (docs/trajectories.md):
 
   path: T1             # T1, T2 or section-1.8 of the thesis, or way_points
-  objective: eta_1     # the integral of eta_1^2; eta_2, eta_3, or weights
+  objective: eta_1     # the integral of eta_1^2; eta_2, eta_3, time, or weights
   limits: chapter-4    # or a table of limits
 
   nlp       each leg's redundant coordinate by itself, by IPOPT (the default)

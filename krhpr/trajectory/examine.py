@@ -153,7 +153,8 @@ def examine(
         "eta_2^2": found.eta_2**2,
         "log eta_3": np.log(found.eta_3),
         "objective": point.objective.value(found.eta_1, found.eta_2, found.eta_3)
-        + point.objective.rates * (rate**2).sum(axis=1),
+        + point.objective.rates * (rate**2).sum(axis=1)
+        + point.objective.time,
     }
     integrals = {name: float(np.trapezoid(values, times)) for name, values in integrands.items()}
     orders = [coordinates.at(times, order) for order in range(point.order)]

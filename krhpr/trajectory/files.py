@@ -5,7 +5,7 @@
       - {time: 0, p: [0, 0, 350 mm], rotation: [0, 0, 0]}
       - {time: 2.5, p: [100 mm, 0, 350 mm], rotation: [0, 40 deg, 0]}
     interpolation: spline          # or linear
-    objective: eta_1               # or {eta_1: 11.4, eta_2: 0.12, eta_3: 0.67, rates: 0.001}
+    objective: eta_1               # or time, or {eta_1: 11.4, eta_2: 0.12, eta_3: 0.67, rates: 0.001}
     limits: chapter-4              # or a table, see `Bounds`, of which `grip` is a table, see `Grip`
     method: nlp
     intervals: 30

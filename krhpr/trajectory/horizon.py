@@ -30,6 +30,7 @@ from krhpr.trajectory.examine import Examined, examine, separators_along, turns_
 from krhpr.trajectory.paths import Motion, Path, PathError
 from krhpr.trajectory.point import PointFunctions
 from krhpr.trajectory.reach import check_path, signs_at_start
+from krhpr.trajectory.refusals import UnknownObjective
 from krhpr.trajectory.search import global_start
 from krhpr.trajectory.terms import Bounds, Objective
 from krhpr.trajectory.transcription import Curve, Programme, Solved, beginning, uniform_knots
@@ -183,6 +184,8 @@ class RecedingHorizon:
                 f"{intervals} intervals; a horizon takes four or more, three coefficients are given"
             )
         wanted = Objective.of(objective)
+        if wanted.time:
+            raise UnknownObjective("a receding horizon follows the path's own timing; give time no weight")
         bounds.check(robot)
         check_path(robot, path, bounds, mode)
         if evaluation is None:

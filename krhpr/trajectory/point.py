@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,10 +41,31 @@ class Quantity:
     scale: float = 1.0
     leg: int | None = None
     """The leg that it concerns alone (0 to 2)."""
-    moving: bool = False
-    """Whether it depends on rates."""
+    order: int = 0
+    """Of the highest rate that it depends on: slowed by a factor, it falls by the factor to this power."""
     of_pair: bool = False
     """Whether it keeps two links apart."""
+
+    @property
+    def moving(self) -> bool:
+        """Whether it depends on rates."""
+        return self.order > 0
+
+
+@dataclass(frozen=True)
+class _Here:
+    """The robot at one time, as symbols."""
+
+    f: Any
+    """Its CasADi functions."""
+    at: tuple[Any, Any, Any, Any]
+    """p, Q, s, theta."""
+    redundant: Any
+    theta: Any
+    """With full turns."""
+    twist: Any
+    twist_rate: Any
+    swivel: tuple[Any, ...]
 
 
 class PointFunctions:
@@ -77,9 +98,9 @@ class PointFunctions:
         self.order = 3 if self.accelerated else 2
         """Redundant coordinates and how many of their rates are local variables."""
 
-    def with_pairs(self, pairs: tuple[Pair, ...]) -> PointFunctions:
+    def with_pairs(self, pairs: tuple[Pair, ...]) -> Self:
         """The same with other pairs of links to keep apart."""
-        return PointFunctions(
+        return type(self)(
             self.robot,
             self.objective,
             self.bounds,
@@ -159,31 +180,52 @@ class PointFunctions:
     def _made(self) -> tuple[Any, list[tuple[Quantity, Any]]]:
         import casadi as ca
 
+        z, _ = self._symbols
+        here, rates = self._here, z[3:6]
+        integrand = self._integrand(here) + self.objective.rates * ca.sumsqr(rates)
+        theta_dot = here.f.joint_rates(*here.at, here.twist, rates, *here.swivel)
+        rows = self._of_posture(here)
+        if (most := self.bounds.redundant_rate) is not None:
+            rows += self._of_redundant(rates, -most, most, most)
+        rows += self._of_actuators(theta_dot, "rate", self.bounds.actuator_rate, "/s")
+        if self.accelerated:
+            moving = (here.twist, rates, theta_dot, here.twist_rate, z[6:9], *here.swivel)
+            theta_ddot = here.f.joint_accelerations(*here.at, *moving)
+            rows += self._of_actuators(
+                theta_ddot, "acceleration", self.bounds.actuator_acceleration, "/s^2", 2
+            )
+        return integrand, rows + self._of_pairs(here, z)
+
+    @cached_property
+    def _here(self) -> _Here:
+        """The robot at the symbols' pose and redundant coordinates."""
+        import casadi as ca
+
         z, q = self._symbols
         f, d, freedom = self.robot.casadi, 2 if self.planar else 3, 3 if self.planar else 6
         sizes = [d, 1 if self.planar else 9, freedom, 3 * len(self.actuators)]
         p, pose, twist, turns, twist_rate = ca.vertsplit(q, [0, *np.cumsum(sizes).tolist(), q.numel()])
         Q = pose if self.planar else ca.reshape(pose, 3, 3)
-        redundant, rates = z[:3], z[3:6]
+        redundant = z[:3]
         s = f.end_points(p, Q, redundant)
         given = [redundant, *([self.mode] if "mode" in f.inverse.name_in() else [])]
-        swivel = [ca.DM.zeros(3)] if "swivel" in f.inverse.name_in() else []
+        swivel = (ca.DM.zeros(3),) if "swivel" in f.inverse.name_in() else ()
         theta = f.inverse(p, Q, *given, *swivel)
-        at = (p, Q, s, theta)
-        length = [self.length] if "characteristic_length" in f.index_bounds.name_in() else []
-        eta_1, eta_2, eta_3 = f.index_bounds(*at, *length)
-        integrand = self.objective.value(eta_1, eta_2, eta_3, ca.log)
-        integrand = integrand + self.objective.rates * ca.sumsqr(rates)
         unwrapped = theta + ca.reshape(turns, len(self.actuators), 3).T
-        theta_dot = f.joint_rates(*at, twist, rates, *swivel)
-        rows = [*self._of_singularity(f.singularity(*at)), *self._of_joints(unwrapped, at, rates, theta_dot)]
-        rows += self._of_grip(redundant)
-        if self.accelerated:
-            theta_ddot = f.joint_accelerations(*at, twist, rates, theta_dot, twist_rate, z[6:9], *swivel)
-            rows += self._of_actuators(theta_ddot, "acceleration", self.bounds.actuator_acceleration, "/s^2")
-        if self.pairs:
-            rows += self._of_pairs(f.link_points(*at), z)
-        return integrand, rows
+        return _Here(f, (p, Q, s, theta), redundant, unwrapped, twist, twist_rate, swivel)
+
+    def _integrand(self, here: _Here) -> Any:
+        """The objective's integrand without rates."""
+        import casadi as ca
+
+        length = [self.length] if "characteristic_length" in here.f.index_bounds.name_in() else []
+        return self.objective.value(*here.f.index_bounds(*here.at, *length), ca.log)
+
+    def _of_posture(self, here: _Here) -> list[tuple[Quantity, Any]]:
+        """Quantities that do not depend on rates."""
+        rows = self._of_singularity(here.f.singularity(*here.at))
+        rows += self._of_joints(here.theta)
+        return rows + self._of_spheres(here.at) + self._of_grip(here.redundant)
 
     def _of_grip(self, redundant: Any) -> list[tuple[Quantity, Any]]:
         """Where the object's centre is; that the opening stays is for the programme, as it is linear."""
@@ -211,34 +253,44 @@ class PointFunctions:
                 rows.append((Quantity(f"factor {name} of leg {leg + 1}", "1", low, leg=leg), value))
         return rows
 
-    def _of_joints(self, theta: Any, at: tuple[Any, ...], rates: Any, theta_dot: Any) -> list[Any]:
+    def _of_joints(self, theta: Any) -> list[tuple[Quantity, Any]]:
         limits, rows = self.robot.limits, []
         for k, name in enumerate(self.actuators):
             for leg in range(3) if name in limits.actuators else ():
                 low, high = limits.actuators[name][leg].low, limits.actuators[name][leg].high
-                rows.append(
-                    (Quantity(f"{name} of leg {leg + 1}", "rad or m", low, high, leg=leg), theta[leg, k])
-                )
-        if (most := self.bounds.redundant_rate) is not None:
-            rows += [
-                (
-                    Quantity(
-                        f"redundant rate of leg {leg + 1}", "rad/s or m/s", -most, most, most, leg, True
-                    ),
-                    rates[leg],
-                )
-                for leg in range(3)
-            ]
-        rows += self._of_actuators(theta_dot, "rate", self.bounds.actuator_rate, "/s")
-        return rows + self._of_spheres(at)
+                unit = self._unit(k)
+                rows.append((Quantity(f"{name} of leg {leg + 1}", unit, low, high, leg=leg), theta[leg, k]))
+        return rows
 
-    def _of_actuators(self, value: Any, what: str, most: float | None, unit: str) -> list[Any]:
+    def _of_redundant(self, rates: Any, low: float, high: float, scale: float) -> list[tuple[Quantity, Any]]:
+        """Rates of redundant coordinates, or their squares."""
+        unit = self.robot.signature("end_points").inputs[2].unit
+        return [
+            (
+                Quantity(f"redundant rate of leg {leg + 1}", f"{unit}/s", low, high, scale, leg, 1),
+                rates[leg],
+            )
+            for leg in range(3)
+        ]
+
+    def _unit(self, actuator: int) -> str:
+        return "rad" if self.robot.angular[actuator] else "m"
+
+    def _of_actuators(
+        self, value: Any, what: str, most: float | None, unit: str, order: int = 1
+    ) -> list[Any]:
         if most is None:
             return []
         return [
             (
                 Quantity(
-                    f"{what} of {name}, leg {leg + 1}", f"rad{unit} or m{unit}", -most, most, most, leg, True
+                    f"{what} of {name}, leg {leg + 1}",
+                    f"{self._unit(k)}{unit}",
+                    -most,
+                    most,
+                    most,
+                    leg,
+                    order,
                 ),
                 value[leg, k],
             )
@@ -267,10 +319,13 @@ class PointFunctions:
                 rows.append((Quantity(name, "1", float(np.cos(tilt)), leg=leg), cosine))
         return rows
 
-    def _of_pairs(self, points: Any, z: Any) -> list[Any]:
+    def _of_pairs(self, here: _Here, z: Any) -> list[Any]:
         """An exact and smooth form: a vector n of length one or less with n (x - y) above the distance."""
         import casadi as ca
 
+        if not self.pairs:
+            return []
+        points = here.f.link_points(*here.at)
         least, rows = float(self.bounds.clearance or 0.0), []
         for index, pair in enumerate(self.pairs):
             start = self.own + 3 * index

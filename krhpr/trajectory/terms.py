@@ -17,7 +17,7 @@ from krhpr.trajectory.refusals import ContradictoryLimits, UnknownObjective
 
 Floats = NDArray[np.float64]
 
-TERMS = ("eta_1", "eta_2", "eta_3", "rates")
+TERMS = ("eta_1", "eta_2", "eta_3", "rates", "time")
 
 
 @dataclass(frozen=True)
@@ -34,14 +34,18 @@ class Objective:
     """Of the squared rates of the redundant coordinates (s^2 per rad^2 or m^2), relative to the rest: makes
     the answer unique and smooth.
     """
+    time: float = 0.0
+    """Of the duration (1/s).  Where it has a weight, the timing is chosen as well, from rest to rest, and the
+    other integrals are over the path's own time.
+    """
 
     def __post_init__(self) -> None:
         weights = {name: getattr(self, name) for name in TERMS}
         wrong = [f"{name} = {weight:g}" for name, weight in weights.items() if not 0 <= weight < np.inf]
         if wrong:
             raise UnknownObjective(f"weights of an objective are not negative: {', '.join(wrong)}")
-        if not any(weights[name] for name in ("eta_1", "eta_2", "eta_3")):
-            raise UnknownObjective("the objective has no weight; give one to eta_1, eta_2 or eta_3")
+        if not any(weight for name, weight in weights.items() if name != "rates"):
+            raise UnknownObjective("the objective has no weight; give one to eta_1, eta_2, eta_3 or time")
 
     @classmethod
     def of(cls, given: Objective | str | Mapping[str, float]) -> Objective:
@@ -60,7 +64,7 @@ class Objective:
 
     def value(self, eta_1: Any, eta_2: Any, eta_3: Any, log: Any = np.log) -> Any:
         """The integrand without rates; arrays, or symbols with their `log`."""
-        total: Any = 0.0
+        total: Any = 0.0 * eta_1
         if self.eta_1:
             total = total + self.eta_1 * eta_1**2
         if self.eta_2:

@@ -126,7 +126,8 @@ class Programme:
         count = len(times)
         coefficients = len(knots) - DEGREE - 1
         self._main = 3 * coefficients
-        size = self._main + 3 * len(point.pairs) * count
+        self._with_pairs = self._main + 3 * len(point.pairs) * count
+        size = self._with_pairs + self._further()
         places = self._places(size)
         X, Q, weights = (
             ca.MX.sym("x", size),
@@ -138,8 +139,9 @@ class Programme:
         of = {name: function.map(count) for name, function in point.functions.items()}
         rows, columns = point.functions["limited"].size1_out(0), point.size
         held, self._held_values = self._held(size)
-        value = ca.dot(weights, ca.vec(of["integrand"](Z, Q)))
-        gradient = places.T @ ca.vec(of["gradient"](Z, Q) @ ca.diag(weights))
+        more, more_slopes, more_curvature = self._more(X)
+        value = ca.dot(weights, ca.vec(of["integrand"](Z, Q))) + more
+        gradient = places.T @ ca.vec(of["gradient"](Z, Q) @ ca.diag(weights)) + more_slopes
         constraints = ca.vertcat(ca.vec(of["limited"](Z, Q)), held @ X)
         blocks = ca.diagcat(*[ca.Sparsity.dense(rows, columns)] * count)
         slopes = ca.MX(blocks, ca.vec(of["jacobian"](Z, Q)))
@@ -148,14 +150,14 @@ class Programme:
         of_points = ca.reshape(multipliers[: rows * count], rows, count)
         bent = of["curvature"](Z, Q, weight * weights.T, of_points)
         squares = ca.diagcat(*[ca.Sparsity.dense(columns, columns)] * count)
-        hessian = ca.triu(ca.mtimes([places.T, ca.MX(squares, ca.vec(bent)), places]))
+        hessian = ca.mtimes([places.T, ca.MX(squares, ca.vec(bent)), places]) + weight * more_curvature
         given = {
             "grad_f": ca.Function("grad_f", [X, p], [value, gradient], ["x", "p"], ["f", "grad:f:x"]),
             "jac_g": ca.Function("jac_g", [X, p], [constraints, jacobian], ["x", "p"], ["g", "jac:g:x"]),
             "hess_lag": ca.Function(
                 "hess_lag",
                 [X, p, weight, multipliers],
-                [hessian],
+                [ca.triu(hessian)],
                 ["x", "p", "lam:f", "lam:g"],
                 ["triu:hess:gamma:x:x"],
             ),
@@ -175,10 +177,18 @@ class Programme:
         }
         self._solvers: dict[bool, Any] = {}
 
-    def _places(self, size: int) -> Any:
-        """The matrix from the programme's variables to those of every sample."""
+    def _further(self) -> int:
+        """How many variables there are beside coefficients and vectors of pairs."""
+        return 0
+
+    def _more(self, X: Any) -> tuple[Any, Any, Any]:
+        """What the objective has beside the integral, with its gradient and its Hessian."""
         import casadi as ca
 
+        return ca.MX(0), ca.MX(X.numel(), 1), ca.MX(X.numel(), X.numel())
+
+    def _entries(self) -> tuple[list[int], list[int], list[float]]:
+        """Rows, columns and values of the matrix from the programme's variables to those of every sample."""
         point, count = self.point, len(self.times)
         rows: list[int] = []
         columns: list[int] = []
@@ -196,7 +206,14 @@ class Programme:
                 rows.append(k * point.size + point.own + i)
                 columns.append(self._main + k * extra + i)
                 values.append(1.0)
-        return ca.DM.triplet(rows, columns, ca.DM(values), point.size * count, size)
+        return rows, columns, values
+
+    def _places(self, size: int) -> Any:
+        """That matrix."""
+        import casadi as ca
+
+        rows, columns, values = self._entries()
+        return ca.DM.triplet(rows, columns, ca.DM(values), self.point.size * len(self.times), size)
 
     def _held(self, size: int) -> tuple[Any, Floats]:
         """Rows of the programme's variables and their values that hold the gripper's opening.
@@ -244,14 +261,14 @@ class Programme:
         """
         low, high = self.limits(tighter)
         box = self.point.bounds.box()
-        first = np.concatenate([start.coefficients.ravel(), separators.ravel()])
-        free = np.full(len(first) - self._main, np.inf)
+        further, least, most = self._beginning(start)
+        free = np.full(self._with_pairs - self._main, np.inf)
         coefficients = self._main // 3
         arguments = {
-            "x0": first,
+            "x0": np.concatenate([start.coefficients.ravel(), separators.ravel(), further]),
             "p": np.concatenate([q.ravel(), weights]),
-            "lbx": np.concatenate([np.tile(box[0], coefficients), -free]),
-            "ubx": np.concatenate([np.tile(box[1], coefficients), free]),
+            "lbx": np.concatenate([np.tile(box[0], coefficients), -free, least]),
+            "ubx": np.concatenate([np.tile(box[1], coefficients), free, most]),
             "lbg": np.concatenate([low.ravel(), self._held_values]),
             "ubg": np.concatenate([high.ravel(), self._held_values]),
         }
@@ -272,7 +289,7 @@ class Programme:
         curve = Curve(self.knots, x[: self._main].reshape(-1, 3))
         return Solved(
             curve,
-            x[self._main :].reshape(self._count, -1, 3) if self.point.pairs else separators,
+            x[self._main : self._with_pairs].reshape(self._count, -1, 3) if self.point.pairs else separators,
             bool(stats["success"]),
             str(stats["return_status"]),
             int(stats["iter_count"]),
@@ -280,6 +297,10 @@ class Programme:
             self.point.pairs,
             tighter.copy(),
         )
+
+    def _beginning(self, start: Curve) -> tuple[Floats, Floats, Floats]:
+        """Where further variables begin, and their bounds."""
+        return np.zeros(0), np.zeros(0), np.zeros(0)
 
     def _solver(self, warm: bool) -> Any:
         import casadi as ca
