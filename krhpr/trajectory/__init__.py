@@ -30,7 +30,7 @@ from krhpr.trajectory.point import NoClosedForm
 from krhpr.trajectory.reach import LeavesWorkspace
 from krhpr.trajectory.refusals import ContradictoryLimits, UnknownObjective
 from krhpr.trajectory.results import Result, ResultError, load_result, save
-from krhpr.trajectory.terms import Bounds, Objective, chapter_4
+from krhpr.trajectory.terms import Bounds, Load, Objective, chapter_4
 from krhpr.trajectory.transcription import Curve
 
 __all__ = [
@@ -45,6 +45,7 @@ __all__ = [
     "Interpolation",
     "LeavesWorkspace",
     "Lines",
+    "Load",
     "Method",
     "Motion",
     "NoClosedForm",

@@ -7,6 +7,7 @@ one choice left: the object's centre in O'.
 from __future__ import annotations
 
 from math import radians
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,8 @@ from numpy.typing import NDArray
 from krhpr.trajectory.examine import Lines
 from krhpr.trajectory.paths import Path
 from krhpr.trajectory.point import PointFunctions
-from krhpr.trajectory.refusals import ContradictoryLimits
+from krhpr.trajectory.refusals import ContradictoryLimits, UnknownObjective
+from krhpr.trajectory.worth import of_poses, of_steps, short_way
 
 Floats = NDArray[np.float64]
 
@@ -42,14 +44,17 @@ def _choices(point: PointFunctions, within: tuple[float, float] | None = None) -
     return np.repeat(candidates(point, within)[:, None], 3, axis=1)
 
 
-def _table(point: PointFunctions, path: Path, times: Floats, choices: Floats) -> Floats:
-    """The objective (times, choices) with the true indices; infinite where a leg is out of reach."""
+def _joints(point: PointFunctions, path: Path, times: Floats, choices: Floats) -> tuple[Any, ...]:
+    """p, Q, s and theta (times, choices, ...)."""
     robot, motion = point.robot, path.at(times)
     p, Q = motion.p[:, None], motion.Q[:, None]
-    theta = robot.inverse(p, Q, choices, mode=point.mode)
-    found = robot.indices(p, Q, robot.end_points(p, Q, choices), theta, characteristic_length=point.length)
-    with np.errstate(all="ignore"):
-        table = np.asarray(point.objective.value(found.eta_1, found.eta_2, found.eta_3))
+    return p, Q, robot.end_points(p, Q, choices), robot.inverse(p, Q, choices, mode=point.mode)
+
+
+def _table(point: PointFunctions, at: tuple[Any, ...]) -> Floats:
+    """The objective (times, choices) with the true indices; infinite where a leg is out of reach."""
+    found = point.robot.indices(*at, characteristic_length=point.length)
+    table = of_poses(point.robot, point.objective, found, at, point.length)
     return np.where(np.isfinite(table), table, np.inf)
 
 
@@ -58,8 +63,11 @@ def constant(point: PointFunctions, path: Path, times: Floats, value: float | No
     if value is not None:
         return Lines(times, np.full((len(times), 3), value))
     choices = _choices(point)
+    at = _joints(point, path, times, choices)
+    change = short_way(point.robot, np.diff(at[3], axis=0))
+    steps = of_steps(point.robot, point.objective, change, np.diff(times)[:, None, None], point.length)
     with np.errstate(invalid="ignore"):
-        integrals = np.trapezoid(_table(point, path, times, choices), times, axis=0)
+        integrals = np.trapezoid(_table(point, at), times, axis=0) + steps.sum(axis=(0, 2))
     best = choices[np.argmin(np.where(np.isfinite(integrals), integrals, np.inf))]
     return Lines(times, np.tile(best, (len(times), 1)))
 
@@ -68,8 +76,10 @@ def scan(
     point: PointFunctions, path: Path, times: Floats, within: tuple[float, float] | None = None
 ) -> Lines:
     """At each time by itself the value with the least objective, in the box or `within` a reduced range."""
+    if not point.objective.of_poses:
+        raise UnknownObjective("a scan looks at one pose after the other, which travel and rates do not tell")
     choices = _choices(point, within)
-    return Lines(times, choices[_table(point, path, times, choices).argmin(axis=1)])
+    return Lines(times, choices[_table(point, _joints(point, path, times, choices)).argmin(axis=1)])
 
 
 def smoothed(given: Lines, alpha: float) -> Lines:

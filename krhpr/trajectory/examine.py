@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from krhpr.trajectory.clearance import Pair, separations
 from krhpr.trajectory.paths import Motion
 from krhpr.trajectory.point import PointFunctions, Quantity
+from krhpr.trajectory.worth import per_length, squared_torques
 
 Floats = NDArray[np.float64]
 
@@ -86,15 +87,23 @@ class Examined:
     indices: dict[str, Floats]
     """eta_1 (m), eta_2, eta_3 at each time: the true ones, not their bounds."""
     integrals: dict[str, float]
-    """Over time, of eta_1^2 (m^2 s), eta_2^2 (s), log eta_3 (s)."""
+    """Over time, of eta_1^2 (m^2 s), eta_2^2 (s), log eta_3 (s); and, where the objective has them, of
+    squared torques ((N m)^2 s), of absolute rates of actuators, which is their travel (rad), and of squared
+    rates (rad^2/s).
+    """
     objective: float
-    """The integral of the objective with the true indices."""
+    """The objective with the true indices."""
     beyond: Floats
     """How far quantities are beyond their limits, over their scales (n, quantities); negative inside."""
     violations: tuple[Violation, ...]
     """The worst of each quantity, the worst first."""
     close: tuple[Pair, ...]
     """Pairs of links that come too close."""
+
+    @property
+    def maxima(self) -> dict[str, float]:
+        """The largest eta_1 (m), eta_2 and eta_3 on the grid."""
+        return {name: float(values.max()) for name, values in self.indices.items()}
 
     @property
     def feasible(self) -> bool:
@@ -152,15 +161,23 @@ def examine(
         "eta_1^2": found.eta_1**2,
         "eta_2^2": found.eta_2**2,
         "log eta_3": np.log(found.eta_3),
-        "objective": point.objective.value(found.eta_1, found.eta_2, found.eta_3)
-        + point.objective.rates * (rate**2).sum(axis=1)
-        + point.objective.time,
+        **_of_joints(point, at, theta_rate),
     }
     integrals = {name: float(np.trapezoid(values, times)) for name, values in integrands.items()}
+    objective = point.objective.value(found.eta_1, found.eta_2, found.eta_3)
+    objective = objective + point.objective.rates * (rate**2).sum(axis=1) + point.objective.time
+    worth = float(np.trapezoid(objective, times))
+    peaks = point.objective.peaks(found.eta_1, found.eta_2, found.eta_3)
+    worth += sum(getattr(point.objective, name) * float(np.max(values)) for name, values in peaks.items())
+    worth += sum(
+        getattr(point.objective, name) * integrals[term]
+        for name, term in JOINT_TERMS.items()
+        if term in integrals
+    )
     orders = [coordinates.at(times, order) for order in range(point.order)]
-    z = np.column_stack([*orders, np.zeros((len(times), point.size - point.own))])
+    z = np.column_stack([*orders, np.zeros((len(times), point.size - 3 * point.order))])
     _, scaled = point.function.map(len(times))(z.T, point.parameters(motion, turns).T)
-    rows = [k for k, one in enumerate(point.quantities) if not one.of_pair]
+    rows = [k for k, one in enumerate(point.quantities) if not one.inner]
     quantities = [point.quantities[k] for k in rows]
     values = scaled.full().T[:, rows]
     violations, beyond = _violations(times, quantities, values)
@@ -190,12 +207,28 @@ def examine(
         theta,
         theta_rate,
         indices,
-        {name: value for name, value in integrals.items() if name != "objective"},
-        integrals["objective"],
+        integrals,
+        worth,
         beyond,
         tuple(sorted(violations, key=lambda one: -one.relative)),
         tuple(close),
     )
+
+
+JOINT_TERMS = {"torques": "torques^2", "travel": "travel", "joint_rates": "joint_rates^2"}
+"""Integrals by the name of their weight."""
+
+
+def _of_joints(point: PointFunctions, at: tuple[Any, ...], theta_rate: Floats) -> dict[str, Floats]:
+    """Integrands of those terms that have a weight."""
+    robot, objective, length = point.robot, point.objective, point.length
+    comparable = theta_rate * per_length(robot, length)
+    made = {
+        "torques": lambda: squared_torques(robot, objective, at, length),
+        "travel": lambda: np.abs(comparable).sum(axis=(1, 2)),
+        "joint_rates": lambda: (comparable**2).sum(axis=(1, 2)),
+    }
+    return {JOINT_TERMS[name]: term() for name, term in made.items() if getattr(objective, name)}
 
 
 def _violations(times: Floats, quantities: Sequence[Quantity], scaled: Any) -> tuple[list[Violation], Floats]:

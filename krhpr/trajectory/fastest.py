@@ -92,7 +92,7 @@ class FastestRounds(Rounds):
     @property
     def _own(self) -> list[Any]:
         """Quantities of the plain functions without those of pairs, as `Examined.beyond` has them."""
-        return [one for one in self.plain.quantities if not one.of_pair]
+        return [one for one in self.plain.quantities if not one.inner]
 
     def _with_clock(self, curve: Curve, clock: Clock) -> Judged:
         path, coordinates = Retimed(self.task.path, clock), RetimedCoordinates(curve, clock)

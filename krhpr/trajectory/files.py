@@ -31,7 +31,7 @@ from krhpr.trajectory.grip import Grip
 from krhpr.trajectory.optimise import INTERVALS, Method
 from krhpr.trajectory.paths import BUILT_IN, Interpolation, Path, PathError, way_points
 from krhpr.trajectory.refusals import UnknownObjective
-from krhpr.trajectory.terms import TERMS, Bounds, Objective, chapter_4
+from krhpr.trajectory.terms import TERMS, Bounds, Load, Objective, chapter_4
 
 FIELDS = ("path", "way_points", "interpolation", "objective", "limits", "method", "intervals")
 CHAPTER_4 = "chapter-4"
@@ -144,10 +144,15 @@ class _Reader:
     def _objective(self) -> Objective | None:
         node = self.root.entries.get("objective", Text("eta_1", True, 0))
         if isinstance(node, Table):
-            weights = {
+            weights: dict[str, Any] = {
                 name: self._numbers(value, f"objective.{name}", Kind.NUMBER, None)[0]
                 for name, value in node.entries.items()
+                if name != "load"
             }
+            if (load := node.entries.get("load")) is not None:
+                weights["load"] = self._load(load)
+            if self.problems.mistakes:
+                return None
             return self._tried("objective", lambda: Objective.of(weights))
         if isinstance(node, Text):
             return self._tried("objective", lambda: Objective.of(node.text))
@@ -155,6 +160,20 @@ class _Reader:
             self.root, "objective", f"found {described(node)}, expected {', '.join(TERMS)} or weights"
         )
         return None
+
+    def _load(self, node: Node) -> Load | None:
+        where, counts = "objective.load", {"wrench": 3 if self.planar else 6, "redundant_forces": 3}
+        fields = tuple(counts)
+        if not isinstance(node, Table) or "wrench" not in node.entries or set(node.entries) - set(fields):
+            found = ", ".join(node.entries) if isinstance(node, Table) else described(node)
+            expected = f"wrench and, where there are any, {fields[1]}"
+            self.problems.wrong(node.line, where, f"found {found}, expected {expected}")
+            return None
+        values = {
+            name: tuple(self._numbers(value, f"{where}.{name}", Kind.NUMBER, counts[name]))
+            for name, value in node.entries.items()
+        }
+        return Load(**values)
 
     def _bounds(self) -> Bounds | None:
         node = self.root.entries.get("limits")

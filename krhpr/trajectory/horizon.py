@@ -150,7 +150,7 @@ class RecedingHorizon:
         self,
         robot: Robot,
         path: Path,
-        objective: Objective | str | Mapping[str, float],
+        objective: Objective | str | Mapping[str, Any],
         bounds: Bounds,
         *,
         horizon: float,
@@ -186,7 +186,11 @@ class RecedingHorizon:
         wanted = Objective.of(objective)
         if wanted.time:
             raise UnknownObjective("a receding horizon follows the path's own timing; give time no weight")
+        if wanted.largest:
+            named = ", ".join(wanted.largest)
+            raise UnknownObjective(f"{named}: what is largest on a horizon is not what is so on the path")
         bounds.check(robot)
+        wanted.check(robot)
         check_path(robot, path, bounds, mode)
         if evaluation is None:
             evaluation = Evaluation.COMPILED if _compiles() else Evaluation.SX

@@ -97,8 +97,13 @@ class Trajectory:
 
     @property
     def integrals(self) -> dict[str, float]:
-        """Over time, of eta_1^2 (m^2 s), eta_2^2 (s) and log eta_3 (s)."""
+        """Over time, of eta_1^2 (m^2 s), eta_2^2 (s), log eta_3 (s) and what else the objective has."""
         return self.examined.integrals
+
+    @property
+    def maxima(self) -> dict[str, float]:
+        """The largest eta_1 (m), eta_2 and eta_3."""
+        return self.examined.maxima
 
     @property
     def times(self) -> Floats:
@@ -130,7 +135,7 @@ class Trajectory:
 def optimise(
     robot: Robot,
     path: Path,
-    objective: Objective | str | Mapping[str, float],
+    objective: Objective | str | Mapping[str, Any],
     bounds: Bounds,
     *,
     method: Method | str = Method.NLP,
@@ -150,9 +155,9 @@ def optimise(
     Args:
         robot: any with an inverse in closed form; redundant sub-legs stand at a swivel of zero.
         path: of its platform.
-        objective: integrals to minimise: "eta_1", "eta_2", "eta_3" (of eta_1^2, eta_2^2, log eta_3), weights
-            by these names, or an `Objective`.  The programme minimises smooth bounds of the indices; what is
-            reported are the indices.
+        objective: what to minimise: "eta_1", "eta_2", "eta_3" (integrals of eta_1^2, eta_2^2, log eta_3),
+            another term of `Objective`, weights by these names, or an `Objective`.  The programme minimises
+            smooth bounds of the indices; what is reported are the indices.
         bounds: limits to keep; those of the robot's file are kept as well.
         method: the programme, or one of the thesis' methods, which do not look at limits.
         mode: the working mode, as `inverse` takes it; it is kept where `bounds.factors` say so.
@@ -181,6 +186,7 @@ def optimise(
     begin = perf_counter()
     wanted, how = Objective.of(objective), Method(method)
     bounds.check(robot)
+    wanted.check(robot)
     if intervals < 2:
         raise PathError(f"{intervals} intervals; a trajectory takes two or more")
     if wanted.time:

@@ -21,7 +21,8 @@ from krhpr.robot import Robot
 from krhpr.trajectory.clearance import Pair
 from krhpr.trajectory.compiled import Evaluation, compiled
 from krhpr.trajectory.paths import Motion
-from krhpr.trajectory.terms import Bounds, Objective
+from krhpr.trajectory.terms import SMOOTH, Bounds, Objective
+from krhpr.trajectory.worth import per_length
 
 Floats = NDArray[np.float64]
 
@@ -45,6 +46,13 @@ class Quantity:
     """Of the highest rate that it depends on: slowed by a factor, it falls by the factor to this power."""
     of_pair: bool = False
     """Whether it keeps two links apart."""
+    peak: bool = False
+    """Whether it says no more than that a largest value is one."""
+
+    @property
+    def inner(self) -> bool:
+        """Whether it is for the programme alone, and no limit that has been asked for by itself."""
+        return self.of_pair or self.peak
 
     @property
     def moving(self) -> bool:
@@ -113,8 +121,8 @@ class PointFunctions:
 
     @property
     def own(self) -> int:
-        """Local variables without those of pairs."""
-        return 3 * self.order
+        """Local variables without those of pairs: redundant coordinates and rates, then largest values."""
+        return 3 * self.order + len(self.objective.largest)
 
     @property
     def size(self) -> int:
@@ -178,12 +186,11 @@ class PointFunctions:
 
     @cached_property
     def _made(self) -> tuple[Any, list[tuple[Quantity, Any]]]:
-        import casadi as ca
 
         z, _ = self._symbols
         here, rates = self._here, z[3:6]
-        integrand = self._integrand(here) + self.objective.rates * ca.sumsqr(rates)
         theta_dot = here.f.joint_rates(*here.at, here.twist, rates, *here.swivel)
+        integrand, peaks = self._integrand(here, rates, theta_dot)
         rows = self._of_posture(here)
         if (most := self.bounds.redundant_rate) is not None:
             rows += self._of_redundant(rates, -most, most, most)
@@ -194,6 +201,9 @@ class PointFunctions:
             rows += self._of_actuators(
                 theta_ddot, "acceleration", self.bounds.actuator_acceleration, "/s^2", 2
             )
+        for k, (name, term) in enumerate(peaks.items()):
+            what = Quantity(f"{name} above its largest value", "m^2 or 1", high=0.0, peak=True)
+            rows.append((what, term - z[3 * self.order + k]))
         return integrand, rows + self._of_pairs(here, z)
 
     @cached_property
@@ -214,12 +224,24 @@ class PointFunctions:
         unwrapped = theta + ca.reshape(turns, len(self.actuators), 3).T
         return _Here(f, (p, Q, s, theta), redundant, unwrapped, twist, twist_rate, swivel)
 
-    def _integrand(self, here: _Here) -> Any:
-        """The objective's integrand without rates."""
+    def _integrand(self, here: _Here, rates: Any, theta_dot: Any) -> tuple[Any, dict[str, Any]]:
+        """The objective's integrand, and what is to have a small largest value."""
         import casadi as ca
 
+        objective, total = self.objective, self.objective.rates * ca.sumsqr(rates)
         length = [self.length] if "characteristic_length" in here.f.index_bounds.name_in() else []
-        return self.objective.value(*here.f.index_bounds(*here.at, *length), ca.log)
+        bounds = here.f.index_bounds(*here.at, *length)
+        total += objective.value(*bounds, ca.log)
+        scale = ca.repmat(ca.DM(per_length(self.robot, self.length)).T, 3, 1)
+        if objective.load is not None:
+            swivel = [ca.DM.zeros(3)] if "swivel_forces" in here.f.inverse_statics.name_in() else []
+            load = (ca.DM(objective.load.wrench), ca.DM(objective.load.redundant_forces), *swivel)
+            total += objective.torques * ca.sumsqr(here.f.inverse_statics(*here.at, *load) / scale)
+        if objective.travel:
+            total += objective.travel * ca.sum1(ca.vec(ca.sqrt((scale * theta_dot) ** 2 + SMOOTH**2)))
+        if objective.joint_rates:
+            total += objective.joint_rates * ca.sumsqr(scale * theta_dot)
+        return total, objective.peaks(*bounds, ca.log)
 
     def _of_posture(self, here: _Here) -> list[tuple[Quantity, Any]]:
         """Quantities that do not depend on rates."""

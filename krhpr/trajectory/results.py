@@ -114,6 +114,7 @@ def about(found: Trajectory) -> dict[str, Any]:
         "feasible": found.feasible,
         "violations": [asdict(one) for one in found.violations],
         "integrals": found.integrals,
+        "maxima": found.maxima,
         "objective_value": found.examined.objective,
         "seconds": found.seconds,
         "iterations": found.iterations,

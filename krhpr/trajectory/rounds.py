@@ -105,7 +105,8 @@ class Rounds:
     def _from_baselines(self, found: Found) -> None:
         """The grid of the search is coarse, and the thesis' methods may lead elsewhere."""
         task = self.task
-        for method in (baselines.constant, baselines.scan):
+        methods = [baselines.constant, *([baselines.scan] if task.point.objective.of_poses else [])]
+        for method in methods:
             lines = method(task.point, task.path, task.grid(1))
             other = task.judged(lines)
             if other.rank < found.best.rank:
@@ -180,7 +181,13 @@ class Rounds:
         return Programme(point, self._knots, self.times, self.options)
 
     def _prepare(self, programme: Programme, q: Floats, curve: Curve) -> None:
-        """Before it is solved from a curve."""
+        """Before it is solved from a curve: where other variables begin."""
+        point, largest = programme.point, [k for k, one in enumerate(programme.point.quantities) if one.peak]
+        if largest:
+            z = np.zeros((point.size, len(self.times)))
+            z[: 3 * point.order] = np.hstack([curve.at(self.times, order) for order in range(point.order)]).T
+            _, scaled = point.function.map(len(self.times))(z, q.T)
+            programme.peaks = np.nanmax(scaled.full()[largest], axis=1)
 
     def _judge(self, programme: Programme, solved: Solved) -> tuple[Judged, tuple[Floats, Floats]]:
         """What came of it; and where quantities that the point functions begin with are how far beyond their

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from krhpr.trajectory.paths import Motion
 from krhpr.trajectory.point import PointFunctions
+from krhpr.trajectory.worth import of_poses, of_steps, short_way
 
 Floats = NDArray[np.float64]
 
@@ -55,24 +56,26 @@ def global_start(point: PointFunctions, path: Bounded, stages: int = 31, points:
         stages = max(4, min(stages, int((path.times[-1] - path.times[0]) / (1.5 * step / rate)) + 1))
     motion = path.at(np.linspace(path.times[0], path.times[-1], stages))
     theta = point.robot.inverse(motion.p[:, None], motion.Q[:, None], grid, mode=point.mode)
-    nodes, violation = _nodes(point, motion, grid, theta)
-    moves = [_moves(point, grid[:, leg], theta[:, :, leg], motion.times) for leg in range(3)]
+    nodes, violation, unit = _nodes(point, motion, grid, theta)
+    moves = [_moves(point, grid[:, leg], theta[:, :, leg], motion.times, unit) for leg in range(3)]
     choice = _cheapest(nodes, moves)
     worst = max(float(violation[k][tuple(index)]) for k, index in enumerate(choice))
     found = np.stack([grid[choice[:, leg], leg] for leg in range(3)], axis=1)
     return Start(motion.times, found, worst)
 
 
-def _nodes(point: PointFunctions, motion: Motion, grid: Floats, theta: Floats) -> tuple[Floats, Floats]:
-    """Cost and violation at every node (stages, points, points, points)."""
+def _nodes(
+    point: PointFunctions, motion: Motion, grid: Floats, theta: Floats
+) -> tuple[Floats, Floats, float]:
+    """Cost and violation at every node (stages, points, points, points), and the cost that is the unit."""
     robot, (stages, points) = point.robot, theta.shape[:2]
     index = np.stack(np.meshgrid(*[np.arange(points)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
     mesh = np.stack([grid[index[:, leg], leg] for leg in range(3)], axis=-1)
     p, Q = motion.p[:, None], motion.Q[:, None]
     joints = np.stack([theta[:, index[:, leg], leg] for leg in range(3)], axis=2)
-    found = robot.index_bounds(p, Q, robot.end_points(p, Q, mesh), joints, characteristic_length=point.length)
-    with np.errstate(all="ignore"):
-        cost = np.asarray(point.objective.value(found.eta_1, found.eta_2, found.eta_3))
+    at = (p, Q, robot.end_points(p, Q, mesh), joints)
+    found = robot.index_bounds(*at, characteristic_length=point.length)
+    cost = of_poses(robot, point.objective, found, at, point.length)
     violation = np.zeros(cost.shape)
     margins = robot.type_2_of_redundant(mesh).margins
     for k, least in enumerate(point.bounds.margins):
@@ -82,10 +85,10 @@ def _nodes(point: PointFunctions, motion: Motion, grid: Floats, theta: Floats) -
     for leg in range(3):
         violation += single[:, index[:, leg], leg]
     there = np.isfinite(cost)
-    unit = float(np.median(cost[there])) if there.any() else 1.0
-    nodes = np.where(there, cost / (unit or 1.0) + PENALTY * violation, 1e3 * PENALTY)
+    unit = (float(np.median(cost[there])) if there.any() else 1.0) or 1.0
+    nodes = np.where(there, cost / unit + PENALTY * violation, 1e3 * PENALTY)
     shape = (stages, points, points, points)
-    return nodes.reshape(shape), np.where(there, violation, np.inf).reshape(shape)
+    return nodes.reshape(shape), np.where(there, violation, np.inf).reshape(shape), unit
 
 
 def _of_grip(point: PointFunctions, grid: Floats, mesh: Floats) -> Floats:
@@ -123,16 +126,17 @@ def _of_legs(point: PointFunctions, motion: Motion, grid: Floats) -> Floats:
     return total
 
 
-def _moves(point: PointFunctions, grid: Floats, theta: Floats, times: Floats) -> Floats:
+def _moves(point: PointFunctions, grid: Floats, theta: Floats, times: Floats, unit: float) -> Floats:
     """Costs of one leg's steps from a grid point to another, (stages - 1, from, to)."""
     step = np.diff(times)[:, None, None]
     rate = np.abs(grid[None, :, None] - grid[None, None, :]) / step
     cost = point.objective.rates * rate**2 * step
     if (most := point.bounds.redundant_rate) is not None:
         cost = cost + PENALTY * np.maximum(rate / most - 1 - 1e-9, 0)
+    change = short_way(point.robot, theta[1:, None, :, :] - theta[:-1, :, None, :])
+    worth = of_steps(point.robot, point.objective, change, step, point.length)
+    cost = cost + np.nan_to_num(worth) / (unit * step)  # nodes have no times either
     if (most := point.bounds.actuator_rate) is not None:
-        change = theta[1:, None, :, :] - theta[:-1, :, None, :]
-        change = np.where(point.robot.angular, np.arctan2(np.sin(change), np.cos(change)), change)
         fastest = np.abs(change).max(axis=-1) / step
         cost = cost + PENALTY * np.nan_to_num(np.maximum(fastest / most - 1, 0), nan=1e3)
     return np.asarray(cost)

@@ -17,27 +17,65 @@ from krhpr.trajectory.refusals import ContradictoryLimits, UnknownObjective
 
 Floats = NDArray[np.float64]
 
-TERMS = ("eta_1", "eta_2", "eta_3", "rates", "time")
+INDICES = ("eta_1", "eta_2", "eta_3")
+MAXIMA = ("max_eta_1", "max_eta_2", "max_eta_3")
+OF_JOINTS = ("torques", "travel", "joint_rates")
+TERMS = (*INDICES, *MAXIMA, *OF_JOINTS, "rates", "time")
+SMOOTH = 0.01
+"""The programme takes sqrt(x^2 + SMOOTH^2) for the absolute rate of an actuator, rad/s."""
+
+
+@dataclass(frozen=True)
+class Load:
+    """What the robot applies to its environment, as `inverse_statics` takes it."""
+
+    wrench: Any
+    """[force, moment about O'] in the base frame, (6), or [f_x, f_y, m] in the plane (3); N, N m."""
+    redundant_forces: Any = (0.0, 0.0, 0.0)
+    """Forces or moments along the redundant coordinates (3), as those of jaws on an object; N, N m."""
+
+    def __post_init__(self) -> None:
+        for name in ("wrench", "redundant_forces"):
+            values = np.ravel(np.asarray(getattr(self, name), dtype=float))
+            object.__setattr__(self, name, tuple(values.tolist()))
 
 
 @dataclass(frozen=True)
 class Objective:
-    """Weights of integrals over time, which are added up."""
+    """Weights of integrals over time and of largest values, which are added up.
+
+    Actuators that slide count by their displacement over the characteristic length, and by their force times
+    this length.
+    """
 
     eta_1: float = 0.0
-    """Of eta_1^2 (1/m^2)."""
+    """Of the integral of eta_1^2 (1/m^2)."""
     eta_2: float = 0.0
-    """Of eta_2^2."""
+    """Of that of eta_2^2."""
     eta_3: float = 0.0
-    """Of log eta_3; not to be used alone, for eta_3 does not see type II singularities."""
+    """Of that of log eta_3; not to be used alone, for eta_3 does not see type II singularities."""
+    max_eta_1: float = 0.0
+    """Of the largest eta_1^2 on the path (1/m^2)."""
+    max_eta_2: float = 0.0
+    """Of the largest eta_2^2."""
+    max_eta_3: float = 0.0
+    """Of the largest log eta_3."""
+    torques: float = 0.0
+    """Of the integral of the sum of the actuators' squared torques under `load` (1/(N m)^2)."""
+    travel: float = 0.0
+    """Of what all actuators together travel (1/rad)."""
+    joint_rates: float = 0.0
+    """Of the integral of the sum of the actuators' squared rates (s/rad^2)."""
     rates: float = 1e-3
-    """Of the squared rates of the redundant coordinates (s^2 per rad^2 or m^2), relative to the rest: makes
-    the answer unique and smooth.
+    """Of the integral of the squared rates of the redundant coordinates (s^2 per rad^2 or m^2), relative to
+    the rest: makes the answer unique and smooth.
     """
     time: float = 0.0
     """Of the duration (1/s).  Where it has a weight, the timing is chosen as well, from rest to rest, and the
     other integrals are over the path's own time.
     """
+    load: Load | None = None
+    """What the torques are for."""
 
     def __post_init__(self) -> None:
         weights = {name: getattr(self, name) for name in TERMS}
@@ -45,11 +83,17 @@ class Objective:
         if wrong:
             raise UnknownObjective(f"weights of an objective are not negative: {', '.join(wrong)}")
         if not any(weight for name, weight in weights.items() if name != "rates"):
-            raise UnknownObjective("the objective has no weight; give one to eta_1, eta_2, eta_3 or time")
+            others = [name for name in TERMS if name != "rates"]
+            raise UnknownObjective(f"the objective has no weight; give one to {', '.join(others)}")
+        if bool(self.torques) != (self.load is not None):
+            given = "torques have a weight and there is no load" if self.torques else "a load without torques"
+            raise UnknownObjective(f"{given}: give both, a weight of torques and the load that they hold")
+        if self.time and self.largest:
+            raise UnknownObjective(f"time and {', '.join(self.largest)} cannot be weighed together")
 
     @classmethod
-    def of(cls, given: Objective | str | Mapping[str, float]) -> Objective:
-        """From a name (the index whose integral is minimised) or weights by name.
+    def of(cls, given: Objective | str | Mapping[str, Any]) -> Objective:
+        """From a name (the term that is minimised) or weights by name, `load` a `Load` or its fields.
 
         Raises:
             UnknownObjective: what is given is none; it says which there are.
@@ -58,20 +102,54 @@ class Objective:
             return given
         weights = {given: 1.0} if isinstance(given, str) else dict(given)
         for name in weights:
-            if name not in TERMS:
+            if name not in (*TERMS, "load"):
                 raise UnknownObjective(f"no objective is called {name!r}; {nearest(name, TERMS)}")
+        if isinstance(load := weights.get("load"), Mapping):
+            weights["load"] = Load(**load)
         return cls(**weights)
 
+    @property
+    def largest(self) -> tuple[str, ...]:
+        """Terms of `MAXIMA` that have a weight."""
+        return tuple(name for name in MAXIMA if getattr(self, name))
+
+    @property
+    def of_poses(self) -> bool:
+        """Whether a pose alone has a value."""
+        return any(getattr(self, name) for name in (*INDICES, *MAXIMA, "torques"))
+
+    def check(self, robot: Robot) -> None:
+        """Whether the load is one of this robot.
+
+        Raises:
+            UnknownObjective: how many numbers are expected.
+        """
+        if self.load is None:
+            return
+        for name, count in (("wrench", 3 if robot.planar else 6), ("redundant_forces", 3)):
+            given = getattr(self.load, name)
+            if len(given) != count or not np.isfinite(given).all():
+                raise UnknownObjective(
+                    f"{name} of the load is {list(given)}; {robot.name} takes {count} finite numbers"
+                )
+
     def value(self, eta_1: Any, eta_2: Any, eta_3: Any, log: Any = np.log) -> Any:
-        """The integrand without rates; arrays, or symbols with their `log`."""
+        """What indices add to the integrand; arrays, or symbols with their `log`."""
         total: Any = 0.0 * eta_1
-        if self.eta_1:
-            total = total + self.eta_1 * eta_1**2
-        if self.eta_2:
-            total = total + self.eta_2 * eta_2**2
-        if self.eta_3:
-            total = total + self.eta_3 * log(eta_3)
+        for name, term in zip(INDICES, terms_of_indices(eta_1, eta_2, eta_3, log), strict=True):
+            if weight := getattr(self, name):
+                total = total + weight * term
         return total
+
+    def peaks(self, eta_1: Any, eta_2: Any, eta_3: Any, log: Any = np.log) -> dict[str, Any]:
+        """What is to have a small largest value, by the names in `largest`."""
+        terms = terms_of_indices(eta_1, eta_2, eta_3, log)
+        return {name: term for name, term in zip(MAXIMA, terms, strict=True) if getattr(self, name)}
+
+
+def terms_of_indices(eta_1: Any, eta_2: Any, eta_3: Any, log: Any = np.log) -> tuple[Any, Any, Any]:
+    """What is made small of each index: eta_1^2, eta_2^2, log eta_3."""
+    return eta_1**2, eta_2**2, log(eta_3)
 
 
 @dataclass(frozen=True)

@@ -154,16 +154,14 @@ class TimedFunctions(PointFunctions):
 
     @cached_property
     def _made(self) -> tuple[Any, list[tuple[Quantity, Any]]]:
-        import casadi as ca
-
         z, _ = self._symbols
         here, bounds = self._here, self.bounds
         slope, bend, b, before, behind = z[3:6], z[6:9], z[9], z[10], z[11]
-        integrand = self._integrand(here) + self.objective.rates * ca.sumsqr(slope)
+        theta_slope = here.f.joint_rates(*here.at, here.twist, slope, *here.swivel)
+        integrand, _ = self._integrand(here, slope, theta_slope)
         rows = self._of_posture(here)
         if (most := bounds.redundant_rate) is not None:
             rows += self._of_redundant(slope**2 * b, -np.inf, most**2, most**2)
-        theta_slope = here.f.joint_rates(*here.at, here.twist, slope, *here.swivel)
         if (most := bounds.actuator_rate) is not None:
             rows += self._of_actuators(theta_slope**2 * b, "squared rate", most**2, "^2/s^2")
         if (most := bounds.actuator_acceleration) is not None:

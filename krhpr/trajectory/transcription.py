@@ -176,16 +176,21 @@ class Programme:
             for next_to in (False, True)
         }
         self._solvers: dict[bool, Any] = {}
+        self.peaks = np.zeros(self._further())
+        """Where largest values begin."""
 
     def _further(self) -> int:
-        """How many variables there are beside coefficients and vectors of pairs."""
-        return 0
+        """How many variables there are beside coefficients and vectors of pairs: here, largest values."""
+        return len(self.point.objective.largest)
 
     def _more(self, X: Any) -> tuple[Any, Any, Any]:
         """What the objective has beside the integral, with its gradient and its Hessian."""
         import casadi as ca
 
-        return ca.MX(0), ca.MX(X.numel(), 1), ca.MX(X.numel(), X.numel())
+        objective = self.point.objective
+        weights = ca.DM([getattr(objective, name) for name in objective.largest])
+        slopes = ca.vertcat(ca.DM(self._with_pairs, 1), weights) if objective.largest else ca.DM(X.numel(), 1)
+        return ca.dot(slopes, X), ca.MX(slopes), ca.MX(X.numel(), X.numel())
 
     def _entries(self) -> tuple[list[int], list[int], list[float]]:
         """Rows, columns and values of the matrix from the programme's variables to those of every sample."""
@@ -205,6 +210,10 @@ class Programme:
             for i in range(extra):
                 rows.append(k * point.size + point.own + i)
                 columns.append(self._main + k * extra + i)
+                values.append(1.0)
+            for i in range(len(point.objective.largest)):
+                rows.append(k * point.size + 3 * point.order + i)
+                columns.append(self._with_pairs + i)
                 values.append(1.0)
         return rows, columns, values
 
@@ -300,7 +309,8 @@ class Programme:
 
     def _beginning(self, start: Curve) -> tuple[Floats, Floats, Floats]:
         """Where further variables begin, and their bounds."""
-        return np.zeros(0), np.zeros(0), np.zeros(0)
+        free = np.full(len(self.peaks), np.inf)
+        return self.peaks, -free, free
 
     def _solver(self, warm: bool) -> Any:
         import casadi as ca

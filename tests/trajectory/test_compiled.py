@@ -9,18 +9,17 @@ import krhpr
 from krhpr import trajectory
 from krhpr.native import NoCompiler
 from krhpr.trajectory import Evaluation
-from krhpr.trajectory.clearance import pairs
 from krhpr.trajectory.point import PointFunctions
+from krhpr.trajectory.reach import signs_at_start
 from krhpr.trajectory.terms import Objective
 
 LIMITS = trajectory.chapter_4()
 
 
 def point(evaluation: Evaluation) -> PointFunctions:
-    robot = krhpr.load("spatial_rrr_a", backend="numpy")
-    signs = np.array([[1.0, -1.0]] * 3)
-    objective = Objective(eta_1=11.4, eta_2=0.12, eta_3=0.67)
-    return PointFunctions(robot, objective, LIMITS, signs, pairs=pairs(robot)[20:21], evaluation=evaluation)
+    robot, path = krhpr.load("spatial_rrr_a", backend="numpy"), trajectory.translation()
+    signs = signs_at_start(robot, path, LIMITS, None)
+    return PointFunctions(robot, Objective.of("eta_1"), LIMITS, signs, evaluation=evaluation)
 
 
 @pytest.mark.compiler
@@ -43,7 +42,7 @@ def test_values_and_derivatives() -> None:
 def test_the_answer_is_the_same() -> None:
     robot = krhpr.load("spatial_rrr_a", backend="numpy")
     found = [
-        trajectory.optimise(robot, trajectory.tilt(), "eta_2", LIMITS, evaluation=evaluation)
+        trajectory.optimise(robot, trajectory.translation(), "eta_1", LIMITS, evaluation=evaluation)
         for evaluation in Evaluation
     ]
     assert found[0].iterations == found[1].iterations
