@@ -84,6 +84,7 @@ class Examined:
     theta: Floats
     """(n, 3, actuators), without jumps of full turns."""
     theta_rate: Floats
+    theta_acceleration: Floats
     indices: dict[str, Floats]
     """eta_1 (m), eta_2, eta_3 at each time: the true ones, not their bounds."""
     integrals: dict[str, float]
@@ -155,6 +156,10 @@ def examine(
     theta, turns = turns_along(point, motion, redundant)
     at = (motion.p, motion.Q, robot.end_points(motion.p, motion.Q, redundant), theta)
     theta_rate = np.asarray(robot.joint_rates(*at, motion.twist, rate))
+    bend = coordinates.at(times, 2)
+    theta_acceleration = robot.joint_accelerations(
+        *at, motion.twist, rate, theta_rate, motion.twist_rate, bend
+    )
     found = robot.indices(*at, characteristic_length=point.length)
     indices = {"eta_1": found.eta_1, "eta_2": found.eta_2, "eta_3": found.eta_3}
     integrands = {
@@ -192,10 +197,9 @@ def examine(
         violations += _violations(times, [held], opening[:, None] / held.scale)[0]
     close: list[Pair] = []
     if of:
-        least = float(point.bounds.clearance or 0.0)
         points = robot.link_points(*at)
         gaps = np.linalg.norm(separations(robot, tuple(of), points.points, points.attachment), axis=-1)
-        apart = [Quantity(f"distance of {pair.name}", "m", least, scale=0.1) for pair in of]
+        apart = [Quantity(f"distance of {pair.name}", "m", pair.least, scale=0.1) for pair in of]
         short, _ = _violations(times, apart, gaps.T / 0.1)
         violations += short
         names = {one.name for one in short}
@@ -206,6 +210,7 @@ def examine(
         rate,
         theta,
         theta_rate,
+        np.asarray(theta_acceleration),
         indices,
         integrals,
         worth,

@@ -24,7 +24,7 @@ from krhpr.calls import Branch
 from krhpr.errors import TrajectoryError
 from krhpr.native import NoCompiler, find_compiler
 from krhpr.robot import Robot
-from krhpr.trajectory.clearance import Pair, pairs
+from krhpr.trajectory.clearance import Pair, kept_apart
 from krhpr.trajectory.compiled import Evaluation
 from krhpr.trajectory.examine import Examined, examine, separators_along, turns_along
 from krhpr.trajectory.paths import Motion, Path, PathError
@@ -189,7 +189,7 @@ class RecedingHorizon:
         if wanted.largest:
             named = ", ".join(wanted.largest)
             raise UnknownObjective(f"{named}: what is largest on a horizon is not what is so on the path")
-        bounds.check(robot)
+        bounds = bounds.of(robot)
         wanted.check(robot)
         check_path(robot, path, bounds, mode)
         if evaluation is None:
@@ -211,7 +211,7 @@ class RecedingHorizon:
         self._weights[[0, -1]] /= 2
         knots = uniform_knots(0.0, horizon, intervals)
         self._programme = Programme(self.point, knots, self._samples, dict(solver or {}))
-        self._path, self._pairs = path, pairs(robot) if bounds.clearance and not robot.planar else ()
+        self._path, self._pairs = path, kept_apart(robot, bounds)
         self._last: tuple[Plan, Solved] | None = None
 
     @property

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from krhpr.calls import Branch
 from krhpr.robot import Robot
 from krhpr.trajectory import baselines
-from krhpr.trajectory.clearance import pairs
+from krhpr.trajectory.clearance import kept_apart
 from krhpr.trajectory.compiled import Evaluation
 from krhpr.trajectory.examine import Coordinates, Examined, Violation
 from krhpr.trajectory.fastest import FastestRounds
@@ -185,7 +185,7 @@ def optimise(
     """
     begin = perf_counter()
     wanted, how = Objective.of(objective), Method(method)
-    bounds.check(robot)
+    bounds = bounds.of(robot)
     wanted.check(robot)
     if intervals < 2:
         raise PathError(f"{intervals} intervals; a trajectory takes two or more")
@@ -204,7 +204,7 @@ def optimise(
         characteristic_length=characteristic_length,
         evaluation=Evaluation(evaluation),
     )
-    task = Task(point, path, intervals, pairs(robot) if bounds.clearance and not robot.planar else ())
+    task = Task(point, path, intervals, kept_apart(robot, bounds))
     if how is not Method.NLP:
         progress(f"method {how}")
         found = Found(task.judged(_baseline(task, how, constant, reduced, alpha)))

@@ -21,7 +21,7 @@ from krhpr.robot import Robot
 from krhpr.trajectory.clearance import Pair
 from krhpr.trajectory.compiled import Evaluation, compiled
 from krhpr.trajectory.paths import Motion
-from krhpr.trajectory.terms import SMOOTH, Bounds, Objective
+from krhpr.trajectory.terms import PLATFORM_JOINT, SMOOTH, Bounds, Objective
 from krhpr.trajectory.worth import per_length
 
 Floats = NDArray[np.float64]
@@ -247,7 +247,7 @@ class PointFunctions:
         """Quantities that do not depend on rates."""
         rows = self._of_singularity(here.f.singularity(*here.at))
         rows += self._of_joints(here.theta)
-        return rows + self._of_spheres(here.at) + self._of_grip(here.redundant)
+        return rows + self._of_passive(here.at) + self._of_grip(here.redundant)
 
     def _of_grip(self, redundant: Any) -> list[tuple[Quantity, Any]]:
         """Where the object's centre is; that the opening stays is for the programme, as it is linear."""
@@ -320,26 +320,49 @@ class PointFunctions:
             for k, name in enumerate(self.actuators)
         ]
 
-    def _of_spheres(self, at: tuple[Any, ...]) -> list[Any]:
+    def _of_passive(self, at: tuple[Any, ...]) -> list[tuple[Quantity, Any]]:
+        """Passive joints that the robot's file limits, and spherical ones."""
         import casadi as ca
 
+        limits = self.robot.limits
+        named = [name for name in limits.passive if name != PLATFORM_JOINT]
+        cones = self._cones()
+        if not named and not any(cones):
+            return []
+        function = self.robot.casadi.passive_joints
+        found = dict(zip(function.name_out(), function(*at), strict=True))
+        labels = {port.name: port.labels for port in self.robot.signature("passive_joints").outputs}
+        kinds = dict(self.robot.documentation["joint kinds"])
+        rows = []
+        for name in named:
+            port = "passive" if name in labels.get("passive", ()) else name
+            turns = kinds[name] == "revolute" if port == "passive" else True
+            for leg, interval in enumerate(limits.passive[name]):
+                value = found[port][leg, labels[port].index(name)] if port == "passive" else found[port][leg]
+                low, high = interval.low, interval.high
+                if turns and high - low >= 2 * np.pi:
+                    continue
+                if turns:  # the interval may reach beyond +-pi
+                    middle = (low + high) / 2
+                    value = middle + ca.atan2(ca.sin(value - middle), ca.cos(value - middle))
+                unit = "rad" if turns else "m"
+                rows.append((Quantity(f"{name} of leg {leg + 1}", unit, low, high, leg=leg), value))
+        for leg, of_leg in enumerate(cones):
+            for tilt, socket, stud in of_leg:
+                cosine = ca.dot(ca.DM(socket), found[f"spherical{leg + 1}"] @ ca.DM(stud))
+                what = f"cosine of the spherical joint's angle, leg {leg + 1}"
+                rows.append((Quantity(what, "1", float(np.cos(tilt)), leg=leg), cosine))
+        return rows
+
+    def _cones(self) -> list[list[tuple[float, Any, Any]]]:
+        """For each leg the limits of its spherical joint: tilt, socket, stud."""
         cones: list[list[tuple[float, Any, Any]]] = [[], [], []]
         if self.bounds.cone is not None:
             for cone in cones:
                 cone.append((self.bounds.cone, (1.0, 0.0, 0.0), (1.0, 0.0, 0.0)))
         for leg, limit in enumerate(self.robot.limits.spherical or ()):
             cones[leg].append((limit.tilt, limit.socket, limit.stud))
-        if not any(cones):
-            return []
-        passive = self.robot.casadi.passive_joints
-        found = dict(zip(passive.name_out(), passive(*at), strict=True))
-        rows = []
-        for leg, of_leg in enumerate(cones):
-            for tilt, socket, stud in of_leg:
-                cosine = ca.dot(ca.DM(socket), found[f"spherical{leg + 1}"] @ ca.DM(stud))
-                name = f"cosine of the spherical joint's angle, leg {leg + 1}"
-                rows.append((Quantity(name, "1", float(np.cos(tilt)), leg=leg), cosine))
-        return rows
+        return cones
 
     def _of_pairs(self, here: _Here, z: Any) -> list[Any]:
         """An exact and smooth form: a vector n of length one or less with n (x - y) above the distance."""
@@ -347,8 +370,7 @@ class PointFunctions:
 
         if not self.pairs:
             return []
-        points = here.f.link_points(*here.at)
-        least, rows = float(self.bounds.clearance or 0.0), []
+        points, rows = here.f.link_points(*here.at), []
         for index, pair in enumerate(self.pairs):
             start = self.own + 3 * index
             n = z[start : start + 3]
@@ -356,7 +378,7 @@ class PointFunctions:
             ends = [[link.end_of(points, end) for end in (0, 1)] for link in (pair.first, pair.second)]
             rows += [
                 (
-                    Quantity(f"distance of {pair.name}", "m", low=least, scale=0.1, of_pair=True),
+                    Quantity(f"distance of {pair.name}", "m", low=pair.least, scale=0.1, of_pair=True),
                     ca.dot(n, x - y),
                 )
                 for x in ends[0]

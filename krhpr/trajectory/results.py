@@ -41,6 +41,8 @@ OF_GRIP = {"opening": "m", "centre": "m"}
 """Arrays that are there as well where the gripper keeps an opening: it, and the object's centre (n, 2) from
 O' in the platform's plane.
 """
+LATER = {"theta_acceleration": "rad/s^2 or m/s^2"}
+"""Arrays that the first files of this format did not have."""
 
 
 class ResultError(KrhprError, ValueError):
@@ -52,7 +54,7 @@ class Result:
     """A result out of a file."""
 
     arrays: dict[str, Floats]
-    """By name, with the units of `UNITS` and `OF_GRIP`."""
+    """By name, with the units of `UNITS`, `LATER` and `OF_GRIP`."""
     about: dict[str, Any]
     """Robot, path, method, objective, limits, integrals, whether all limits are met, violations, settings."""
 
@@ -79,6 +81,7 @@ def arrays_of(found: Trajectory) -> dict[str, Floats]:
         "redundant_rate": examined.redundant_rate,
         "theta": examined.theta,
         "theta_rate": examined.theta_rate,
+        "theta_acceleration": examined.theta_acceleration,
         **examined.indices,
         **_of_grip(found),
     }
@@ -120,7 +123,7 @@ def about(found: Trajectory) -> dict[str, Any]:
         "iterations": found.iterations,
         "rounds": found.rounds,
         "message": found.message,
-        "units": {**UNITS, **(OF_GRIP if grip is not None else {})},
+        "units": {**UNITS, **LATER, **(OF_GRIP if grip is not None else {})},
     }
 
 
@@ -148,7 +151,7 @@ def load_result(file: File | str) -> Result:
     try:
         with np.load(file, allow_pickle=False) as held:
             facts = json.loads(str(held["about"]))
-            found = {name: held[name] for name in (*UNITS, *OF_GRIP) if name in held.files}
+            found = {name: held[name] for name in (*UNITS, *LATER, *OF_GRIP) if name in held.files}
     except (ValueError, KeyError, EOFError) as error:
         raise ResultError(f"{file}: no result of `krhpr optimise`: {error}") from None
     if facts.get("format") != FORMAT:
@@ -174,8 +177,12 @@ def csv_text(found: Trajectory) -> str:
         columns[f"redundant_{leg + 1} [{unit}]"] = examined.redundant[:, leg]
         columns[f"redundant_rate_{leg + 1} [{unit}/s]"] = examined.redundant_rate[:, leg]
     for k, (name, actuator_unit) in enumerate(_joints(found)):
-        columns[f"{name} [{actuator_unit}]"] = examined.theta.reshape(len(motion.times), -1)[:, k]
-        columns[f"{name}_rate [{actuator_unit}/s]"] = examined.theta_rate.reshape(len(motion.times), -1)[:, k]
+        for ending, per, values in (
+            ("", "", examined.theta),
+            ("_rate", "/s", examined.theta_rate),
+            ("_acceleration", "/s^2", examined.theta_acceleration),
+        ):
+            columns[f"{name}{ending} [{actuator_unit}{per}]"] = values.reshape(len(motion.times), -1)[:, k]
     columns |= {f"{name} [{UNITS[name]}]": values for name, values in examined.indices.items()}
     if of_grip := _of_grip(found):
         columns["opening [m]"] = of_grip["opening"]
@@ -197,7 +204,7 @@ def ros_text(found: Trajectory) -> str:
         nanoseconds = round(float(times[k]) * 1e9)
         lines.append(f"- positions: {_list(examined.theta[k])}")
         lines.append(f"  velocities: {_list(examined.theta_rate[k])}")
-        lines.append("  accelerations: []")
+        lines.append(f"  accelerations: {_list(examined.theta_acceleration[k])}")
         lines.append("  effort: []")
         seconds, rest = divmod(nanoseconds, 10**9)
         lines.append(f"  time_from_start: {{sec: {seconds}, nanosec: {rest}}}")

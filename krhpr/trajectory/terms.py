@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import radians
 from typing import Any
 
@@ -21,6 +21,8 @@ INDICES = ("eta_1", "eta_2", "eta_3")
 MAXIMA = ("max_eta_1", "max_eta_2", "max_eta_3")
 OF_JOINTS = ("torques", "travel", "joint_rates")
 TERMS = (*INDICES, *MAXIMA, *OF_JOINTS, "rates", "time")
+PLATFORM_JOINT = "platform_joint"
+"""The redundant coordinate among the passive joints."""
 SMOOTH = 0.01
 """The programme takes sqrt(x^2 + SMOOTH^2) for the absolute rate of an actuator, rad/s."""
 
@@ -156,7 +158,8 @@ def terms_of_indices(eta_1: Any, eta_2: Any, eta_3: Any, log: Any = np.log) -> t
 class Bounds:
     """Limits along a trajectory; what is None or not there is not limited.  SI units.
 
-    Limits of actuated and of spherical joints in the robot's file (`robot.limits`) are held as well.
+    Limits of the robot's file (`robot.limits`) are held as well: of joints, actuated and passive, and of
+    distances between links, which are cylinders with the radii that it gives.
     """
 
     redundant: tuple[Any, Any]
@@ -182,6 +185,28 @@ class Bounds:
         """Bounds of the three redundant coordinates."""
         low, high = (np.broadcast_to(np.asarray(x, dtype=float), (3,)) for x in self.redundant)
         return low, high
+
+    def of(self, robot: Robot) -> Bounds:
+        """With what the robot's file says of the redundant coordinates, checked.
+
+        Raises:
+            ContradictoryLimits: which limit, and what is expected.
+        """
+        given = robot.limits.passive.get(PLATFORM_JOINT)
+        if given is None:
+            self.check(robot)
+            return self
+        low, high = self.box()
+        least, most = (np.array([getattr(one, side) for one in given]) for side in ("low", "high"))
+        if (apart := (low > most) | (high < least)).any():
+            leg = int(np.argmax(apart))
+            raise ContradictoryLimits(
+                f"redundant coordinate of leg {leg + 1}: {low[leg]:g} to {high[leg]:g} is asked for, and the "
+                f"file of {robot.name} allows {least[leg]:g} to {most[leg]:g}"
+            )
+        within = replace(self, redundant=(np.maximum(low, least), np.minimum(high, most)))
+        within.check(robot)
+        return within
 
     def check(self, robot: Robot) -> None:
         """Whether anything can meet them, and whether they are the robot's.
