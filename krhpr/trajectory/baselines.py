@@ -48,7 +48,7 @@ def _joints(point: PointFunctions, path: Path, times: Floats, choices: Floats) -
     """p, Q, s and theta (times, choices, ...)."""
     robot, motion = point.robot, path.at(times)
     p, Q = motion.p[:, None], motion.Q[:, None]
-    return p, Q, robot.end_points(p, Q, choices), robot.inverse(p, Q, choices, mode=point.mode)
+    return p, Q, robot.end_points(p, Q, choices), point.inverse(p, Q, point.coordinates(choices))
 
 
 def _table(point: PointFunctions, at: tuple[Any, ...]) -> Floats:
@@ -61,7 +61,7 @@ def _table(point: PointFunctions, at: tuple[Any, ...]) -> Floats:
 def constant(point: PointFunctions, path: Path, times: Floats, value: float | None = None) -> Lines:
     """The same value all along: the one given, or the one with the least integral."""
     if value is not None:
-        return Lines(times, np.full((len(times), 3), value))
+        return Lines(times, point.coordinates(np.full((len(times), 3), value)))
     choices = _choices(point)
     at = _joints(point, path, times, choices)
     change = short_way(point.robot, np.diff(at[3], axis=0))
@@ -69,7 +69,7 @@ def constant(point: PointFunctions, path: Path, times: Floats, value: float | No
     with np.errstate(invalid="ignore"):
         integrals = np.trapezoid(_table(point, at), times, axis=0) + steps.sum(axis=(0, 2))
     best = choices[np.argmin(np.where(np.isfinite(integrals), integrals, np.inf))]
-    return Lines(times, np.tile(best, (len(times), 1)))
+    return Lines(times, point.coordinates(np.tile(best, (len(times), 1))))
 
 
 def scan(
@@ -79,7 +79,8 @@ def scan(
     if not point.objective.of_poses:
         raise UnknownObjective("a scan looks at one pose after the other, which travel and rates do not tell")
     choices = _choices(point, within)
-    return Lines(times, choices[_table(point, _joints(point, path, times, choices)).argmin(axis=1)])
+    best = choices[_table(point, _joints(point, path, times, choices)).argmin(axis=1)]
+    return Lines(times, point.coordinates(best))
 
 
 def smoothed(given: Lines, alpha: float) -> Lines:

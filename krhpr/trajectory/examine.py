@@ -46,7 +46,7 @@ class Lines:
         if order == 0:
             return np.column_stack([np.interp(times, self.times, column) for column in self.values.T])
         if order > 1:
-            return np.zeros((len(times), 3))
+            return np.zeros((len(times), self.values.shape[1]))
         slopes = np.diff(self.values, axis=0) / np.diff(self.times)[:, None]
         place = np.searchsorted(self.times, times, side="right") - 1
         return np.asarray(slopes[np.clip(place, 0, len(slopes) - 1)])
@@ -81,6 +81,8 @@ class Examined:
     redundant: Floats
     """(n, 3); rad or m."""
     redundant_rate: Floats
+    swivel: Floats | None
+    """Of redundant sub-legs (n, 3), rad, where they are chosen."""
     theta: Floats
     """(n, 3, actuators), without jumps of full turns."""
     theta_rate: Floats
@@ -118,13 +120,13 @@ class Examined:
 
 
 def turns_along(
-    point: PointFunctions, motion: Motion, redundant: Floats, near: Floats | None = None
+    point: PointFunctions, motion: Motion, coordinates: Floats, near: Floats | None = None
 ) -> tuple[Floats, Floats]:
     """Joints along a trajectory without jumps (n, 3, actuators), and the full turns that were added (rad).
 
     It begins within half a turn of `near` (3, actuators), or in (-pi, pi].
     """
-    theta = np.asarray(point.robot.inverse(motion.p, motion.Q, redundant, mode=point.mode))
+    theta = point.inverse(motion.p, motion.Q, coordinates)
     there = np.nan_to_num(theta)
     unwrapped = np.where(point.robot.angular, np.unwrap(there, axis=0), there)
     if near is not None:
@@ -134,13 +136,13 @@ def turns_along(
     return theta + turns, turns
 
 
-def separators_along(point: PointFunctions, motion: Motion, redundant: Floats) -> Floats:
+def separators_along(point: PointFunctions, motion: Motion, coordinates: Floats) -> Floats:
     """Unit vectors along the shortest distances of the pairs that are kept apart (n, pairs, 3)."""
     if not point.pairs:
-        return np.zeros((len(redundant), 0, 3))
+        return np.zeros((len(coordinates), 0, 3))
     robot = point.robot
-    theta, _ = turns_along(point, motion, redundant)
-    s = robot.end_points(motion.p, motion.Q, redundant)
+    theta, _ = turns_along(point, motion, coordinates)
+    s = robot.end_points(motion.p, motion.Q, coordinates[:, :3])
     points = robot.link_points(motion.p, motion.Q, s, theta)
     gaps = separations(robot, point.pairs, points.points, points.attachment)
     sizes = np.linalg.norm(gaps, axis=-1, keepdims=True)
@@ -152,13 +154,22 @@ def examine(
 ) -> Examined:
     """Hold a trajectory to its limits at some times; `of` are the pairs of links to keep apart."""
     robot, motion = point.robot, path.at(times)
-    redundant, rate = coordinates.at(times), coordinates.at(times, 1)
-    theta, turns = turns_along(point, motion, redundant)
+    chosen, rates, bend = (coordinates.at(times, order) for order in range(3))
+    theta, turns = turns_along(point, motion, chosen)
+    redundant, rate = chosen[:, :3], rates[:, :3]
     at = (motion.p, motion.Q, robot.end_points(motion.p, motion.Q, redundant), theta)
-    theta_rate = np.asarray(robot.joint_rates(*at, motion.twist, rate))
-    bend = coordinates.at(times, 2)
+    swivels = point.width == 6
+    theta_rate = np.asarray(
+        robot.joint_rates(*at, motion.twist, rate, swivel_rates=rates[:, 3:] if swivels else None)
+    )
     theta_acceleration = robot.joint_accelerations(
-        *at, motion.twist, rate, theta_rate, motion.twist_rate, bend
+        *at,
+        motion.twist,
+        rate,
+        theta_rate,
+        motion.twist_rate,
+        bend[:, :3],
+        swivel_accelerations=bend[:, 3:] if swivels else None,
     )
     found = robot.indices(*at, characteristic_length=point.length)
     indices = {"eta_1": found.eta_1, "eta_2": found.eta_2, "eta_3": found.eta_3}
@@ -170,7 +181,7 @@ def examine(
     }
     integrals = {name: float(np.trapezoid(values, times)) for name, values in integrands.items()}
     objective = point.objective.value(found.eta_1, found.eta_2, found.eta_3)
-    objective = objective + point.objective.rates * (rate**2).sum(axis=1) + point.objective.time
+    objective = objective + point.objective.rates * (rates**2).sum(axis=1) + point.objective.time
     worth = float(np.trapezoid(objective, times))
     peaks = point.objective.peaks(found.eta_1, found.eta_2, found.eta_3)
     worth += sum(getattr(point.objective, name) * float(np.max(values)) for name, values in peaks.items())
@@ -180,17 +191,18 @@ def examine(
         if term in integrals
     )
     orders = [coordinates.at(times, order) for order in range(point.order)]
-    z = np.column_stack([*orders, np.zeros((len(times), point.size - 3 * point.order))])
+    z = np.column_stack([*orders, np.zeros((len(times), point.size - point.width * point.order))])
     _, scaled = point.function.map(len(times))(z.T, point.parameters(motion, turns).T)
     rows = [k for k, one in enumerate(point.quantities) if not one.inner]
     quantities = [point.quantities[k] for k in rows]
     values = scaled.full().T[:, rows]
     violations, beyond = _violations(times, quantities, values)
+    kinds = [("redundant coordinate", robot.signature("end_points").inputs[2].unit), ("swivel", "rad")]
     box = [
-        Quantity(f"redundant coordinate of leg {leg + 1}", "rad or m", float(low), float(high))
-        for leg, (low, high) in enumerate(zip(*point.bounds.box(), strict=True))
+        Quantity(f"{kinds[k // 3][0]} of leg {k % 3 + 1}", kinds[k // 3][1], float(low), float(high))
+        for k, (low, high) in enumerate(zip(*point.box, strict=True))
     ]
-    violations += _violations(times, box, redundant)[0]
+    violations += _violations(times, box, chosen)[0]
     if (grip := point.bounds.grip) is not None:
         opening = np.asarray(robot.opening(redundant, grip.jaws).opening)
         held = Quantity("opening of the gripper", "m", grip.opening, grip.opening, 0.1)
@@ -208,6 +220,7 @@ def examine(
         motion,
         redundant,
         rate,
+        chosen[:, 3:] if swivels else None,
         theta,
         theta_rate,
         np.asarray(theta_acceleration),

@@ -39,6 +39,8 @@ CHAPTER_4 = "chapter-4"
 LIMITS = (
     "redundant",
     "redundant_rate",
+    "swivel",
+    "swivel_rate",
     "actuator_rate",
     "actuator_acceleration",
     "margins",
@@ -194,6 +196,7 @@ class _Reader:
         values["redundant"] = (low[0], low[1])
         for field, kind in (
             ("redundant_rate", self.redundant),
+            ("swivel_rate", Kind.ANGLE),
             ("actuator_rate", Kind.NUMBER),
             ("actuator_acceleration", Kind.NUMBER),
             ("cone", Kind.ANGLE),
@@ -201,6 +204,9 @@ class _Reader:
         ):
             if field in node.entries:
                 values[field] = self._numbers(node.entries[field], f"limits.{field}", kind, None)[0]
+        if "swivel" in node.entries:
+            sides = self._numbers(node.entries["swivel"], "limits.swivel", Kind.ANGLE, 2)
+            values["swivel"] = (sides[0], sides[1])
         if "margins" in node.entries:
             values["margins"] = tuple(
                 self._numbers(node.entries["margins"], "limits.margins", Kind.NUMBER, 1 if self.planar else 2)

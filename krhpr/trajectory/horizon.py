@@ -30,7 +30,7 @@ from krhpr.trajectory.examine import Examined, examine, separators_along, turns_
 from krhpr.trajectory.paths import Motion, Path, PathError
 from krhpr.trajectory.point import PointFunctions
 from krhpr.trajectory.reach import check_path, signs_at_start
-from krhpr.trajectory.refusals import UnknownObjective
+from krhpr.trajectory.refusals import ContradictoryLimits, UnknownObjective
 from krhpr.trajectory.search import global_start
 from krhpr.trajectory.terms import Bounds, Objective
 from krhpr.trajectory.transcription import Curve, Programme, Solved, beginning, uniform_knots
@@ -190,6 +190,8 @@ class RecedingHorizon:
             named = ", ".join(wanted.largest)
             raise UnknownObjective(f"{named}: what is largest on a horizon is not what is so on the path")
         bounds = bounds.of(robot)
+        if bounds.swivel is not None:
+            raise ContradictoryLimits("a receding horizon leaves swivels at zero; give no limits of swivels")
         wanted.check(robot)
         check_path(robot, path, bounds, mode)
         if evaluation is None:

@@ -116,6 +116,11 @@ class Trajectory:
         return self.examined.redundant
 
     @property
+    def swivel(self) -> Floats | None:
+        """Swivels of redundant sub-legs (n, 3), rad, where they were chosen."""
+        return self.examined.swivel
+
+    @property
     def theta(self) -> Floats:
         """Actuated joints (n, 3, actuators) without jumps of full turns, rad or m."""
         return self.examined.theta
@@ -153,7 +158,8 @@ def optimise(
     """Choose the redundant coordinates of a robot along a path.
 
     Args:
-        robot: any with an inverse in closed form; redundant sub-legs stand at a swivel of zero.
+        robot: any with an inverse in closed form; redundant sub-legs stand at a swivel of zero where
+            `bounds.swivel` does not say that swivels are chosen as well.
         path: of its platform.
         objective: what to minimise: "eta_1", "eta_2", "eta_3" (integrals of eta_1^2, eta_2^2, log eta_3),
             another term of `Objective`, weights by these names, or an `Objective`.  The programme minimises

@@ -73,7 +73,6 @@ class _Here:
     """With full turns."""
     twist: Any
     twist_rate: Any
-    swivel: tuple[Any, ...]
 
 
 class PointFunctions:
@@ -104,7 +103,9 @@ class PointFunctions:
         self.planar = robot.planar
         self.actuators = robot.signature("inverse").outputs[0].labels
         self.order = 3 if self.accelerated else 2
-        """Redundant coordinates and how many of their rates are local variables."""
+        """Coordinates and how many of their rates are local variables."""
+        self.width = 3 if bounds.swivel is None else 6
+        """Coordinates that are chosen: redundant ones, and swivels of redundant sub-legs."""
 
     def with_pairs(self, pairs: tuple[Pair, ...]) -> Self:
         """The same with other pairs of links to keep apart."""
@@ -121,13 +122,39 @@ class PointFunctions:
 
     @property
     def own(self) -> int:
-        """Local variables without those of pairs: redundant coordinates and rates, then largest values."""
-        return 3 * self.order + len(self.objective.largest)
+        """Local variables without those of pairs: coordinates and their rates, then largest values."""
+        return self.width * self.order + len(self.objective.largest)
 
     @property
     def size(self) -> int:
         """Local variables."""
         return self.own + 3 * len(self.pairs)
+
+    @cached_property
+    def box(self) -> tuple[Floats, Floats]:
+        """Least and largest coordinates (width)."""
+        sides = [*self.bounds.box()]
+        for side, swivel in enumerate(self.bounds.swivel or ()):
+            sides[side] = np.concatenate(
+                [sides[side], np.broadcast_to(np.asarray(swivel, dtype=float), (3,))]
+            )
+        return sides[0], sides[1]
+
+    def coordinates(self, redundant: Floats, share: float | None = None) -> Floats:
+        """Coordinates (..., width) with redundant ones (..., 3); swivels are at a share of what they may be,
+        or as near to zero as they may be."""
+        if self.width == 3:
+            return redundant
+        low, high = (side[3:] for side in self.box)
+        swivel = np.clip(0.0, low, high) if share is None else low + share * (high - low)
+        return np.concatenate([redundant, np.broadcast_to(swivel, redundant.shape)], axis=-1)
+
+    def inverse(self, p: Floats, Q: Floats, coordinates: Floats) -> Floats:
+        """theta (..., 3, n) in the working mode."""
+        swivel = coordinates[..., 3:] if self.width == 6 else None
+        return np.asarray(
+            self.robot.inverse(p, Q, coordinates[..., :3], mode=self.mode, swivel=swivel), dtype=float
+        )
 
     def parameters(self, motion: Motion, turns: Floats) -> Floats:
         """q (count, ...) at the times of a motion; `turns` (count, 3, n) are added to the actuated joints."""
@@ -188,22 +215,25 @@ class PointFunctions:
     def _made(self) -> tuple[Any, list[tuple[Quantity, Any]]]:
 
         z, _ = self._symbols
-        here, rates = self._here, z[3:6]
-        theta_dot = here.f.joint_rates(*here.at, here.twist, rates, *here.swivel)
+        here, rates, w = self._here, z[self.width : 2 * self.width], self.width
+        theta_dot = here.f.joint_rates(*here.at, here.twist, *self._parts(rates))
         integrand, peaks = self._integrand(here, rates, theta_dot)
         rows = self._of_posture(here)
         if (most := self.bounds.redundant_rate) is not None:
             rows += self._of_redundant(rates, -most, most, most)
+        if (most := self.bounds.swivel_rate) is not None and w == 6:
+            rows += self._of_swivels(rates[3:], -most, most, most)
         rows += self._of_actuators(theta_dot, "rate", self.bounds.actuator_rate, "/s")
         if self.accelerated:
-            moving = (here.twist, rates, theta_dot, here.twist_rate, z[6:9], *here.swivel)
+            bend = self._parts(z[2 * w : 3 * w])
+            moving = (here.twist, rates[:3], theta_dot, here.twist_rate, *bend)
             theta_ddot = here.f.joint_accelerations(*here.at, *moving)
             rows += self._of_actuators(
                 theta_ddot, "acceleration", self.bounds.actuator_acceleration, "/s^2", 2
             )
         for k, (name, term) in enumerate(peaks.items()):
             what = Quantity(f"{name} above its largest value", "m^2 or 1", high=0.0, peak=True)
-            rows.append((what, term - z[3 * self.order + k]))
+            rows.append((what, term - z[w * self.order + k]))
         return integrand, rows + self._of_pairs(here, z)
 
     @cached_property
@@ -219,10 +249,17 @@ class PointFunctions:
         redundant = z[:3]
         s = f.end_points(p, Q, redundant)
         given = [redundant, *([self.mode] if "mode" in f.inverse.name_in() else [])]
-        swivel = (ca.DM.zeros(3),) if "swivel" in f.inverse.name_in() else ()
-        theta = f.inverse(p, Q, *given, *swivel)
+        theta = f.inverse(p, Q, *given, *self._parts(z[: self.width])[1:])
         unwrapped = theta + ca.reshape(turns, len(self.actuators), 3).T
-        return _Here(f, (p, Q, s, theta), redundant, unwrapped, twist, twist_rate, swivel)
+        return _Here(f, (p, Q, s, theta), redundant, unwrapped, twist, twist_rate)
+
+    def _parts(self, coordinates: Any) -> tuple[Any, ...]:
+        """Redundant coordinates, and for redundant sub-legs swivels, or rates of both."""
+        import casadi as ca
+
+        if not self.robot.redundant_legs:
+            return (coordinates,)
+        return coordinates[:3], coordinates[3:] if self.width == 6 else ca.DM.zeros(3)
 
     def _integrand(self, here: _Here, rates: Any, theta_dot: Any) -> tuple[Any, dict[str, Any]]:
         """The objective's integrand, and what is to have a small largest value."""
@@ -292,6 +329,13 @@ class PointFunctions:
                 Quantity(f"redundant rate of leg {leg + 1}", f"{unit}/s", low, high, scale, leg, 1),
                 rates[leg],
             )
+            for leg in range(3)
+        ]
+
+    def _of_swivels(self, rates: Any, low: float, high: float, scale: float) -> list[tuple[Quantity, Any]]:
+        """Rates of swivels, or their squares."""
+        return [
+            (Quantity(f"rate of the swivel of leg {leg + 1}", "rad/s", low, high, scale, leg, 1), rates[leg])
             for leg in range(3)
         ]
 

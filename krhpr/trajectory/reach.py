@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -36,8 +38,12 @@ def check_path(robot: Robot, path: Path, bounds: Bounds, mode: Branch | None) ->
     low, high = bounds.box()
     grid = np.linspace(low, high, 61)
     motion = path.at(np.linspace(path.times[0], path.times[-1], 121))
-    _, excess = robot.inverse_status(motion.p[:, None], motion.Q[:, None], grid, mode=mode)
-    least = np.asarray(excess).min(axis=1)  # (times, 3)
+    swivels: Any = [None] if bounds.swivel is None else np.linspace(*bounds.swivel, 9)
+    short = [
+        robot.inverse_status(motion.p[:, None], motion.Q[:, None], grid, mode=mode, swivel=swivel)[1]
+        for swivel in swivels
+    ]
+    least = np.asarray(short).min(axis=(0, 2))  # (times, 3)
     if (least <= 0).all():
         return
     k = int(np.argmax((least > 0).any(axis=1)))

@@ -41,6 +41,8 @@ OF_GRIP = {"opening": "m", "centre": "m"}
 """Arrays that are there as well where the gripper keeps an opening: it, and the object's centre (n, 2) from
 O' in the platform's plane.
 """
+OF_SWIVELS = {"swivel": "rad"}
+"""Arrays that are there as well where swivels of redundant sub-legs were chosen."""
 LATER = {"theta_acceleration": "rad/s^2 or m/s^2"}
 """Arrays that the first files of this format did not have."""
 
@@ -54,7 +56,7 @@ class Result:
     """A result out of a file."""
 
     arrays: dict[str, Floats]
-    """By name, with the units of `UNITS`, `LATER` and `OF_GRIP`."""
+    """By name, with the units that `about["units"]` has."""
     about: dict[str, Any]
     """Robot, path, method, objective, limits, integrals, whether all limits are met, violations, settings."""
 
@@ -83,6 +85,7 @@ def arrays_of(found: Trajectory) -> dict[str, Floats]:
         "theta_rate": examined.theta_rate,
         "theta_acceleration": examined.theta_acceleration,
         **examined.indices,
+        **({} if examined.swivel is None else {"swivel": examined.swivel}),
         **_of_grip(found),
     }
 
@@ -100,6 +103,8 @@ def about(found: Trajectory) -> dict[str, Any]:
     bounds = {name: value for name, value in vars(found.bounds).items() if value is not None}
     bounds["redundant"] = [side.tolist() for side in found.bounds.box()]
     bounds["factors"] = dict(found.bounds.factors)
+    if found.bounds.swivel is not None:
+        bounds["swivel"] = [np.broadcast_to(side, (3,)).tolist() for side in found.bounds.swivel]
     if (grip := found.bounds.grip) is not None:
         bounds["grip"] = {**asdict(grip), "jaws": np.broadcast_to(grip.jaws, 3).tolist()}
     return {
@@ -123,7 +128,7 @@ def about(found: Trajectory) -> dict[str, Any]:
         "iterations": found.iterations,
         "rounds": found.rounds,
         "message": found.message,
-        "units": {**UNITS, **LATER, **(OF_GRIP if grip is not None else {})},
+        "units": {**UNITS, **LATER, **OF_SWIVELS, **OF_GRIP},
     }
 
 
@@ -151,7 +156,9 @@ def load_result(file: File | str) -> Result:
     try:
         with np.load(file, allow_pickle=False) as held:
             facts = json.loads(str(held["about"]))
-            found = {name: held[name] for name in (*UNITS, *LATER, *OF_GRIP) if name in held.files}
+            found = {
+                name: held[name] for name in (*UNITS, *LATER, *OF_SWIVELS, *OF_GRIP) if name in held.files
+            }
     except (ValueError, KeyError, EOFError) as error:
         raise ResultError(f"{file}: no result of `krhpr optimise`: {error}") from None
     if facts.get("format") != FORMAT:
@@ -176,6 +183,8 @@ def csv_text(found: Trajectory) -> str:
     for leg in range(3):
         columns[f"redundant_{leg + 1} [{unit}]"] = examined.redundant[:, leg]
         columns[f"redundant_rate_{leg + 1} [{unit}/s]"] = examined.redundant_rate[:, leg]
+        if examined.swivel is not None:
+            columns[f"swivel_{leg + 1} [rad]"] = examined.swivel[:, leg]
     for k, (name, actuator_unit) in enumerate(_joints(found)):
         for ending, per, values in (
             ("", "", examined.theta),

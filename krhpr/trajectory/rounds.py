@@ -15,7 +15,7 @@ from krhpr.trajectory.clearance import Pair
 from krhpr.trajectory.examine import Coordinates, Examined, examine, separators_along, turns_along
 from krhpr.trajectory.paths import Path, PathError
 from krhpr.trajectory.point import PointFunctions
-from krhpr.trajectory.search import Start, global_start
+from krhpr.trajectory.search import Start, global_starts
 from krhpr.trajectory.timing import Retimed
 from krhpr.trajectory.transcription import Curve, Programme, Solved, uniform_knots
 
@@ -88,17 +88,25 @@ class Rounds:
     def run(self, start: Found | None) -> Found:
         """From a former solution with a spline, or from the global search."""
         task, former = self.task, None
+        others: list[Curve] = []
         if start is not None and isinstance(start.best.coordinates, Curve):
             first, former = start.best.coordinates, start.solved
             if first.intervals != task.intervals:
                 raise PathError(
                     f"the trajectory to start from has {first.intervals} intervals, not {task.intervals}"
                 )
+            if (
+                first.coefficients.shape[1] != task.point.width
+            ):  # swivels that were not chosen then, or are not now
+                wider = task.point.coordinates(first.coefficients[:, :3])
+                first, former = replace(first, coefficients=wider), None
         else:
             self.progress("global search")
-            first = self._curve(global_start(task.point, task.path))
+            first, *others = map(self._curve, global_starts(task.point, task.path))
         found = Found(self._first(first))
         self._solve(found, first, former)
+        for other in others:
+            self._solve(found, other, None)
         self._from_baselines(found)
         return found
 
@@ -116,11 +124,11 @@ class Rounds:
     def _curve(self, start: Start) -> Curve:
         task = self.task
         ends = (task.path.times[0], task.path.times[-1])
-        curve, bounds = Curve.near(*ends, task.intervals, start.times, start.redundant), task.point.bounds
-        coefficients = curve.coefficients
-        if bounds.grip is not None:
-            coefficients = bounds.grip.nearest(task.point.robot, coefficients)
-        return replace(curve, coefficients=np.clip(coefficients, *bounds.box()))
+        curve = Curve.near(*ends, task.intervals, start.times, start.redundant)
+        coefficients = curve.coefficients.copy()
+        if (grip := task.point.bounds.grip) is not None:
+            coefficients[:, :3] = grip.nearest(task.point.robot, coefficients[:, :3])
+        return replace(curve, coefficients=np.clip(coefficients, *task.point.box))
 
     def _solve(self, found: Found, curve: Curve, former: Solved | None) -> None:
         """Solve until limits hold on the fine grid too."""
@@ -185,7 +193,9 @@ class Rounds:
         point, largest = programme.point, [k for k, one in enumerate(programme.point.quantities) if one.peak]
         if largest:
             z = np.zeros((point.size, len(self.times)))
-            z[: 3 * point.order] = np.hstack([curve.at(self.times, order) for order in range(point.order)]).T
+            z[: point.width * point.order] = np.hstack(
+                [curve.at(self.times, order) for order in range(point.order)]
+            ).T
             _, scaled = point.function.map(len(self.times))(z, q.T)
             programme.peaks = np.nanmax(scaled.full()[largest], axis=1)
 

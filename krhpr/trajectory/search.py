@@ -22,14 +22,16 @@ Floats = NDArray[np.float64]
 
 POINTS = 13
 """Grid points for each leg."""
+SWIVELS = (None, 0.1, 0.3, 0.7, 0.9)
+"""Constant swivels that are tried: near zero, and shares of what they may be."""
 PENALTY = 1e3
 """Cost of a violation as large as a limit, in units of the objective's median."""
 
 
 @dataclass(frozen=True)
 class Start:
-    """Redundant coordinates (n, 3) at times (n), and by how much they violate limits (relative; 0 for
-    none)."""
+    """Coordinates (n, 3), with swivels (n, 6), at times (n), and by how much they violate limits (relative; 0
+    for none)."""
 
     times: Floats
     redundant: Floats
@@ -47,27 +49,49 @@ class Bounded(Protocol):
         """Poses, twists and their rates at times (n)."""
 
 
-def global_start(point: PointFunctions, path: Bounded, stages: int = 31, points: int = POINTS) -> Start:
-    """The best path over a grid of `points` values for each leg, at up to `stages` times."""
+def global_start(point: PointFunctions, path: Bounded) -> Start:
+    """The best path over the grid."""
+    return global_starts(point, path)[0]
+
+
+def global_starts(
+    point: PointFunctions, path: Bounded, stages: int = 31, points: int = POINTS
+) -> tuple[Start, ...]:
+    """The best path over a grid of `points` values for each leg, at up to `stages` times.
+
+    Where swivels are chosen, all legs have the same constant one in each search; first comes the best of
+    them, then that with swivels near zero, as legs may do better with unequal ones.
+    """
     low, high = point.bounds.box()
     grid = np.linspace(low, high, points)  # (points, 3)
     step, rate = float((high - low).max()) / (points - 1), point.bounds.redundant_rate
     if rate is not None and step > 0:  # a step of the grid takes some time
         stages = max(4, min(stages, int((path.times[-1] - path.times[0]) / (1.5 * step / rate)) + 1))
     motion = path.at(np.linspace(path.times[0], path.times[-1], stages))
-    theta = point.robot.inverse(motion.p[:, None], motion.Q[:, None], grid, mode=point.mode)
-    nodes, violation, unit = _nodes(point, motion, grid, theta)
-    moves = [_moves(point, grid[:, leg], theta[:, :, leg], motion.times, unit) for leg in range(3)]
-    choice = _cheapest(nodes, moves)
-    worst = max(float(violation[k][tuple(index)]) for k, index in enumerate(choice))
-    found = np.stack([grid[choice[:, leg], leg] for leg in range(3)], axis=1)
-    return Start(motion.times, found, worst)
+    made: list[tuple[float, Start]] = []
+    unit: float | None = None
+    for share in SWIVELS if point.width == 6 else SWIVELS[:1]:
+        theta = point.inverse(motion.p[:, None], motion.Q[:, None], point.coordinates(grid, share))
+        nodes, violation, unit = _nodes(point, motion, grid, theta, share, unit)
+        moves = [_moves(point, grid[:, leg], theta[:, :, leg], motion.times, unit) for leg in range(3)]
+        choice, cost = _cheapest(nodes, moves)
+        worst = max(float(violation[k][tuple(index)]) for k, index in enumerate(choice))
+        found = np.stack([grid[choice[:, leg], leg] for leg in range(3)], axis=1)
+        made.append((cost, Start(motion.times, point.coordinates(found, share), worst)))
+    best = min(range(len(made)), key=lambda k: made[k][0])
+    return tuple(made[k][1] for k in dict.fromkeys((best, 0)))
 
 
 def _nodes(
-    point: PointFunctions, motion: Motion, grid: Floats, theta: Floats
+    point: PointFunctions,
+    motion: Motion,
+    grid: Floats,
+    theta: Floats,
+    share: float | None,
+    unit: float | None,
 ) -> tuple[Floats, Floats, float]:
-    """Cost and violation at every node (stages, points, points, points), and the cost that is the unit."""
+    """Cost and violation at every node (stages, points, points, points) with swivels at a share, and the cost
+    that is the unit."""
     robot, (stages, points) = point.robot, theta.shape[:2]
     index = np.stack(np.meshgrid(*[np.arange(points)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
     mesh = np.stack([grid[index[:, leg], leg] for leg in range(3)], axis=-1)
@@ -81,11 +105,12 @@ def _nodes(
     for k, least in enumerate(point.bounds.margins):
         violation += np.maximum(least - margins[:, k], 0) / max(abs(least), 1e-9)
     violation += _of_grip(point, grid, mesh)
-    single = _of_legs(point, motion, grid)
+    single = _of_legs(point, motion, grid, share)
     for leg in range(3):
         violation += single[:, index[:, leg], leg]
     there = np.isfinite(cost)
-    unit = (float(np.median(cost[there])) if there.any() else 1.0) or 1.0
+    if unit is None:
+        unit = (float(np.median(cost[there])) if there.any() else 1.0) or 1.0
     nodes = np.where(there, cost / unit + PENALTY * violation, 1e3 * PENALTY)
     shape = (stages, points, points, points)
     return nodes.reshape(shape), np.where(there, violation, np.inf).reshape(shape), unit
@@ -107,12 +132,13 @@ def _of_grip(point: PointFunctions, grid: Floats, mesh: Floats) -> Floats:
     return np.asarray(violation)
 
 
-def _of_legs(point: PointFunctions, motion: Motion, grid: Floats) -> Floats:
+def _of_legs(point: PointFunctions, motion: Motion, grid: Floats, share: float | None) -> Floats:
     """Violations of limits that concern one leg at rest (stages, points, 3)."""
     stages, points = len(motion.times), len(grid)
     q = point.parameters(motion, np.zeros((stages, 3, len(point.actuators))))
     z = np.zeros((point.size, stages * points))
-    z[:3] = np.tile(grid.T, stages)  # all legs at the same place of the grid
+    # all legs at the same place of the grid
+    z[: point.width] = np.tile(point.coordinates(grid, share).T, stages)
     _, scaled = point.function.map(stages * points)(z, np.repeat(q.T, points, axis=1))
     values = scaled.full().reshape(-1, stages, points)
     total = np.zeros((stages, points, 3))
@@ -142,8 +168,9 @@ def _moves(point: PointFunctions, grid: Floats, theta: Floats, times: Floats, un
     return np.asarray(cost)
 
 
-def _cheapest(nodes: Floats, moves: list[Floats]) -> NDArray[np.int64]:
-    """Indices (stages, 3) of the cheapest path: steps of the legs add up, so each is minimised by itself."""
+def _cheapest(nodes: Floats, moves: list[Floats]) -> tuple[NDArray[np.int64], float]:
+    """Indices (stages, 3) of the cheapest path, and its cost: steps of the legs add up, so each is minimised
+    by itself."""
     stages, count = nodes.shape[0], nodes.shape[1]
     total, choices = nodes[0], []
     for k in range(1, stages):
@@ -163,4 +190,4 @@ def _cheapest(nodes: Floats, moves: list[Floats]) -> NDArray[np.int64]:
         for leg in (2, 1, 0):  # the last leg was minimised last
             at[leg] = int(chosen[leg][tuple(at)])
         path.append(tuple(at))
-    return np.array(path[::-1])
+    return np.array(path[::-1]), float(total.min())

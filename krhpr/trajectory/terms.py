@@ -166,6 +166,12 @@ class Bounds:
     """The least and the largest redundant coordinates: numbers, or three of each (rad or m)."""
     redundant_rate: float | None = None
     """The largest absolute rate of redundant coordinates (rad/s or m/s)."""
+    swivel: tuple[Any, Any] | None = None
+    """The least and the largest swivels of redundant sub-legs (rad): numbers, or three of each.  Where it is
+    None they stand at zero.
+    """
+    swivel_rate: float | None = None
+    """The largest absolute rate of swivels (rad/s)."""
     actuator_rate: float | None = None
     """The largest absolute rate of actuated joints (rad/s or m/s)."""
     actuator_acceleration: float | None = None
@@ -221,7 +227,16 @@ class Bounds:
                 f"redundant coordinate of leg {leg + 1}: the least value {low[leg]:g} is above the largest "
                 f"{high[leg]:g}"
             )
-        for name in ("redundant_rate", "actuator_rate", "actuator_acceleration", "cone", "clearance"):
+        if self.swivel is not None:
+            self._check_swivel(robot)
+        for name in (
+            "redundant_rate",
+            "swivel_rate",
+            "actuator_rate",
+            "actuator_acceleration",
+            "cone",
+            "clearance",
+        ):
             value = getattr(self, name)
             if value is not None and not value > 0:
                 raise ContradictoryLimits(f"{name} is {value:g}; it must be positive")
@@ -238,6 +253,16 @@ class Bounds:
                 )
         if self.grip is not None:
             self.grip.check(robot, low, high)
+
+    def _check_swivel(self, robot: Robot) -> None:
+        if not robot.redundant_legs:
+            raise ContradictoryLimits(f"{robot.name} has no redundant sub-legs, and no swivels to choose")
+        low, high = (np.broadcast_to(np.asarray(x, dtype=float), (3,)) for x in self.swivel or ())
+        if not (low <= high).all():
+            leg = int(np.argmax(~(low <= high)))
+            raise ContradictoryLimits(
+                f"swivel of leg {leg + 1}: the least value {low[leg]:g} is above the largest {high[leg]:g}"
+            )
 
 
 def chapter_4() -> Bounds:

@@ -30,8 +30,6 @@ Floats = NDArray[np.float64]
 
 SLOWEST, FASTEST = 1e-10, 1e8
 """Bounds of the squared speed where it is not zero: far from what limits of joints leave."""
-LOCAL = 12
-"""Local variables: r, r', r'', b, and c before and behind the sample."""
 
 
 @dataclass(frozen=True)
@@ -149,23 +147,27 @@ class TimedFunctions(PointFunctions):
 
     @property
     def own(self) -> int:
-        """Local variables without those of pairs."""
-        return LOCAL
+        """Local variables without those of pairs: r, r', r'', b, and c before and behind the sample."""
+        return 3 * self.width + 3
 
     @cached_property
     def _made(self) -> tuple[Any, list[tuple[Quantity, Any]]]:
         z, _ = self._symbols
         here, bounds = self._here, self.bounds
-        slope, bend, b, before, behind = z[3:6], z[6:9], z[9], z[10], z[11]
-        theta_slope = here.f.joint_rates(*here.at, here.twist, slope, *here.swivel)
+        w = self.width
+        slope, bend = z[w : 2 * w], z[2 * w : 3 * w]
+        b, before, behind = z[3 * w], z[3 * w + 1], z[3 * w + 2]
+        theta_slope = here.f.joint_rates(*here.at, here.twist, *self._parts(slope))
         integrand, _ = self._integrand(here, slope, theta_slope)
         rows = self._of_posture(here)
         if (most := bounds.redundant_rate) is not None:
             rows += self._of_redundant(slope**2 * b, -np.inf, most**2, most**2)
+        if (most := bounds.swivel_rate) is not None and w == 6:
+            rows += self._of_swivels(slope[3:] ** 2 * b, -np.inf, most**2, most**2)
         if (most := bounds.actuator_rate) is not None:
             rows += self._of_actuators(theta_slope**2 * b, "squared rate", most**2, "^2/s^2")
         if (most := bounds.actuator_acceleration) is not None:
-            moving = (here.twist, slope, theta_slope, here.twist_rate, bend, *here.swivel)
+            moving = (here.twist, slope[:3], theta_slope, here.twist_rate, *self._parts(bend))
             theta_bend = here.f.joint_accelerations(*here.at, *moving)
             for side, c in (("before", before), ("behind", behind)):
                 value = theta_bend * b + theta_slope * c
@@ -203,8 +205,9 @@ class TimedProgramme(Programme):
         for k in range(last + 1):
             # before the first sample and behind the last one as on their other sides
             left, right = (k - 1, k) if k else (0, 1), (k, k + 1) if k < last else (last - 1, last)
-            entries = [(9, k, 1.0)]
-            for row, (low, high) in ((10, left), (11, right)):
+            first = 3 * self.point.width
+            entries = [(first, k, 1.0)]
+            for row, (low, high) in ((first + 1, left), (first + 2, right)):
                 share = 1 / (2 * steps[low])
                 entries += [(row, low, -share), (row, high, share)]
             for row, sample, value in entries:
@@ -240,8 +243,9 @@ def first_speeds(point: TimedFunctions, q: Floats, curve: Curve, places: Floats)
     shape = 4 * x * (1 - x) if at_rest else np.ones(len(x))
     gained = np.gradient(shape, places, edge_order=2) / 2
     z = np.zeros((point.size, len(places)))
-    z[:9] = np.hstack([curve.at(places, order) for order in range(3)]).T
-    z[9:12] = shape, gained, gained
+    first = 3 * point.width
+    z[:first] = np.hstack([curve.at(places, order) for order in range(3)]).T
+    z[first : first + 3] = shape, gained, gained
     _, scaled = point.function.map(len(places))(z, q.T)
     rows = [k for k, one in enumerate(point.quantities) if one.moving]
     worst = float(np.nanmax(np.abs(scaled.full()[rows]), initial=1e-9))

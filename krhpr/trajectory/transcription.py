@@ -41,7 +41,7 @@ class Curve:
     knots: Floats
     """With the ends repeated; seconds."""
     coefficients: Floats
-    """(intervals + 3, 3)."""
+    """(intervals + 3, 3), or 6 columns with swivels."""
 
     def at(self, times: Floats, order: int = 0) -> Floats:
         """Redundant coordinates (n, 3), or their derivatives of an order, at times (n)."""
@@ -125,7 +125,7 @@ class Programme:
         self.point, self.knots, self.times = point, knots, times
         count = len(times)
         coefficients = len(knots) - DEGREE - 1
-        self._main = 3 * coefficients
+        self._main = point.width * coefficients
         self._with_pairs = self._main + 3 * len(point.pairs) * count
         size = self._with_pairs + self._further()
         places = self._places(size)
@@ -201,9 +201,9 @@ class Programme:
         for order in range(point.order):
             table = basis(self.knots, self.times, order)
             for k, j in zip(*np.nonzero(table), strict=True):
-                for leg in range(3):
-                    rows.append(int(k) * point.size + 3 * order + leg)
-                    columns.append(3 * int(j) + leg)
+                for one in range(point.width):
+                    rows.append(int(k) * point.size + point.width * order + one)
+                    columns.append(point.width * int(j) + one)
                     values.append(float(table[k, j]))
         extra = 3 * len(point.pairs)
         for k in range(count):
@@ -212,7 +212,7 @@ class Programme:
                 columns.append(self._main + k * extra + i)
                 values.append(1.0)
             for i in range(len(point.objective.largest)):
-                rows.append(k * point.size + 3 * point.order + i)
+                rows.append(k * point.size + point.width * point.order + i)
                 columns.append(self._with_pairs + i)
                 values.append(1.0)
         return rows, columns, values
@@ -235,8 +235,9 @@ class Programme:
         if grip is None:
             return ca.DM(0, size), np.zeros(0)
         row, value = grip.condition(self.point.robot)
-        coefficients = self._main // 3
-        rows = ca.kron(ca.DM.eye(coefficients), ca.DM(row).T)
+        coefficients = self._main // self.point.width
+        of_all = np.concatenate([row, np.zeros(self.point.width - 3)])
+        rows = ca.kron(ca.DM.eye(coefficients), ca.DM(of_all).T)
         padded = ca.horzcat(rows, ca.DM(coefficients, size - self._main))
         return ca.sparsify(padded), np.full(coefficients, value)
 
@@ -269,10 +270,10 @@ class Programme:
                 left to choose, is not limited then.
         """
         low, high = self.limits(tighter)
-        box = self.point.bounds.box()
+        box = self.point.box
         further, least, most = self._beginning(start)
         free = np.full(self._with_pairs - self._main, np.inf)
-        coefficients = self._main // 3
+        coefficients = self._main // self.point.width
         arguments = {
             "x0": np.concatenate([start.coefficients.ravel(), separators.ravel(), further]),
             "p": np.concatenate([q.ravel(), weights]),
@@ -295,7 +296,7 @@ class Programme:
         found = solver(**arguments)
         stats = solver.stats()
         x = found["x"].full().ravel()
-        curve = Curve(self.knots, x[: self._main].reshape(-1, 3))
+        curve = Curve(self.knots, x[: self._main].reshape(-1, self.point.width))
         return Solved(
             curve,
             x[self._main : self._with_pairs].reshape(self._count, -1, 3) if self.point.pairs else separators,
