@@ -267,8 +267,8 @@ class PointFunctions:
 
         objective, total = self.objective, self.objective.rates * ca.sumsqr(rates)
         length = [self.length] if "characteristic_length" in here.f.index_bounds.name_in() else []
-        bounds = here.f.index_bounds(*here.at, *length)
-        total += objective.value(*bounds, ca.log)
+        eta_1, eta_2, eta_3 = here.f.index_bounds(*here.at, *length)
+        total += objective.value(eta_1, eta_2, eta_3, ca.log)
         scale = ca.repmat(ca.DM(per_length(self.robot, self.length)).T, 3, 1)
         if objective.load is not None:
             swivel = [ca.DM.zeros(3)] if "swivel_forces" in here.f.inverse_statics.name_in() else []
@@ -278,7 +278,7 @@ class PointFunctions:
             total += objective.travel * ca.sum1(ca.vec(ca.sqrt((scale * theta_dot) ** 2 + SMOOTH**2)))
         if objective.joint_rates:
             total += objective.joint_rates * ca.sumsqr(scale * theta_dot)
-        return total, objective.peaks(*bounds, ca.log)
+        return total, objective.peaks(eta_1, eta_2, eta_3, ca.log)
 
     def _of_posture(self, here: _Here) -> list[tuple[Quantity, Any]]:
         """Quantities that do not depend on rates."""

@@ -102,7 +102,7 @@ class Objective:
         """
         if isinstance(given, Objective):
             return given
-        weights = {given: 1.0} if isinstance(given, str) else dict(given)
+        weights: dict[str, Any] = {given: 1.0} if isinstance(given, str) else dict(given)
         for name in weights:
             if name not in (*TERMS, "load"):
                 raise UnknownObjective(f"no objective is called {name!r}; {nearest(name, TERMS)}")

@@ -52,7 +52,7 @@ def chosen(name: str, objective: str = "eta_1") -> trajectory.Trajectory:
     return trajectory.optimise(robot(name), path(name), objective, limits(name))
 
 
-@pytest.mark.parametrize("name", [PLANAR, SPATIAL])
+@pytest.mark.parametrize("name", [PLANAR, pytest.param(SPATIAL, marks=pytest.mark.full)])
 def test_it_pays(name: str) -> None:
     still = trajectory.optimise(robot(name), path(name), "eta_1", limits(name, swivel=None))
     found = chosen(name)
@@ -86,8 +86,8 @@ def test_joints_and_limits_by_plain_kinematics(name: str, objective: str) -> Non
 
 def test_the_fastest_timing() -> None:
     quick = limits(PLANAR, actuator_acceleration=10.0)
-    free = trajectory.optimise(robot(PLANAR), path(PLANAR), "time", quick)
-    held = trajectory.optimise(robot(PLANAR), path(PLANAR), "time", replace(quick, swivel=None))
+    free = trajectory.optimise(robot(PLANAR), path(PLANAR), "time", quick, intervals=12)
+    held = trajectory.optimise(robot(PLANAR), path(PLANAR), "time", replace(quick, swivel=None), intervals=12)
     assert free.feasible and held.feasible and free.duration < 0.98 * held.duration
     assert np.abs(free.examined.theta_rate).max() < 2.0 + 1e-5
 
