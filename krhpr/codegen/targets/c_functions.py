@@ -19,7 +19,7 @@ from krhpr.codegen.composition import (
     Variable,
     variables,
 )
-from krhpr.codegen.kernel import LEGS, Kernel, Layout, Port
+from krhpr.codegen.kernel import Kernel, Layout, Port
 from krhpr.codegen.part import Part
 from krhpr.codegen.phases import Phases
 from krhpr.codegen.printers.c import print_kernel
@@ -161,7 +161,7 @@ def function_view(robot: RobotCode, function: RobotFunction, writing: Writing = 
         empties=tuple(dict.fromkeys(name for guard in function.guards for name in guard.empties)),
         zeros=tuple((port.name, port.full_size) for port in diagonal),
         shared_locals=tuple(
-            _local(variable, writing, legs=variable.per_leg)
+            _local(variable, writing, robot.legs if variable.per_leg else 0)
             for variable in made.values()
             if not variable.per_leg or variable.name in outside
         ),
@@ -169,7 +169,7 @@ def function_view(robot: RobotCode, function: RobotFunction, writing: Writing = 
         if legs
         else tuple(
             [
-                _local(variable, writing, legs=False)
+                _local(variable, writing, 0)
                 for variable in made.values()
                 if variable.per_leg and variable.name not in outside
             ]
@@ -365,7 +365,7 @@ class _Plan:
             self._offsets[key] = " + ".join(
                 term for term in (first, f"{count} * i" if per_leg else "") if term
             )
-            self.angle_count += count * (LEGS if per_leg else 1)
+            self.angle_count += count * (self.robot.legs if per_leg else 1)
             target = self.leg_angle_calls if per_leg else self.shared_angle_calls
             target.append(self._text(call, part, kernel, {"angle": self._offset("angle", key)}))
         return {name: self._offset(name, key) for name in ("sine", "cosine")}
@@ -401,7 +401,7 @@ class _Plan:
                 scalar = not per_leg and not variable.port.shape
                 target = f"*{variable.name}" if scalar else f"{variable.name}[{place}]"
                 stores.append((target, f"tail[{where} + {slot}]" if where else f"tail[{slot}]"))
-        self.tail_count += phases.tail_size * (LEGS if per_leg else 1)
+        self.tail_count += phases.tail_size * (self.robot.legs if per_leg else 1)
         return {name: f"{name} + {where}" if where else name for name in ("tail_y", "tail_x")}
 
     def _text(
@@ -440,8 +440,8 @@ def _address(port: Port, writing: Writing) -> str:
     return port.name if port.full_shape or writing is LANES else f"&{port.name}"
 
 
-def _local(variable: Variable, writing: Writing, *, legs: bool) -> str:
-    size = prod(variable.port.shape) * (LEGS if legs else 1)
+def _local(variable: Variable, writing: Writing, legs: int) -> str:
+    size = prod(variable.port.shape) * (legs or 1)
     array = f"[{size}]" if legs or variable.port.shape else ""
     return f"{writing.real} {variable.name}{array};"
 
