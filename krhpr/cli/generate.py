@@ -164,10 +164,10 @@ def _entries(names: Sequence[str], own: Sequence[Entry]) -> list[Entry]:
     """The robots with these names, of the catalogue or one's own (without names all of the catalogue); robot
     files apart.
     """
-    from krhpr.derivations.catalogue import catalogue
+    from krhpr.codegen.pipeline import all_entries
     from krhpr.robot_files import is_robot_file
 
-    known = {entry.identifier: entry for entry in (*catalogue(), *(own if names else ()))}
+    known = {entry.identifier: entry for entry in (*all_entries(), *(own if names else ()))}
     for name in names:
         if name not in known and not is_robot_file(name):
             raise UnknownRobot.among(name, list(known))

@@ -78,7 +78,7 @@ def _prepared(part: Part, sizes: Mapping[str, Sequence[float]], leg: int) -> Val
 
 
 def _c_member(part: Part, legs: Sequence[Values]) -> str:
-    """The members of a part's structure: each number of all legs, the last one in all places that are left, in braces."""
+    """The members of a part's structure: each number of all legs, the last one where places are left."""
     texts = []
     for name in legs[0]:
         places = [leg[name] for leg in (*legs, *[legs[-1]] * (PLACES - len(legs)))]

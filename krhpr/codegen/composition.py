@@ -378,7 +378,7 @@ class RobotCode:
     platform: Part
     algebra: Part
     functions: tuple[RobotFunction, ...]
-    default_geometry: Mapping[str, tuple[float, float, float]]
+    default_geometry: Mapping[str, tuple[float, ...]]
     default_mode: tuple[float, ...]
     default_assembly: tuple[float, ...]
     mode_names: tuple[str, ...]
@@ -392,7 +392,7 @@ class RobotCode:
     documentation: Mapping[str, tuple[tuple[str, str], ...]]
     home_p: tuple[float, ...]
     """Where the platform stands at home, parallel to the base."""
-    home_redundant: tuple[float, float, float]
+    home_redundant: tuple[float, ...]
     default_box: tuple[tuple[float, float], ...] = ()
     """Where the redundant angles of the answer of `forward` lie, where it is looked for among several."""
     limits: Limits = field(default_factory=Limits)
@@ -453,7 +453,8 @@ class RobotCode:
         """Operations of one call as the formulas were written."""
         steps = sum(self.written(self.function(step.function)) for step in function.steps)
         return steps + sum(
-            self.parts[call.part].written[call.kernel] * _times(call, function.legs) for call in function.calls
+            self.parts[call.part].written[call.kernel] * _times(call, function.legs)
+            for call in function.calls
         )
 
 

@@ -118,7 +118,9 @@ def evaluate_function(
     for port in function.inputs:
         flat = list(inputs[port.name])
         values[port.name] = (
-            [flat[leg * port.size : (leg + 1) * port.size] for leg in range(port.legs)] if port.per_leg else flat
+            [flat[leg * port.size : (leg + 1) * port.size] for leg in range(port.legs)]
+            if port.per_leg
+            else flat
         )
     per_leg = {port.name: port.per_leg for port in function.inputs}
     for call in function.calls:

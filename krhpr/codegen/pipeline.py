@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
 
-from krhpr.codegen.build import Parts, build
+from krhpr.codegen.build import Parts, build, build_grasping
 from krhpr.codegen.composition import RobotCode
 from krhpr.codegen.report import report_files
 from krhpr.codegen.targets.base import File, Target
@@ -23,6 +23,7 @@ from krhpr.codegen.targets.c_casadi import CasadiShimTarget
 from krhpr.codegen.targets.casadi import CasadiTarget
 from krhpr.codegen.targets.python import PythonTarget
 from krhpr.derivations.catalogue import Entry, catalogue
+from krhpr.derivations.grasping.catalogue import GraspingEntry, grasping
 from krhpr.limits import Limits
 
 TARGETS: tuple[Target, ...] = (CTarget(), CasadiShimTarget(), PythonTarget(), CasadiTarget())
@@ -39,13 +40,23 @@ class Derived:
     seconds: dict[str, float]
 
 
-def derive(entries: Sequence[Entry] | None = None, progress: Progress = lambda step: None) -> Derived:
-    """Derive and optimise robots (all of the catalogue unless given)."""
+AnyEntry = Entry | GraspingEntry
+"""A robot of the catalogue with three legs, or one with two jaws."""
+
+
+def all_entries() -> tuple[AnyEntry, ...]:
+    """Every robot that the project prints: the catalogue's, then the grasping robots."""
+    return (*catalogue(), *grasping())
+
+
+def derive(entries: Sequence[AnyEntry] | None = None, progress: Progress = lambda step: None) -> Derived:
+    """Derive and optimise robots (all that the project knows unless given)."""
     parts, robots, seconds = Parts(), [], {}
-    for entry in catalogue() if entries is None else entries:
+    for entry in all_entries() if entries is None else entries:
         progress(f"derive {entry.identifier}")
         begin = perf_counter()
-        robots.append(build(entry, parts))
+        code = build(entry, parts) if isinstance(entry, Entry) else build_grasping(entry, parts)
+        robots.append(code)
         seconds[entry.identifier] = perf_counter() - begin
     return Derived(tuple(robots), parts, seconds)
 

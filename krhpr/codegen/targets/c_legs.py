@@ -41,7 +41,11 @@ def legs_view(
     robot has not the three legs for which there are lanes.
     """
     calls = function.stage(Stage.LEG)
-    if robot.legs != LEGS or not calls or any(call.repeat is not None or call.each is not None for call in calls):
+    if (
+        robot.legs != LEGS
+        or not calls
+        or any(call.repeat is not None or call.each is not None for call in calls)
+    ):
         return None
     return _Legs(robot, function, known, outside).view()
 

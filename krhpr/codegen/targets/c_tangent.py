@@ -126,9 +126,8 @@ class TwinFunction:
         for name in self.used:
             variable = self.known[name]
             if variable.kind == "local" and name not in self.in_loop:
-                lines.append(
-                    f"krhpr_dual {name}[{prod(variable.port.shape) * (self.function.legs if variable.per_leg else 1)}];"
-                )
+                times = self.function.legs if variable.per_leg else 1
+                lines.append(f"krhpr_dual {name}[{prod(variable.port.shape) * times}];")
         return lines
 
     @property

@@ -31,10 +31,12 @@ class CasadiTarget:
         text = render(
             "casadi/robot.py.j2",
             robot=robot,
+            uses_algebra=any(call.part == "algebra" for f in robot.functions for call in f.calls),
             prepared=_prepared(robot) if robot.baked else {},
             functions=[_function(robot, function) for function in robot.functions if not function.procedure],
             default_geometry=[
-                ", ".join(repr(robot.default_geometry[name][leg]) for name in fields) for leg in range(robot.legs)
+                ", ".join(repr(robot.default_geometry[name][leg]) for name in fields)
+                for leg in range(robot.legs)
             ],
         )
         yield File(f"casadi/{robot.identifier}.py", text)

@@ -53,6 +53,7 @@ class PythonTarget:
             "python/robot.py.j2",
             robot=robot,
             usual=robot.legs == LEGS,
+            imports=_imports(robot),
             functions=functions,
             exported=sorted([*_constants(robot), "Geometry", "Status", *(f["name"] for f in functions)]),
             prepared=_prepared(robot) if robot.baked else {},
@@ -61,6 +62,13 @@ class PythonTarget:
             default_assembly=default_assembly,
         )
         yield File(f"python/{robot.identifier}.py", text)
+
+
+def _imports(robot: RobotCode) -> set[str]:
+    """Which of NumPy and the algebra a robot's module needs."""
+    algebra = any(call.part == "algebra" for function in robot.functions for call in function.calls)
+    numpy = robot.baked or any(not function.calls for function in robot.functions)
+    return {name for name, needed in (("algebra", algebra), ("numpy", numpy)) if needed}
 
 
 def _constants(robot: RobotCode) -> list[str]:
@@ -136,7 +144,9 @@ def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
     known = variables(function, robot.parts) if function.calls else {}
     read = function.read(robot.parts, guards=True)
     per_leg = {"mode": "MODES[DEFAULT_MODE]", "assembly": "ASSEMBLIES[DEFAULT_ASSEMBLY]", "swivel": "0.0"}
-    optional = {name: f"({value},) * {robot.legs}" for name, value in per_leg.items()} | {"box": "DEFAULT_BOX"}
+    optional = {name: f"({value},) * {robot.legs}" for name, value in per_leg.items()} | {
+        "box": "DEFAULT_BOX"
+    }
     optional |= dict.fromkeys(SIGNS, "1.0")
     optional |= {name: repr(value[0] if len(value) == 1 else value) for name, value in NUMBERS.items()}
     present = [port.name for port in function.inputs if port.name in optional]
