@@ -402,7 +402,6 @@ KRHPR_API int krhpr_planar_grasp_rpr_jacobians_k(
         status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_2 : status;
     }
     if (status != KRHPR_OK) {
-        krhpr_fill_nan(J, 9);
         krhpr_fill_nan(K, 12);
     }
     return status;
@@ -699,27 +698,30 @@ KRHPR_API int krhpr_planar_grasp_rpr_grasp(
     krhpr_platform_planar_jaws_held(
         v, n, x, mass_centre, weight, sensor, measured_force, friction, contact_forces, loads,
         friction_margins, determinant, pulls, determined);
-    if (!(determined[0] >= 1e-24)) {
+    const int kept_1 = determined[0] >= 1e-24;
+    const int kept_2 = contact_forces[0] >= 0.0;
+    const int kept_3 = contact_forces[2] >= 0.0;
+    const int kept_4 = friction_margins[0] >= 0.0;
+    const int kept_5 = friction_margins[1] >= 0.0;
+    if (!(kept_1)) {
         status = status == KRHPR_OK ? KRHPR_UNDETERMINED : status;
+        krhpr_fill_nan(contact_forces, 4);
+        krhpr_fill_nan(friction_margins, 2);
     }
-    if (!(contact_forces[0] >= 0.0)) {
+    if (!(kept_2)) {
         status = status == KRHPR_OK ? KRHPR_NO_GRASP : status;
     }
-    if (!(contact_forces[2] >= 0.0)) {
+    if (!(kept_3)) {
         status = status == KRHPR_OK ? KRHPR_NO_GRASP : status;
     }
-    if (!(friction_margins[0] >= 0.0)) {
+    if (!(kept_4)) {
         status = status == KRHPR_OK ? KRHPR_SLIPS : status;
     }
-    if (!(friction_margins[1] >= 0.0)) {
+    if (!(kept_5)) {
         status = status == KRHPR_OK ? KRHPR_SLIPS : status;
     }
     if (status != KRHPR_OK) {
-        krhpr_fill_nan(contact_forces, 4);
         krhpr_fill_nan(loads, 4);
-        krhpr_fill_nan(friction_margins, 2);
-        krhpr_fill_nan(determinant, 1);
-        krhpr_fill_nan(pulls, 2);
     }
     return status;
 }

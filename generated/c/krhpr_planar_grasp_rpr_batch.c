@@ -1149,7 +1149,6 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_jacobians_k_lanes(
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), aligned[0]), status, KRHPR_SINGULAR_LEG_2);
     const krhpr_ints valid = krhpr_is_ok(status);
-    krhpr_poses_keep(valid, J, 9);
     krhpr_poses_keep(valid, K, 12);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
@@ -2232,17 +2231,20 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_grasp_lanes(
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), determined[0]), status, KRHPR_UNDETERMINED);
-    status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), contact_forces[0]), status, KRHPR_NO_GRASP);
-    status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), contact_forces[2]), status, KRHPR_NO_GRASP);
-    status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), friction_margins[0]), status, KRHPR_SLIPS);
-    status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), friction_margins[1]), status, KRHPR_SLIPS);
+    const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-24), determined[0]);
+    const krhpr_ints kept_2 = krhpr_at_most(krhpr_all(0.0), contact_forces[0]);
+    const krhpr_ints kept_3 = krhpr_at_most(krhpr_all(0.0), contact_forces[2]);
+    const krhpr_ints kept_4 = krhpr_at_most(krhpr_all(0.0), friction_margins[0]);
+    const krhpr_ints kept_5 = krhpr_at_most(krhpr_all(0.0), friction_margins[1]);
+    status = krhpr_expect(kept_1, status, KRHPR_UNDETERMINED);
+    krhpr_poses_keep(kept_1, contact_forces, 4);
+    krhpr_poses_keep(kept_1, friction_margins, 2);
+    status = krhpr_expect(kept_2, status, KRHPR_NO_GRASP);
+    status = krhpr_expect(kept_3, status, KRHPR_NO_GRASP);
+    status = krhpr_expect(kept_4, status, KRHPR_SLIPS);
+    status = krhpr_expect(kept_5, status, KRHPR_SLIPS);
     const krhpr_ints valid = krhpr_is_ok(status);
-    krhpr_poses_keep(valid, contact_forces, 4);
     krhpr_poses_keep(valid, loads, 4);
-    krhpr_poses_keep(valid, friction_margins, 2);
-    krhpr_poses_keep(valid, determinant, 1);
-    krhpr_poses_keep(valid, pulls, 2);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, contact_forces, 4);

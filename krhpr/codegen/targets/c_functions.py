@@ -45,7 +45,7 @@ class FunctionView:
     finite: tuple[tuple[str, int], ...]
     fills: tuple[tuple[str, int], ...]
     whole_fills: tuple[tuple[str, int], ...]
-    """Outputs that are NaN as a whole where a guard fails."""
+    """Outputs that are NaN as a whole where any guard fails; what some guards leave is in their own fills."""
     empties: tuple[str, ...]
     zeros: tuple[tuple[str, int], ...]
     shared_locals: tuple[str, ...]
@@ -140,6 +140,10 @@ def function_view(robot: RobotCode, function: RobotFunction, writing: Writing = 
         if variable.kind == "local" and variable.name not in of_roots
     }
     leg_guards = [guard for guard in function.guards if known[guard.variable].per_leg]
+    # a leg's guard has seen to the legs' parts
+    shared = [port for port in function.outputs if not port.per_leg or len(leg_guards) < len(function.guards)]
+    whole = [port for port in shared if all(port in guard.spoilt([port]) for guard in function.guards)]
+    partly = [port for port in shared if port not in whole]
     return FunctionView(
         name=function.name,
         symbol=f"krhpr_{robot.identifier}_{function.name}",
@@ -152,12 +156,7 @@ def function_view(robot: RobotCode, function: RobotFunction, writing: Writing = 
         optional=tuple((port.name, default(port)) for port in function.inputs if default(port)),
         finite=tuple((_address(port, writing), port.full_size) for port in function.inputs),
         fills=tuple((port.name, port.full_size) for port in function.outputs),
-        whole_fills=tuple(
-            (port.name, port.full_size)
-            for port in function.outputs
-            # a leg's guard has seen to the legs' parts
-            if not port.per_leg or len(leg_guards) < len(function.guards)
-        ),
+        whole_fills=tuple((port.name, port.full_size) for port in whole),
         empties=tuple(dict.fromkeys(name for guard in function.guards for name in guard.empties)),
         zeros=tuple((port.name, port.full_size) for port in diagonal),
         shared_locals=tuple(
@@ -189,9 +188,9 @@ def function_view(robot: RobotCode, function: RobotFunction, writing: Writing = 
         tail_stores=tuple(plan.tail_stores),
         platform_tail_stores=tuple(plan.platform_tail_stores),
         platform_calls=tuple(plan.platform_calls),
-        leg_guards=tuple(_leg_guard(guard, function, writing) for guard in leg_guards),
+        leg_guards=tuple(_leg_guard(guard, function, writing, partly) for guard in leg_guards),
         platform_guards=tuple(
-            _platform_guard(guard, function, writing) for guard in function.guards if guard not in leg_guards
+            _platform_guard(guard, writing, partly) for guard in function.guards if guard not in leg_guards
         ),
         legs=legs,
         in_sizes=tuple(port.full_size for port in function.inputs),
@@ -452,10 +451,10 @@ def _holds(guard: Guard, value: str, writing: Writing) -> str:
     return compare(value, writing.all(repr(guard.limit)))
 
 
-def _leg_guard(guard: Guard, function: RobotFunction, writing: Writing) -> GuardView:
+def _leg_guard(guard: Guard, function: RobotFunction, writing: Writing, partly: list[Port]) -> GuardView:
     """A leg's guard: where it fails, that leg's part of every leg-wise output is NaN."""
     leg_named = guard.status in LEG_STATUSES
-    fills: list[tuple[str, int]] = []
+    fills = [(port.name, port.full_size) for port in guard.spoilt(partly) if not port.per_leg]
     for port in guard.spoilt(port for port in function.outputs if port.per_leg):
         if port.layout is Layout.DIAGONAL:
             rows, columns = port.shape
@@ -473,9 +472,9 @@ def _leg_guard(guard: Guard, function: RobotFunction, writing: Writing) -> Guard
     )
 
 
-def _platform_guard(guard: Guard, function: RobotFunction, writing: Writing) -> GuardView:
-    """A guard of the whole platform: where it fails, every output is NaN."""
-    fills = tuple((port.name, port.full_size) for port in guard.spoilt(function.outputs))
+def _platform_guard(guard: Guard, writing: Writing, partly: list[Port]) -> GuardView:
+    """A guard of the whole platform: where it fails, it spoils these outputs beside those that all spoil."""
+    fills = tuple((port.name, port.full_size) for port in guard.spoilt(partly))
     return GuardView(
         _holds(guard, f"{guard.variable}[{guard.index}]", writing), f"KRHPR_{guard.status.name}", fills
     )
