@@ -57,8 +57,13 @@ class Parts:
         return part
 
 
-def build(entry: Entry, parts: Parts) -> RobotCode:
+def build(entry: Entry | GraspingEntry, parts: Parts) -> RobotCode:
     """One robot, ready to print."""
+    return _usual(entry, parts) if isinstance(entry, Entry) else _grasping(entry, parts)
+
+
+def _usual(entry: Entry, parts: Parts) -> RobotCode:
+    """A sub-leg on a platform, three times."""
     robot, subleg, platform = entry.robot, entry.robot.subleg, entry.robot.platform
     return RobotCode(
         identifier=entry.identifier,
@@ -109,8 +114,8 @@ def build(entry: Entry, parts: Parts) -> RobotCode:
     )
 
 
-def build_grasping(entry: GraspingEntry, parts: Parts) -> RobotCode:
-    """One grasping robot, ready to print."""
+def _grasping(entry: GraspingEntry, parts: Parts) -> RobotCode:
+    """Two sub-legs and two jaws."""
     robot, subleg, jaws = entry.robot, entry.robot.subleg, entry.robot.platform
     return RobotCode(
         identifier=entry.identifier,

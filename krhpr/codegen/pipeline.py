@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
 
-from krhpr.codegen.build import Parts, build, build_grasping
+from krhpr.codegen.build import Parts, build
 from krhpr.codegen.composition import RobotCode
 from krhpr.codegen.report import report_files
 from krhpr.codegen.targets.base import File, Target
@@ -55,8 +55,7 @@ def derive(entries: Sequence[AnyEntry] | None = None, progress: Progress = lambd
     for entry in all_entries() if entries is None else entries:
         progress(f"derive {entry.identifier}")
         begin = perf_counter()
-        code = build(entry, parts) if isinstance(entry, Entry) else build_grasping(entry, parts)
-        robots.append(code)
+        robots.append(build(entry, parts))
         seconds[entry.identifier] = perf_counter() - begin
     return Derived(tuple(robots), parts, seconds)
 

@@ -18,6 +18,7 @@ from krhpr.codegen.composition import RobotCode, RobotFunction
 from krhpr.codegen.evaluate import Arithmetic, evaluate_function, evaluate_kernel, prepare_geometry
 from krhpr.codegen.kernel import LEGS, GeometryType, Kernel
 from krhpr.derivations.catalogue import Entry, catalogue
+from krhpr.derivations.grasping.catalogue import GraspingEntry
 from krhpr.derivations.platforms.base import Platform
 from krhpr.derivations.sublegs.base import SubLeg
 from krhpr.printed_package import GENERATED, submodule
@@ -32,7 +33,7 @@ Outputs = dict[str, list[Any]]
 class Subject:
     """One robot under validation."""
 
-    def __init__(self, entry: Entry, folder: Path = GENERATED, parts: Parts | None = None) -> None:
+    def __init__(self, entry: Entry | GraspingEntry, folder: Path = GENERATED, parts: Parts | None = None) -> None:
         self.entry = entry
         self.folder = folder
         self.code: RobotCode = build(entry, parts or Parts())
@@ -86,7 +87,7 @@ class Subject:
                 prepare_geometry(
                     kind, {field.name: geometry[field.name][leg] for field in kind.fields}, arithmetic
                 )
-                for leg in range(LEGS)
+                for leg in range(self.code.legs)
             ]
             for part, kind in self.geometry_types.items()
         }
