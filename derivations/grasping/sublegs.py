@@ -19,7 +19,6 @@ from krhpr.derivations.sublegs.kernels import SubLegKernels
 from krhpr.derivations.sublegs.planar_parallel import PRR2, RPR2
 from krhpr.derivations.sublegs.statics import StaticsKernels
 from krhpr.derivations.terms import Joint, JointKind
-from krhpr.derivations.vectors import dot
 
 KERNELS = (
     "forward",
@@ -109,8 +108,8 @@ class GraspRPR(RPR2):
         return _geometry(self.name, self.doc, (), ())
 
     def scales(self, k: KernelWriter) -> tuple[Any, Any]:
-        """The distance of the base joints, twice."""
-        apart = k.let("apart", sp.sqrt(dot(k.g.o_12, k.g.o_12)), "distance of the base joints")
+        """The distance of the base joints by coordinates, which is rational, twice."""
+        apart = k.let("apart", k.absolute(k.g.o_12[0]) + k.absolute(k.g.o_12[1]), "between the base joints")
         return apart, apart
 
     def passive_angles(self, k: KernelWriter, at: SimpleNamespace) -> list[Any]:

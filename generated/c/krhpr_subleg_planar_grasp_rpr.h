@@ -23,14 +23,13 @@ typedef struct {
 } krhpr_subleg_planar_grasp_rpr_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (5 add, 3 multiply, 3 divide, 1 square
- * root) */
+/* Vectors and sub-expressions that depend on the geometry alone.  (6 add, 3 multiply, 3 divide, 2 select) */
 KRHPR_STATIC void krhpr_subleg_planar_grasp_rpr_prepare(krhpr_subleg_planar_grasp_rpr_geometry *g, int i)
 {
     const double o_12_0 = g->x_2[i] - g->x_1[i];
     const double o_12_1 = g->y_2[i] - g->y_1[i];
     const double k_0 = o_12_0 * o_12_0 + o_12_1 * o_12_1;
-    const double t1 = sqrt(k_0);
+    const double t1 = fabs(o_12_0) + fabs(o_12_1);
     g->o[0][i] = g->x_1[i];
     g->o[1][i] = g->y_1[i];
     g->o_12[0][i] = o_12_0;

@@ -26,7 +26,7 @@ def prepare(fields: Any) -> SimpleNamespace:
     o_12_0 = x_2 - x_1
     o_12_1 = y_2 - y_1
     k_0 = o_12_0 * o_12_0 + o_12_1 * o_12_1
-    t1 = ca.sqrt(k_0)
+    t1 = ca.fabs(o_12_0) + ca.fabs(o_12_1)
     return SimpleNamespace(
         x_1=fields["x_1"],
         y_1=fields["y_1"],

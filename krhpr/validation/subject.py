@@ -18,7 +18,6 @@ from krhpr.codegen.composition import RobotCode, RobotFunction
 from krhpr.codegen.evaluate import Arithmetic, evaluate_function, evaluate_kernel, prepare_geometry
 from krhpr.codegen.kernel import LEGS, GeometryType, Kernel
 from krhpr.derivations.catalogue import Entry, catalogue
-from krhpr.derivations.grasping.catalogue import GraspingEntry
 from krhpr.derivations.platforms.base import Platform
 from krhpr.derivations.sublegs.base import SubLeg
 from krhpr.printed_package import GENERATED, submodule
@@ -33,7 +32,7 @@ Outputs = dict[str, list[Any]]
 class Subject:
     """One robot under validation."""
 
-    def __init__(self, entry: Entry | GraspingEntry, folder: Path = GENERATED, parts: Parts | None = None) -> None:
+    def __init__(self, entry: Entry, folder: Path = GENERATED, parts: Parts | None = None) -> None:
         self.entry = entry
         self.folder = folder
         self.code: RobotCode = build(entry, parts or Parts())

@@ -89,7 +89,9 @@ def test_object(case: dict[str, Any], backend: str) -> None:
     assert (status == Status.OK) == pressed.all()
 
 
-@pytest.mark.parametrize("case", REFERENCE["prototype"], ids=lambda c: f"{c['trajectory']}, {c['weight_N']} N")
+@pytest.mark.parametrize(
+    "case", REFERENCE["prototype"], ids=lambda c: f"{c['trajectory']}, {c['weight_N']} N"
+)
 def test_prototype(case: dict[str, Any]) -> None:
     robot = krhpr.load_grasping(backend="numpy").with_geometry(l_1=120, l_2=120, l_j=case["b"])
     y = np.array([sample["y"] for sample in case["samples"]])
