@@ -36,8 +36,8 @@ _PLACES = {
 """Where each stands in the arrays `sensor` and `contact_forces`."""
 
 
-def measured_force(phi: ArrayLike) -> NDArray[np.object_]:
-    """Which normal force a grasping force is, (5.70): f_lo where -3 pi/4 < phi < pi/4, else f_ro.
+def measured_force(phi: ArrayLike) -> NDArray[np.str_]:
+    """Which normal force (a `Force`) a grasping force is, (5.70): f_lo where -3 pi/4 < phi < pi/4, else f_ro.
 
     It is the smaller one, that of the jaw from which the weight pulls the object away, for jaws that are at
     right angles and gravity along -y.  `phi` may have any full turns; at both ends of the interval the two
@@ -46,7 +46,7 @@ def measured_force(phi: ArrayLike) -> NDArray[np.object_]:
     angle = np.asarray(phi, dtype=float)
     # zero in the middle of the interval, -pi/4; half its width is pi/2
     left = np.cos(angle + np.pi / 4) > -1e-12
-    return np.where(left, Force.LEFT_NORMAL, Force.RIGHT_NORMAL)
+    return np.where(left, Force.LEFT_NORMAL.value, Force.RIGHT_NORMAL.value)
 
 
 class JawsHome(NamedTuple):

@@ -69,10 +69,10 @@ class Custom:
     """
 
     name: str
-    sizes: Mapping[str, tuple[float, float, float]]
+    sizes: Mapping[str, tuple[float, ...]]
     limits: Limits
     baked: bool = False
-    home: tuple[tuple[float, ...], tuple[float, float, float]] | None = None
+    home: tuple[tuple[float, ...], tuple[float, ...]] | None = None
     """Position of the platform and redundant coordinates."""
 
 

@@ -43,7 +43,7 @@ def report_files(robots: Sequence[RobotCode], parts: Iterable[Part], printed: Se
         File(SCHEMA_FILE, schema_text([facts_of_code(robot) for robot in usual])),
         File("operations.json", _operations(robots, parts)),
         File("README.md", render("README.md.j2", rows=rows, robots=robots)),
-        File("VALIDATION.md", render("VALIDATION.md.j2", **page(_catalogued(usual)))),
+        File("VALIDATION.md", render("VALIDATION.md.j2", grasping=others, **page(_catalogued(usual)))),
     ]
 
 
