@@ -92,7 +92,7 @@ def object_kernel() -> Kernel:
     k.add_output(CONTACT_FORCES, [x for pair in pairs for x in pair])
     k.add_output(LOAD, [*total, *(cross2(a, f) for a, f in zip(v, forces, strict=True))])
     k.add_output(MARGINS, [(friction * o) ** 2 - t**2 for o, t in pairs])
-    k.add_output(DETERMINANT, k.absolute(det))
+    k.add_output(DETERMINANT, det)
     k.add_output(PULLS, [dot(weight, m) for m in n])
     size = k.let("size", sum(dot(a, a) for a in v))
     k.output(

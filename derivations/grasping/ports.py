@@ -145,7 +145,8 @@ DETERMINANT = Port(
     (),
     Unit.METRE,
     Frame.NONE,
-    "|det| of the equilibrium's equations: the object's width where a normal force is measured",
+    "c . h, the determinant of the equilibrium's equations but for its sign: the object's width, or minus "
+    "that, where a normal force is measured",
 )
 PULLS = Port(
     "pulls",

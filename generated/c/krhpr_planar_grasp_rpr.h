@@ -317,8 +317,8 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_statics(
  *          the right and by the left jaw [f_x, f_y, m_r, m_l]
  *   out    friction_margins (2, mixed): (mu f_o)^2 - f_p^2 of each contact (N^2): negative where it slips
  *          [right, left]
- *   out    determinant (scalar, m): |det| of the equilibrium's equations: the object's width where a normal
- *          force is measured
+ *   out    determinant (scalar, m): c . h, the determinant of the equilibrium's equations but for its sign:
+ *          the object's width, or minus that, where a normal force is measured
  *   out    pulls (2, N, joint frame): part of the weight along the normal of each jaw's face: positive
  *          where it pulls the object away [right, left]
  */

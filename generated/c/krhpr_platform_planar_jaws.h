@@ -529,7 +529,7 @@ KRHPR_STATIC void krhpr_platform_planar_jaws_contact(
 }
 
 /* Forces of the jaws on the object that they hold, one of the four measured, and what they mean for the
- * robot.  Thesis: (5.38) to (5.43).  (35 add, 52 multiply, 2 divide, 1 select) */
+ * robot.  Thesis: (5.38) to (5.43).  (35 add, 52 multiply, 2 divide) */
 KRHPR_STATIC void krhpr_platform_planar_jaws_held(
     const double v[4], const double n[4], const double x[4], const double mass_centre[2],
     const double weight[2], const double sensor[4], double measured_force, double friction,
@@ -572,7 +572,7 @@ KRHPR_STATIC void krhpr_platform_planar_jaws_held(
     loads[3] = v[3] * t1 - v[2] * t2;
     friction_margins[0] = f_o1 * f_o1 * t4 - f_p1 * f_p1;
     friction_margins[1] = t4 * (t3 * t3) - f_p2 * f_p2;
-    *determinant = fabs(det);
+    *determinant = det;
     pulls[0] = n[0] * weight[0] + n[1] * weight[1];
     pulls[1] = n[2] * weight[0] + n[3] * weight[1];
     determined[0] = det * det / size;

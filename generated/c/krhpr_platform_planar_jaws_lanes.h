@@ -523,7 +523,7 @@ KRHPR_INLINE void krhpr_platform_planar_jaws_contact_lanes(
 }
 
 /* Forces of the jaws on the object that they hold, one of the four measured, and what they mean for the
- * robot.  Thesis: (5.38) to (5.43).  (35 add, 52 multiply, 2 divide, 1 select) */
+ * robot.  Thesis: (5.38) to (5.43).  (35 add, 52 multiply, 2 divide) */
 KRHPR_INLINE void krhpr_platform_planar_jaws_held_lanes(
     const krhpr_lanes_at v[4], const krhpr_lanes_at n[4], const krhpr_lanes_at x[4],
     const krhpr_lanes_at mass_centre[2], const krhpr_lanes_at weight[2], const krhpr_lanes_at sensor[4],
@@ -567,7 +567,7 @@ KRHPR_INLINE void krhpr_platform_planar_jaws_held_lanes(
     loads[3] = v[3] * t1 - v[2] * t2;
     friction_margins[0] = f_o1 * f_o1 * t4 - f_p1 * f_p1;
     friction_margins[1] = t4 * (t3 * t3) - f_p2 * f_p2;
-    *determinant = krhpr_lanes_fabs(det);
+    *determinant = det;
     pulls[0] = n[0] * weight[0] + n[1] * weight[1];
     pulls[1] = n[2] * weight[0] + n[3] * weight[1];
     determined[0] = det * det / size;

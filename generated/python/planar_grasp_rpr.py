@@ -447,7 +447,7 @@ SIGNATURES = {
             rt.Port("contact_forces", (2, 2), "N", "joint", "[f_o, f_p] that each jaw applies to the object: along the normal n of its face, and along E n", "shared", ("right", "left", )),
             rt.Port("loads", (4,), "N, N m", "base", "F_n of (5.36): force on the environment, and moments about B by the right and by the left jaw", "shared", ("f_x", "f_y", "m_r", "m_l", )),
             rt.Port("friction_margins", (2,), "mixed", "-", "(mu f_o)^2 - f_p^2 of each contact (N^2): negative where it slips", "shared", ("right", "left", )),
-            rt.Port("determinant", (), "m", "-", "|det| of the equilibrium's equations: the object's width where a normal force is measured", "shared", ()),
+            rt.Port("determinant", (), "m", "-", "c . h, the determinant of the equilibrium's equations but for its sign: the object's width, or minus that, where a normal force is measured", "shared", ()),
             rt.Port("pulls", (2,), "N", "joint", "part of the weight along the normal of each jaw's face: positive where it pulls the object away", "shared", ("right", "left", )),
         ),
         "(2),(2,2),(2),(2),(2),(2,2),(),()->(2,2),(4),(2),(),(2),()",
@@ -1299,8 +1299,8 @@ def grasp(
             moments about B by the right and by the left jaw [f_x, f_y, m_r, m_l]
         friction_margins (..., 2) [mixed]: (mu f_o)^2 - f_p^2 of each contact (N^2): negative
             where it slips [right, left]
-        determinant (...) [m]: |det| of the equilibrium's equations: the object's width where a
-            normal force is measured
+        determinant (...) [m]: c . h, the determinant of the equilibrium's equations but for its
+            sign: the object's width, or minus that, where a normal force is measured
         pulls (..., 2) [N]: part of the weight along the normal of each jaw's face: positive
             where it pulls the object away [right, left]
     """

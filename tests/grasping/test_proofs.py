@@ -6,10 +6,11 @@ from typing import Any
 
 import pytest
 
+from krhpr.validation.arithmetic import BALLS
 from krhpr.validation.jets import Jet
 from krhpr.validation.linear import apply, dot, matrix
-from krhpr.validation.numbers import Exact
-from tests.grasping.exact import Place, closure, end_point
+from krhpr.validation.numbers import Ball, Exact, ball_precision
+from tests.grasping.exact import Place, Values, closure, end_point
 from tests.grasping.support import ROBOTS
 
 PLACES = [pytest.param(name, seed, id=f"{name}, {seed}") for name in ROBOTS for seed in range(5)]
@@ -221,4 +222,41 @@ def test_object_is_in_equilibrium(measured: int, seed: int) -> None:
     arms = [[a - b for a, b in zip(w, g, strict=True)] for w in v]
     rows.append([cross(arms[i // 2], c) for i, c in enumerate(columns)])
     rest = [[x for i, x in enumerate(row) if i != measured] for row in rows]
-    assert found["determinant"] == [abs(determinant(rest))]
+    assert abs(found["determinant"][0]) == abs(determinant(rest))
+
+
+@pytest.mark.parametrize(("name", "seed"), PLACES)
+def test_least_forces_and_null_space(name: str, seed: int) -> None:
+    """Of (5.25): U f_least = F, U k = 0, f_least . k = 0, and their sum; in balls."""
+    place = Place(name, seed)
+    wrench, internal = place.draw.vector(3), place.draw.nonzero()
+    jacobians = place.call("jacobians_r")
+    J, K = matrix(jacobians["J"], 3), matrix(jacobians["K"], 4)
+    with ball_precision():
+        found = place.subject.call(
+            "inverse_statics_r",
+            as_balls({**place.values, "wrench": wrench, "internal_force": [internal]}),
+            as_balls(place.geometry),
+            BALLS,
+        )
+        least, null, forces = (found[port] for port in ("least_forces", "null_space", "actuator_forces"))
+
+        def wrench_of(f: list[Any]) -> list[Any]:
+            return [sum((J[i][j] / K[i][i] * f[i] for i in range(4)), Ball(0)) for j in range(3)]
+
+        assert all(small(a - b) for a, b in zip(wrench_of(least), wrench, strict=True))
+        assert all(map(small, wrench_of(null)))
+        assert small(sum((a * b for a, b in zip(least, null, strict=True)), Ball(0)))
+        assert all(small(f - a - internal * b) for f, a, b in zip(forces, least, null, strict=True))
+
+
+def as_balls(values: Values) -> Values:
+    """Enclosures of exact numbers; angles as they are."""
+    return {
+        name: [Ball(value) if isinstance(value, Exact) else value for value in row]
+        for name, row in values.items()
+    }
+
+
+def small(value: Ball) -> bool:
+    return bool(abs(value.enclosure) < 1e-60)

@@ -169,6 +169,7 @@ static const casadi_int P67[15] = {4, 4, 0, 2, 4, 6, 8, 0, 2, 0, 3, 1, 2, 1, 3};
 static const casadi_int P68[19] = {4, 4, 0, 3, 6, 9, 12, 0, 1, 2, 0, 1, 3, 0, 1, 2, 0, 1, 3};
 static const casadi_int P69[15] = {3, 4, 0, 2, 4, 6, 8, 0, 2, 0, 2, 1, 2, 1, 2};
 static const casadi_int P70[17] = {3, 4, 0, 2, 5, 7, 10, 0, 1, 0, 1, 2, 0, 1, 0, 1, 2};
+static const casadi_int P71[7] = {2, 2, 0, 1, 2, 0, 1};
 
 /* -- end_points -- */
 
@@ -1035,6 +1036,34 @@ static int value_grasp(const double *x, double *y)
     return plain_grasp(&geometry, x, x + 2, x + 6, x + 8, x + 10, x + 12, x[16], x[17], y, y + 4, y + 8, y + 10, y + 11);
 }
 
+static void tangent_grasp(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const angles = given;
+    const krhpr_dual *const contacts = given + 2;
+    const krhpr_dual *const faces = given + 6;
+    const krhpr_dual *const mass_centre = given + 8;
+    const krhpr_dual *const weight = given + 10;
+    const krhpr_dual *const sensor = given + 12;
+    const krhpr_dual *const measured_force = given + 16;
+    const krhpr_dual *const friction = given + 17;
+    krhpr_dual *const contact_forces = found;
+    krhpr_dual *const loads = found + 4;
+    krhpr_dual *const friction_margins = found + 8;
+    krhpr_dual *const determinant = found + 10;
+    krhpr_dual *const pulls = found + 11;
+    krhpr_dual v[4];
+    krhpr_dual n[4];
+    krhpr_dual x[4];
+    krhpr_dual determined[1];
+    for (int i = 0; i < 2; ++i) {
+        krhpr_platform_planar_jaws_contact_tangent(
+            angles + i, contacts + 2 * i, faces + i, v + 2 * i, n + 2 * i, x + 2 * i);
+    }
+    krhpr_platform_planar_jaws_held_tangent(
+        v, n, x, mass_centre, weight, sensor, measured_force, friction, contact_forces, loads,
+        friction_margins, determinant, pulls, determined);
+}
+
 static const krhpr_casadi_slot in_grasp[] = {
     {"out_angles", 2, 1, 1, NULL, P0, P1},
     {"out_contacts", 2, 2, 1, NULL, P2, P3},
@@ -1052,7 +1081,25 @@ static const krhpr_casadi_slot out_grasp[] = {
     {"out_determinant", 1, 1, 1, NULL, P6, P7},
     {"out_pulls", 2, 1, 1, NULL, P0, P1},
 };
+static const casadi_int *const structure_grasp[] = {
+    P30, P12, P30, P30, P30, P12, P24, P25, P30, P12, P30, P30, P30, P12, P24, P25, P2, P35, P2, P2, P2, P35, P0, P0,
+    P4, P64, P4, P5, P5, P64, P7, P7, P71, P63, P71, P3, P2, P63, P1, P1
+};
+static const char *const names_grasp[] = {
+    "jac_contact_forces_angles", "jac_contact_forces_contacts", "jac_contact_forces_faces",
+    "jac_contact_forces_mass_centre", "jac_contact_forces_weight", "jac_contact_forces_sensor",
+    "jac_contact_forces_measured_force", "jac_contact_forces_friction", "jac_loads_angles", "jac_loads_contacts",
+    "jac_loads_faces", "jac_loads_mass_centre", "jac_loads_weight", "jac_loads_sensor", "jac_loads_measured_force",
+    "jac_loads_friction", "jac_friction_margins_angles", "jac_friction_margins_contacts", "jac_friction_margins_faces",
+    "jac_friction_margins_mass_centre", "jac_friction_margins_weight", "jac_friction_margins_sensor",
+    "jac_friction_margins_measured_force", "jac_friction_margins_friction", "jac_determinant_angles",
+    "jac_determinant_contacts", "jac_determinant_faces", "jac_determinant_mass_centre", "jac_determinant_weight",
+    "jac_determinant_sensor", "jac_determinant_measured_force", "jac_determinant_friction", "jac_pulls_angles",
+    "jac_pulls_contacts", "jac_pulls_faces", "jac_pulls_mass_centre", "jac_pulls_weight", "jac_pulls_sensor",
+    "jac_pulls_measured_force", "jac_pulls_friction"
+};
 static const krhpr_casadi_function function_grasp = {
-    8, in_grasp, 5, out_grasp, value_grasp, NULL, NULL, NULL
+    8, in_grasp, 5, out_grasp, value_grasp, tangent_grasp, structure_grasp, names_grasp
 };
 KRHPR_CASADI_FUNCTION(NAME(grasp), function_grasp)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(grasp), function_grasp)

@@ -1042,8 +1042,8 @@ KRHPR_STATIC void krhpr_platform_planar_jaws_held_tangent(
     const krhpr_dual *v, const krhpr_dual *n, const krhpr_dual *x, const krhpr_dual *mass_centre,
     const krhpr_dual *weight, const krhpr_dual *sensor, const krhpr_dual *measured_force,
     const krhpr_dual *friction, krhpr_dual *KRHPR_RESTRICT contact_forces, krhpr_dual *KRHPR_RESTRICT loads,
-    krhpr_dual *KRHPR_RESTRICT friction_margins, krhpr_dual *KRHPR_RESTRICT pulls,
-    krhpr_dual *KRHPR_RESTRICT determined)
+    krhpr_dual *KRHPR_RESTRICT friction_margins, krhpr_dual *KRHPR_RESTRICT determinant,
+    krhpr_dual *KRHPR_RESTRICT pulls, krhpr_dual *KRHPR_RESTRICT determined)
 {
     const double centre_0 = x[0].v * mass_centre[0].v - x[1].v * mass_centre[1].v;
     const double centre_1 = x[1].v * mass_centre[0].v + x[0].v * mass_centre[1].v;
@@ -1088,6 +1088,7 @@ KRHPR_STATIC void krhpr_platform_planar_jaws_held_tangent(
     loads[3].v = v[3].v * h5 - v[2].v * h6;
     friction_margins[0].v = h8 * h7 - f_p1 * f_p1;
     friction_margins[1].v = h7 * h10 - f_p2 * f_p2;
+    determinant[0].v = det;
     pulls[0].v = n[0].v * weight[0].v + n[1].v * weight[1].v;
     pulls[1].v = n[2].v * weight[0].v + n[3].v * weight[1].v;
     determined[0].v = determined_0;
@@ -1138,6 +1139,7 @@ KRHPR_STATIC void krhpr_platform_planar_jaws_held_tangent(
         loads[3].t[k] = h5 * v[3].t[k] + v[3].v * t17 - (h6 * v[2].t[k] + v[2].v * t18);
         friction_margins[0].t[k] = h7 * (t23 + t23) + h8 * t25 - (t26 + t26);
         friction_margins[1].t[k] = h10 * t25 + h7 * (t27 + t27) - (t28 + t28);
+        determinant[0].t[k] = t11;
         pulls[0].t[k] = t29;
         pulls[1].t[k] = t30;
         determined[0].t[k] = h11 * t36;
