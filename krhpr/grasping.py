@@ -299,8 +299,8 @@ class GraspingRobot(Calls):
         in the right jaw's frame, and `weight` (..., 2) is m g in the base frame.  `measured` says which of
         the four forces `measured_force` is: a `Force` (or several, in an array), or weights (..., 2, 2).  Of
         contact_forces rows are jaws, columns f_o along the normal and f_p a quarter turn left of it; loads
-        are those of `inverse_statics_n`.  `determinant` is, but for its sign, the object's width where a normal
-        force is measured.
+        are those of `inverse_statics_n`.  `determinant` is, but for its sign, the object's width where a
+        normal force is measured.
         """
         inputs = (
             angles,
