@@ -14,8 +14,8 @@
 static const double mode_default[4] = {1.0, -1.0, 1.0, -1.0};
 static const double assembly_default[2] = {1.0, 1.0};
 
-/* end_points of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_prr_end_points_lanes(
+/* end_points of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_prr_end_points_lanes(
     const krhpr_planar_grasp_prr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at angles[2],
     krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
@@ -34,13 +34,14 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_end_points_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 4);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_prr_end_points_batch(
@@ -50,7 +51,7 @@ KRHPR_API int krhpr_planar_grasp_prr_end_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -58,9 +59,12 @@ KRHPR_API int krhpr_planar_grasp_prr_end_points_batch(
         krhpr_lanes angles_lanes[2];
         krhpr_poses_load(angles_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
         krhpr_lanes s_lanes[4];
-        krhpr_planar_grasp_prr_end_points_lanes(g, pivot_lanes, angles_lanes, s_lanes, &answer);
+        const int doubtful = krhpr_planar_grasp_prr_end_points_lanes(
+            g, pivot_lanes, angles_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 4, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_end_points(
@@ -96,17 +100,20 @@ KRHPR_API int krhpr_planar_grasp_prr_end_points_soa(
             krhpr_lanes s_room[4];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_planar_grasp_prr_end_points_lanes(g, pivot_lanes, angles_lanes, s_lanes, &answer);
+            const int doubtful = krhpr_planar_grasp_prr_end_points_lanes(
+                g, pivot_lanes, angles_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 4, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_inverse of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_prr_subleg_inverse_lanes(
+/* subleg_inverse of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_prr_subleg_inverse_lanes(
     const krhpr_planar_grasp_prr_geometry *g, const krhpr_lanes_at s[4],
     krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
@@ -122,7 +129,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_subleg_inverse_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -134,6 +141,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_subleg_inverse_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 16);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_prr_subleg_inverse_batch(
@@ -143,15 +151,17 @@ KRHPR_API int krhpr_planar_grasp_prr_subleg_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[4];
         krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 4, here);
         krhpr_lanes theta_lanes[16];
-        krhpr_planar_grasp_prr_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
+        const int doubtful = krhpr_planar_grasp_prr_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 16, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
@@ -184,17 +194,20 @@ KRHPR_API int krhpr_planar_grasp_prr_subleg_inverse_soa(
             krhpr_lanes theta_room[16];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_planar_grasp_prr_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
+            const int doubtful = krhpr_planar_grasp_prr_subleg_inverse_lanes(
+                g, s_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 16, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_prr_inverse_lanes(
+/* inverse of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_prr_inverse_lanes(
     const krhpr_planar_grasp_prr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at angles[2],
     const krhpr_lanes_at mode[4], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
@@ -219,7 +232,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_inverse_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -231,6 +244,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_inverse_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 4);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_prr_inverse_batch(
@@ -240,19 +254,27 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes mode_lanes[4];
+    if (in[2] == NULL) {
+        krhpr_poses_load(mode_lanes, mode_default, 0, 4, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
         krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
         krhpr_lanes angles_lanes[2];
         krhpr_poses_load(angles_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
-        krhpr_lanes mode_lanes[4];
-        krhpr_poses_load(mode_lanes, in[2] ? in[2] + k * in_step[2] : mode_default, in[2] ? in_step[2] : 0, 4, here);
+        if (in[2] != NULL) {
+            krhpr_poses_load(mode_lanes, in[2] + k * in_step[2], in_step[2], 4, here);
+        }
         krhpr_lanes theta_lanes[4];
-        krhpr_planar_grasp_prr_inverse_lanes(g, pivot_lanes, angles_lanes, mode_lanes, theta_lanes, &answer);
+        const int doubtful = krhpr_planar_grasp_prr_inverse_lanes(
+            g, pivot_lanes, angles_lanes, mode_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 4, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_inverse(
@@ -271,6 +293,10 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_soa(
     const krhpr_planar_grasp_prr_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes mode_room[4];
+    if (in[2] == NULL) {
+        krhpr_poses_load(mode_room, mode_default, 0, 4, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -286,28 +312,27 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_soa(
             const krhpr_lanes_at *const pivot_lanes = krhpr_poses_in(pivot_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes angles_room[2];
             const krhpr_lanes_at *const angles_lanes = krhpr_poses_in(angles_room, in[1] + b * in_step[1] + k, row, 2, here);
-            krhpr_lanes mode_room[4];
             const krhpr_lanes_at *mode_lanes = mode_room;
             if (in[2] != NULL) {
                 mode_lanes = krhpr_poses_in(mode_room, in[2] + b * in_step[2] + k, row, 4, here);
-            } else {
-                krhpr_poses_load(mode_room, mode_default, 0, 4, here);
             }
             krhpr_lanes theta_room[4];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_planar_grasp_prr_inverse_lanes(
+            const int doubtful = krhpr_planar_grasp_prr_inverse_lanes(
                 g, pivot_lanes, angles_lanes, mode_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 4, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_all of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_prr_inverse_all_lanes(
+/* inverse_all of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_prr_inverse_all_lanes(
     const krhpr_planar_grasp_prr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at angles[2],
     krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
@@ -331,7 +356,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_inverse_all_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -343,6 +368,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_inverse_all_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 16);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_prr_inverse_all_batch(
@@ -352,7 +378,7 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -360,9 +386,12 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_all_batch(
         krhpr_lanes angles_lanes[2];
         krhpr_poses_load(angles_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
         krhpr_lanes theta_lanes[16];
-        krhpr_planar_grasp_prr_inverse_all_lanes(g, pivot_lanes, angles_lanes, theta_lanes, &answer);
+        const int doubtful = krhpr_planar_grasp_prr_inverse_all_lanes(
+            g, pivot_lanes, angles_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 16, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_inverse_all(
@@ -398,17 +427,20 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_all_soa(
             krhpr_lanes theta_room[16];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_planar_grasp_prr_inverse_all_lanes(g, pivot_lanes, angles_lanes, theta_lanes, &answer);
+            const int doubtful = krhpr_planar_grasp_prr_inverse_all_lanes(
+                g, pivot_lanes, angles_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 16, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_status of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_prr_inverse_status_lanes(
+/* inverse_status of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_prr_inverse_status_lanes(
     const krhpr_planar_grasp_prr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at angles[2],
     const krhpr_lanes_at mode[4], krhpr_lanes_at *KRHPR_RESTRICT excess, krhpr_ints *answer)
 {
@@ -431,7 +463,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_inverse_status_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -442,6 +474,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_inverse_status_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 2);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_prr_inverse_status_batch(
@@ -451,20 +484,27 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_status_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes mode_lanes[4];
+    if (in[2] == NULL) {
+        krhpr_poses_load(mode_lanes, mode_default, 0, 4, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
         krhpr_poses_load(pivot_lanes, in[0] + k * in_step[0], in_step[0], 2, here);
         krhpr_lanes angles_lanes[2];
         krhpr_poses_load(angles_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
-        krhpr_lanes mode_lanes[4];
-        krhpr_poses_load(mode_lanes, in[2] ? in[2] + k * in_step[2] : mode_default, in[2] ? in_step[2] : 0, 4, here);
+        if (in[2] != NULL) {
+            krhpr_poses_load(mode_lanes, in[2] + k * in_step[2], in_step[2], 4, here);
+        }
         krhpr_lanes excess_lanes[2];
-        krhpr_planar_grasp_prr_inverse_status_lanes(
+        const int doubtful = krhpr_planar_grasp_prr_inverse_status_lanes(
             g, pivot_lanes, angles_lanes, mode_lanes, excess_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess_lanes, 2, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_inverse_status(
@@ -483,6 +523,10 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_status_soa(
     const krhpr_planar_grasp_prr_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes mode_room[4];
+    if (in[2] == NULL) {
+        krhpr_poses_load(mode_room, mode_default, 0, 4, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -498,28 +542,27 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_status_soa(
             const krhpr_lanes_at *const pivot_lanes = krhpr_poses_in(pivot_room, in[0] + b * in_step[0] + k, row, 2, here);
             krhpr_lanes angles_room[2];
             const krhpr_lanes_at *const angles_lanes = krhpr_poses_in(angles_room, in[1] + b * in_step[1] + k, row, 2, here);
-            krhpr_lanes mode_room[4];
             const krhpr_lanes_at *mode_lanes = mode_room;
             if (in[2] != NULL) {
                 mode_lanes = krhpr_poses_in(mode_room, in[2] + b * in_step[2] + k, row, 4, here);
-            } else {
-                krhpr_poses_load(mode_room, mode_default, 0, 4, here);
             }
             krhpr_lanes excess_room[2];
             double *const excess_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const excess_lanes = krhpr_poses_out(excess_room, excess_at, row, here);
-            krhpr_planar_grasp_prr_inverse_status_lanes(
+            const int doubtful = krhpr_planar_grasp_prr_inverse_status_lanes(
                 g, pivot_lanes, angles_lanes, mode_lanes, excess_lanes, &answer);
             krhpr_poses_done(excess_room, excess_at, row, 2, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_forward of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_prr_subleg_forward_lanes(
+/* subleg_forward of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_prr_subleg_forward_lanes(
     const krhpr_planar_grasp_prr_geometry *g, const krhpr_lanes_at theta[4],
     const krhpr_lanes_at assembly[2], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
@@ -535,7 +578,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_subleg_forward_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -547,6 +590,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_subleg_forward_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 4);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_prr_subleg_forward_batch(
@@ -556,17 +600,25 @@ KRHPR_API int krhpr_planar_grasp_prr_subleg_forward_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes assembly_lanes[2];
+    if (in[1] == NULL) {
+        krhpr_poses_load(assembly_lanes, assembly_default, 0, 2, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[4];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 4, here);
-        krhpr_lanes assembly_lanes[2];
-        krhpr_poses_load(assembly_lanes, in[1] ? in[1] + k * in_step[1] : assembly_default, in[1] ? in_step[1] : 0, 2, here);
+        if (in[1] != NULL) {
+            krhpr_poses_load(assembly_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        }
         krhpr_lanes s_lanes[4];
-        krhpr_planar_grasp_prr_subleg_forward_lanes(g, theta_lanes, assembly_lanes, s_lanes, &answer);
+        const int doubtful = krhpr_planar_grasp_prr_subleg_forward_lanes(
+            g, theta_lanes, assembly_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 4, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_subleg_forward(
@@ -584,6 +636,10 @@ KRHPR_API int krhpr_planar_grasp_prr_subleg_forward_soa(
     const krhpr_planar_grasp_prr_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes assembly_room[2];
+    if (in[1] == NULL) {
+        krhpr_poses_load(assembly_room, assembly_default, 0, 2, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -597,27 +653,27 @@ KRHPR_API int krhpr_planar_grasp_prr_subleg_forward_soa(
             krhpr_ints answer;
             krhpr_lanes theta_room[4];
             const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 4, here);
-            krhpr_lanes assembly_room[2];
             const krhpr_lanes_at *assembly_lanes = assembly_room;
             if (in[1] != NULL) {
                 assembly_lanes = krhpr_poses_in(assembly_room, in[1] + b * in_step[1] + k, row, 2, here);
-            } else {
-                krhpr_poses_load(assembly_room, assembly_default, 0, 2, here);
             }
             krhpr_lanes s_room[4];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_planar_grasp_prr_subleg_forward_lanes(g, theta_lanes, assembly_lanes, s_lanes, &answer);
+            const int doubtful = krhpr_planar_grasp_prr_subleg_forward_lanes(
+                g, theta_lanes, assembly_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 4, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_prr_forward_lanes(
+/* forward of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_prr_forward_lanes(
     const krhpr_planar_grasp_prr_geometry *g, const krhpr_lanes_at theta[4],
     const krhpr_lanes_at assembly[2], const krhpr_lanes_at side[1], krhpr_lanes_at *KRHPR_RESTRICT pivot,
     krhpr_lanes_at *KRHPR_RESTRICT angles, krhpr_ints *answer)
@@ -646,7 +702,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_forward_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), radicands[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -662,6 +718,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_forward_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, pivot, 2);
     krhpr_poses_keep(finite, angles, 2);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_prr_forward_batch(
@@ -671,22 +728,29 @@ KRHPR_API int krhpr_planar_grasp_prr_forward_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes assembly_lanes[2];
+    if (in[1] == NULL) {
+        krhpr_poses_load(assembly_lanes, assembly_default, 0, 2, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[4];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 4, here);
-        krhpr_lanes assembly_lanes[2];
-        krhpr_poses_load(assembly_lanes, in[1] ? in[1] + k * in_step[1] : assembly_default, in[1] ? in_step[1] : 0, 2, here);
+        if (in[1] != NULL) {
+            krhpr_poses_load(assembly_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        }
         krhpr_lanes side_lanes[1];
         krhpr_poses_load(side_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
         krhpr_lanes pivot_lanes[2];
         krhpr_lanes angles_lanes[2];
-        krhpr_planar_grasp_prr_forward_lanes(
+        const int doubtful = krhpr_planar_grasp_prr_forward_lanes(
             g, theta_lanes, assembly_lanes, side_lanes, pivot_lanes, angles_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], pivot_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], angles_lanes, 2, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_forward(
@@ -705,6 +769,10 @@ KRHPR_API int krhpr_planar_grasp_prr_forward_soa(
     const krhpr_planar_grasp_prr_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes assembly_room[2];
+    if (in[1] == NULL) {
+        krhpr_poses_load(assembly_room, assembly_default, 0, 2, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -718,12 +786,9 @@ KRHPR_API int krhpr_planar_grasp_prr_forward_soa(
             krhpr_ints answer;
             krhpr_lanes theta_room[4];
             const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 4, here);
-            krhpr_lanes assembly_room[2];
             const krhpr_lanes_at *assembly_lanes = assembly_room;
             if (in[1] != NULL) {
                 assembly_lanes = krhpr_poses_in(assembly_room, in[1] + b * in_step[1] + k, row, 2, here);
-            } else {
-                krhpr_poses_load(assembly_room, assembly_default, 0, 2, here);
             }
             krhpr_lanes side_room[1];
             const krhpr_lanes_at *const side_lanes = krhpr_poses_in(side_room, in[2] + b * in_step[2] + k, row, 1, here);
@@ -733,19 +798,21 @@ KRHPR_API int krhpr_planar_grasp_prr_forward_soa(
             krhpr_lanes angles_room[2];
             double *const angles_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const angles_lanes = krhpr_poses_out(angles_room, angles_at, row, here);
-            krhpr_planar_grasp_prr_forward_lanes(
+            const int doubtful = krhpr_planar_grasp_prr_forward_lanes(
                 g, theta_lanes, assembly_lanes, side_lanes, pivot_lanes, angles_lanes, &answer);
             krhpr_poses_done(pivot_room, pivot_at, row, 2, here);
             krhpr_poses_done(angles_room, angles_at, row, 2, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_all of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_prr_forward_all_lanes(
+/* forward_all of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_prr_forward_all_lanes(
     const krhpr_planar_grasp_prr_geometry *g, const krhpr_lanes_at theta[4],
     krhpr_lanes_at *KRHPR_RESTRICT pivot, krhpr_lanes_at *KRHPR_RESTRICT angles, krhpr_ints *answer)
 {
@@ -785,7 +852,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_forward_all_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -800,6 +867,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_forward_all_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, pivot, 16);
     krhpr_poses_keep(finite, angles, 16);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_prr_forward_all_batch(
@@ -809,17 +877,20 @@ KRHPR_API int krhpr_planar_grasp_prr_forward_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[4];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 4, here);
         krhpr_lanes pivot_lanes[16];
         krhpr_lanes angles_lanes[16];
-        krhpr_planar_grasp_prr_forward_all_lanes(g, theta_lanes, pivot_lanes, angles_lanes, &answer);
+        const int doubtful = krhpr_planar_grasp_prr_forward_all_lanes(
+            g, theta_lanes, pivot_lanes, angles_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], pivot_lanes, 16, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], angles_lanes, 16, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_forward_all(
@@ -856,18 +927,21 @@ KRHPR_API int krhpr_planar_grasp_prr_forward_all_soa(
             krhpr_lanes angles_room[16];
             double *const angles_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const angles_lanes = krhpr_poses_out(angles_room, angles_at, row, here);
-            krhpr_planar_grasp_prr_forward_all_lanes(g, theta_lanes, pivot_lanes, angles_lanes, &answer);
+            const int doubtful = krhpr_planar_grasp_prr_forward_all_lanes(
+                g, theta_lanes, pivot_lanes, angles_lanes, &answer);
             krhpr_poses_done(pivot_room, pivot_at, row, 16, here);
             krhpr_poses_done(angles_room, angles_at, row, 16, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* link_points of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_prr_link_points_lanes(
+/* link_points of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_prr_link_points_lanes(
     const krhpr_planar_grasp_prr_geometry *g, const krhpr_lanes_at s[4], const krhpr_lanes_at theta[4],
     krhpr_lanes_at *KRHPR_RESTRICT points, krhpr_ints *answer)
 {
@@ -881,13 +955,14 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_link_points_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, points, 20);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_prr_link_points_batch(
@@ -897,7 +972,7 @@ KRHPR_API int krhpr_planar_grasp_prr_link_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[4];
@@ -905,9 +980,12 @@ KRHPR_API int krhpr_planar_grasp_prr_link_points_batch(
         krhpr_lanes theta_lanes[4];
         krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
         krhpr_lanes points_lanes[20];
-        krhpr_planar_grasp_prr_link_points_lanes(g, s_lanes, theta_lanes, points_lanes, &answer);
+        const int doubtful = krhpr_planar_grasp_prr_link_points_lanes(
+            g, s_lanes, theta_lanes, points_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], points_lanes, 20, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_link_points(
@@ -943,17 +1021,20 @@ KRHPR_API int krhpr_planar_grasp_prr_link_points_soa(
             krhpr_lanes points_room[20];
             double *const points_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const points_lanes = krhpr_poses_out(points_room, points_at, row, here);
-            krhpr_planar_grasp_prr_link_points_lanes(g, s_lanes, theta_lanes, points_lanes, &answer);
+            const int doubtful = krhpr_planar_grasp_prr_link_points_lanes(
+                g, s_lanes, theta_lanes, points_lanes, &answer);
             krhpr_poses_done(points_room, points_at, row, 20, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_jacobian of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_prr_subleg_jacobian_lanes(
+/* subleg_jacobian of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_prr_subleg_jacobian_lanes(
     const krhpr_planar_grasp_prr_geometry *g, const krhpr_lanes_at s[4], const krhpr_lanes_at theta[4],
     krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_ints *answer)
 {
@@ -971,7 +1052,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_subleg_jacobian_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -983,6 +1064,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_subleg_jacobian_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, M, 8);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_prr_subleg_jacobian_batch(
@@ -992,7 +1074,7 @@ KRHPR_API int krhpr_planar_grasp_prr_subleg_jacobian_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[4];
@@ -1000,9 +1082,12 @@ KRHPR_API int krhpr_planar_grasp_prr_subleg_jacobian_batch(
         krhpr_lanes theta_lanes[4];
         krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
         krhpr_lanes M_lanes[8];
-        krhpr_planar_grasp_prr_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
+        const int doubtful = krhpr_planar_grasp_prr_subleg_jacobian_lanes(
+            g, s_lanes, theta_lanes, M_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M_lanes, 8, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_subleg_jacobian(
@@ -1038,17 +1123,20 @@ KRHPR_API int krhpr_planar_grasp_prr_subleg_jacobian_soa(
             krhpr_lanes M_room[8];
             double *const M_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const M_lanes = krhpr_poses_out(M_room, M_at, row, here);
-            krhpr_planar_grasp_prr_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
+            const int doubtful = krhpr_planar_grasp_prr_subleg_jacobian_lanes(
+                g, s_lanes, theta_lanes, M_lanes, &answer);
             krhpr_poses_done(M_room, M_at, row, 8, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* jacobians_n of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_prr_jacobians_n_lanes(
+/* jacobians_n of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_prr_jacobians_n_lanes(
     const krhpr_planar_grasp_prr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at s[4],
     const krhpr_lanes_at theta[4], krhpr_lanes_at *KRHPR_RESTRICT J, krhpr_lanes_at *KRHPR_RESTRICT K,
     krhpr_ints *answer)
@@ -1064,7 +1152,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_jacobians_n_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1072,6 +1160,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_jacobians_n_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 16);
     krhpr_poses_keep(finite, K, 16);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_prr_jacobians_n_batch(
@@ -1081,7 +1170,7 @@ KRHPR_API int krhpr_planar_grasp_prr_jacobians_n_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -1092,11 +1181,13 @@ KRHPR_API int krhpr_planar_grasp_prr_jacobians_n_batch(
         krhpr_poses_load(theta_lanes, in[2] + k * in_step[2], in_step[2], 4, here);
         krhpr_lanes J_lanes[16];
         krhpr_lanes K_lanes[16];
-        krhpr_planar_grasp_prr_jacobians_n_lanes(
+        const int doubtful = krhpr_planar_grasp_prr_jacobians_n_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 16, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 16, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_jacobians_n(
@@ -1138,19 +1229,21 @@ KRHPR_API int krhpr_planar_grasp_prr_jacobians_n_soa(
             krhpr_lanes K_room[16];
             double *const K_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_planar_grasp_prr_jacobians_n_lanes(
+            const int doubtful = krhpr_planar_grasp_prr_jacobians_n_lanes(
                 g, pivot_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 16, here);
             krhpr_poses_done(K_room, K_at, row, 16, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* jacobians_k of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_prr_jacobians_k_lanes(
+/* jacobians_k of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_prr_jacobians_k_lanes(
     const krhpr_planar_grasp_prr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at s[4],
     const krhpr_lanes_at theta[4], krhpr_lanes_at *KRHPR_RESTRICT J, krhpr_lanes_at *KRHPR_RESTRICT K,
     krhpr_ints *answer)
@@ -1168,7 +1261,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_jacobians_k_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), aligned[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1179,6 +1272,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_jacobians_k_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 9);
     krhpr_poses_keep(finite, K, 12);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_prr_jacobians_k_batch(
@@ -1188,7 +1282,7 @@ KRHPR_API int krhpr_planar_grasp_prr_jacobians_k_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -1199,11 +1293,13 @@ KRHPR_API int krhpr_planar_grasp_prr_jacobians_k_batch(
         krhpr_poses_load(theta_lanes, in[2] + k * in_step[2], in_step[2], 4, here);
         krhpr_lanes J_lanes[9];
         krhpr_lanes K_lanes[12];
-        krhpr_planar_grasp_prr_jacobians_k_lanes(
+        const int doubtful = krhpr_planar_grasp_prr_jacobians_k_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 12, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_jacobians_k(
@@ -1245,19 +1341,21 @@ KRHPR_API int krhpr_planar_grasp_prr_jacobians_k_soa(
             krhpr_lanes K_room[12];
             double *const K_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_planar_grasp_prr_jacobians_k_lanes(
+            const int doubtful = krhpr_planar_grasp_prr_jacobians_k_lanes(
                 g, pivot_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 9, here);
             krhpr_poses_done(K_room, K_at, row, 12, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* jacobians_r of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_prr_jacobians_r_lanes(
+/* jacobians_r of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_prr_jacobians_r_lanes(
     const krhpr_planar_grasp_prr_geometry *g, const krhpr_lanes_at s[4], const krhpr_lanes_at theta[4],
     krhpr_lanes_at *KRHPR_RESTRICT J, krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
@@ -1272,7 +1370,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_jacobians_r_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1280,6 +1378,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_jacobians_r_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 12);
     krhpr_poses_keep(finite, K, 16);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_prr_jacobians_r_batch(
@@ -1289,7 +1388,7 @@ KRHPR_API int krhpr_planar_grasp_prr_jacobians_r_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[4];
@@ -1298,10 +1397,13 @@ KRHPR_API int krhpr_planar_grasp_prr_jacobians_r_batch(
         krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
         krhpr_lanes J_lanes[12];
         krhpr_lanes K_lanes[16];
-        krhpr_planar_grasp_prr_jacobians_r_lanes(g, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
+        const int doubtful = krhpr_planar_grasp_prr_jacobians_r_lanes(
+            g, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 12, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 16, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_jacobians_r(
@@ -1341,18 +1443,21 @@ KRHPR_API int krhpr_planar_grasp_prr_jacobians_r_soa(
             krhpr_lanes K_room[16];
             double *const K_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_planar_grasp_prr_jacobians_r_lanes(g, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
+            const int doubtful = krhpr_planar_grasp_prr_jacobians_r_lanes(
+                g, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 12, here);
             krhpr_poses_done(K_room, K_at, row, 16, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* twist of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_prr_twist_lanes(
+/* twist of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_prr_twist_lanes(
     const krhpr_planar_grasp_prr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at s[4],
     const krhpr_lanes_at theta[4], const krhpr_lanes_at theta_dot[4],
     krhpr_lanes_at *KRHPR_RESTRICT pivot_rate, krhpr_lanes_at *KRHPR_RESTRICT angle_rates,
@@ -1378,7 +1483,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_twist_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), aligned[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1396,6 +1501,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_twist_lanes(
     krhpr_poses_keep(finite, pivot_rate, 2);
     krhpr_poses_keep(finite, angle_rates, 2);
     krhpr_poses_keep(finite, twist, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_prr_twist_batch(
@@ -1405,7 +1511,7 @@ KRHPR_API int krhpr_planar_grasp_prr_twist_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -1419,13 +1525,15 @@ KRHPR_API int krhpr_planar_grasp_prr_twist_batch(
         krhpr_lanes pivot_rate_lanes[2];
         krhpr_lanes angle_rates_lanes[2];
         krhpr_lanes twist_lanes[3];
-        krhpr_planar_grasp_prr_twist_lanes(
+        const int doubtful = krhpr_planar_grasp_prr_twist_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, theta_dot_lanes, pivot_rate_lanes, angle_rates_lanes,
             twist_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], pivot_rate_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], angle_rates_lanes, 2, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], twist_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_twist(
@@ -1473,21 +1581,23 @@ KRHPR_API int krhpr_planar_grasp_prr_twist_soa(
             krhpr_lanes twist_room[3];
             double *const twist_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const twist_lanes = krhpr_poses_out(twist_room, twist_at, row, here);
-            krhpr_planar_grasp_prr_twist_lanes(
+            const int doubtful = krhpr_planar_grasp_prr_twist_lanes(
                 g, pivot_lanes, s_lanes, theta_lanes, theta_dot_lanes, pivot_rate_lanes, angle_rates_lanes,
                 twist_lanes, &answer);
             krhpr_poses_done(pivot_rate_room, pivot_rate_at, row, 2, here);
             krhpr_poses_done(angle_rates_room, angle_rates_at, row, 2, here);
             krhpr_poses_done(twist_room, twist_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* joint_rates of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_prr_joint_rates_lanes(
+/* joint_rates of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_prr_joint_rates_lanes(
     const krhpr_planar_grasp_prr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at s[4],
     const krhpr_lanes_at theta[4], const krhpr_lanes_at pivot_rate[2], const krhpr_lanes_at angle_rates[2],
     krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
@@ -1510,7 +1620,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_joint_rates_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1522,6 +1632,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_joint_rates_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_dot, 4);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_prr_joint_rates_batch(
@@ -1531,7 +1642,7 @@ KRHPR_API int krhpr_planar_grasp_prr_joint_rates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -1545,11 +1656,13 @@ KRHPR_API int krhpr_planar_grasp_prr_joint_rates_batch(
         krhpr_lanes angle_rates_lanes[2];
         krhpr_poses_load(angle_rates_lanes, in[4] + k * in_step[4], in_step[4], 2, here);
         krhpr_lanes theta_dot_lanes[4];
-        krhpr_planar_grasp_prr_joint_rates_lanes(
+        const int doubtful = krhpr_planar_grasp_prr_joint_rates_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, pivot_rate_lanes, angle_rates_lanes, theta_dot_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 4, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_joint_rates(
@@ -1592,19 +1705,21 @@ KRHPR_API int krhpr_planar_grasp_prr_joint_rates_soa(
             krhpr_lanes theta_dot_room[4];
             double *const theta_dot_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_dot_lanes = krhpr_poses_out(theta_dot_room, theta_dot_at, row, here);
-            krhpr_planar_grasp_prr_joint_rates_lanes(
+            const int doubtful = krhpr_planar_grasp_prr_joint_rates_lanes(
                 g, pivot_lanes, s_lanes, theta_lanes, pivot_rate_lanes, angle_rates_lanes, theta_dot_lanes,
                 &answer);
             krhpr_poses_done(theta_dot_room, theta_dot_at, row, 4, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* singularity of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_prr_singularity_lanes(
+/* singularity of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_prr_singularity_lanes(
     const krhpr_planar_grasp_prr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at s[4],
     const krhpr_lanes_at theta[4], krhpr_lanes_at *KRHPR_RESTRICT type_1,
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT determinants,
@@ -1625,7 +1740,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_singularity_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1635,6 +1750,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_singularity_lanes(
     krhpr_poses_keep(finite, factors, 6);
     krhpr_poses_keep(finite, determinants, 2);
     krhpr_poses_keep(finite, sine, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_prr_singularity_batch(
@@ -1644,7 +1760,7 @@ KRHPR_API int krhpr_planar_grasp_prr_singularity_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -1657,14 +1773,16 @@ KRHPR_API int krhpr_planar_grasp_prr_singularity_batch(
         krhpr_lanes factors_lanes[6];
         krhpr_lanes determinants_lanes[2];
         krhpr_lanes sine_lanes[1];
-        krhpr_planar_grasp_prr_singularity_lanes(
+        const int doubtful = krhpr_planar_grasp_prr_singularity_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, determinants_lanes,
             sine_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_1_lanes, 4, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], factors_lanes, 6, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], determinants_lanes, 2, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], sine_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_singularity(
@@ -1713,22 +1831,24 @@ KRHPR_API int krhpr_planar_grasp_prr_singularity_soa(
             krhpr_lanes sine_room[1];
             double *const sine_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const sine_lanes = krhpr_poses_out(sine_room, sine_at, row, here);
-            krhpr_planar_grasp_prr_singularity_lanes(
+            const int doubtful = krhpr_planar_grasp_prr_singularity_lanes(
                 g, pivot_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, determinants_lanes,
                 sine_lanes, &answer);
             krhpr_poses_done(type_1_room, type_1_at, row, 4, here);
             krhpr_poses_done(factors_room, factors_at, row, 6, here);
             krhpr_poses_done(determinants_room, determinants_at, row, 2, here);
             krhpr_poses_done(sine_room, sine_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_statics_n of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_prr_inverse_statics_n_lanes(
+/* inverse_statics_n of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_prr_inverse_statics_n_lanes(
     const krhpr_planar_grasp_prr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at s[4],
     const krhpr_lanes_at theta[4], const krhpr_lanes_at loads[4],
     krhpr_lanes_at *KRHPR_RESTRICT actuator_forces, krhpr_ints *answer)
@@ -1752,7 +1872,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_inverse_statics_n_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), aligned[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1766,6 +1886,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_inverse_statics_n_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, actuator_forces, 4);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_prr_inverse_statics_n_batch(
@@ -1775,7 +1896,7 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_statics_n_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -1787,10 +1908,12 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_statics_n_batch(
         krhpr_lanes loads_lanes[4];
         krhpr_poses_load(loads_lanes, in[3] + k * in_step[3], in_step[3], 4, here);
         krhpr_lanes actuator_forces_lanes[4];
-        krhpr_planar_grasp_prr_inverse_statics_n_lanes(
+        const int doubtful = krhpr_planar_grasp_prr_inverse_statics_n_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, loads_lanes, actuator_forces_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 4, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_inverse_statics_n(
@@ -1831,18 +1954,20 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_statics_n_soa(
             krhpr_lanes actuator_forces_room[4];
             double *const actuator_forces_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const actuator_forces_lanes = krhpr_poses_out(actuator_forces_room, actuator_forces_at, row, here);
-            krhpr_planar_grasp_prr_inverse_statics_n_lanes(
+            const int doubtful = krhpr_planar_grasp_prr_inverse_statics_n_lanes(
                 g, pivot_lanes, s_lanes, theta_lanes, loads_lanes, actuator_forces_lanes, &answer);
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 4, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_statics_k of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_prr_inverse_statics_k_lanes(
+/* inverse_statics_k of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_prr_inverse_statics_k_lanes(
     const krhpr_planar_grasp_prr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at s[4],
     const krhpr_lanes_at theta[4], const krhpr_lanes_at wrench[3],
     krhpr_lanes_at *KRHPR_RESTRICT actuator_forces, krhpr_ints *answer)
@@ -1866,7 +1991,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_inverse_statics_k_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), aligned[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1880,6 +2005,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_inverse_statics_k_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, actuator_forces, 4);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_prr_inverse_statics_k_batch(
@@ -1889,7 +2015,7 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_statics_k_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -1901,10 +2027,12 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_statics_k_batch(
         krhpr_lanes wrench_lanes[3];
         krhpr_poses_load(wrench_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
         krhpr_lanes actuator_forces_lanes[4];
-        krhpr_planar_grasp_prr_inverse_statics_k_lanes(
+        const int doubtful = krhpr_planar_grasp_prr_inverse_statics_k_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, wrench_lanes, actuator_forces_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 4, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_inverse_statics_k(
@@ -1945,18 +2073,20 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_statics_k_soa(
             krhpr_lanes actuator_forces_room[4];
             double *const actuator_forces_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const actuator_forces_lanes = krhpr_poses_out(actuator_forces_room, actuator_forces_at, row, here);
-            krhpr_planar_grasp_prr_inverse_statics_k_lanes(
+            const int doubtful = krhpr_planar_grasp_prr_inverse_statics_k_lanes(
                 g, pivot_lanes, s_lanes, theta_lanes, wrench_lanes, actuator_forces_lanes, &answer);
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 4, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_statics_r of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_prr_inverse_statics_r_lanes(
+/* inverse_statics_r of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_prr_inverse_statics_r_lanes(
     const krhpr_planar_grasp_prr_geometry *g, const krhpr_lanes_at s[4], const krhpr_lanes_at theta[4],
     const krhpr_lanes_at wrench[3], const krhpr_lanes_at internal_force[1],
     krhpr_lanes_at *KRHPR_RESTRICT actuator_forces, krhpr_lanes_at *KRHPR_RESTRICT least_forces,
@@ -1983,7 +2113,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_inverse_statics_r_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), apart[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2002,6 +2132,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_inverse_statics_r_lanes(
     krhpr_poses_keep(finite, actuator_forces, 4);
     krhpr_poses_keep(finite, least_forces, 4);
     krhpr_poses_keep(finite, null_space, 4);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_prr_inverse_statics_r_batch(
@@ -2011,7 +2142,7 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_statics_r_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[4];
@@ -2025,13 +2156,15 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_statics_r_batch(
         krhpr_lanes actuator_forces_lanes[4];
         krhpr_lanes least_forces_lanes[4];
         krhpr_lanes null_space_lanes[4];
-        krhpr_planar_grasp_prr_inverse_statics_r_lanes(
+        const int doubtful = krhpr_planar_grasp_prr_inverse_statics_r_lanes(
             g, s_lanes, theta_lanes, wrench_lanes, internal_force_lanes, actuator_forces_lanes,
             least_forces_lanes, null_space_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 4, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], least_forces_lanes, 4, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], null_space_lanes, 4, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_inverse_statics_r(
@@ -2079,21 +2212,23 @@ KRHPR_API int krhpr_planar_grasp_prr_inverse_statics_r_soa(
             krhpr_lanes null_space_room[4];
             double *const null_space_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const null_space_lanes = krhpr_poses_out(null_space_room, null_space_at, row, here);
-            krhpr_planar_grasp_prr_inverse_statics_r_lanes(
+            const int doubtful = krhpr_planar_grasp_prr_inverse_statics_r_lanes(
                 g, s_lanes, theta_lanes, wrench_lanes, internal_force_lanes, actuator_forces_lanes,
                 least_forces_lanes, null_space_lanes, &answer);
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 4, here);
             krhpr_poses_done(least_forces_room, least_forces_at, row, 4, here);
             krhpr_poses_done(null_space_room, null_space_at, row, 4, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_statics of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_prr_forward_statics_lanes(
+/* forward_statics of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_prr_forward_statics_lanes(
     const krhpr_planar_grasp_prr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at s[4],
     const krhpr_lanes_at theta[4], const krhpr_lanes_at actuator_forces[4],
     krhpr_lanes_at *KRHPR_RESTRICT loads, krhpr_lanes_at *KRHPR_RESTRICT wrench, krhpr_ints *answer)
@@ -2116,7 +2251,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_forward_statics_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2131,6 +2266,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_forward_statics_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, loads, 4);
     krhpr_poses_keep(finite, wrench, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_prr_forward_statics_batch(
@@ -2140,7 +2276,7 @@ KRHPR_API int krhpr_planar_grasp_prr_forward_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -2153,11 +2289,13 @@ KRHPR_API int krhpr_planar_grasp_prr_forward_statics_batch(
         krhpr_poses_load(actuator_forces_lanes, in[3] + k * in_step[3], in_step[3], 4, here);
         krhpr_lanes loads_lanes[4];
         krhpr_lanes wrench_lanes[3];
-        krhpr_planar_grasp_prr_forward_statics_lanes(
+        const int doubtful = krhpr_planar_grasp_prr_forward_statics_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, actuator_forces_lanes, loads_lanes, wrench_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], loads_lanes, 4, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], wrench_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_forward_statics(
@@ -2201,20 +2339,22 @@ KRHPR_API int krhpr_planar_grasp_prr_forward_statics_soa(
             krhpr_lanes wrench_room[3];
             double *const wrench_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const wrench_lanes = krhpr_poses_out(wrench_room, wrench_at, row, here);
-            krhpr_planar_grasp_prr_forward_statics_lanes(
+            const int doubtful = krhpr_planar_grasp_prr_forward_statics_lanes(
                 g, pivot_lanes, s_lanes, theta_lanes, actuator_forces_lanes, loads_lanes, wrench_lanes,
                 &answer);
             krhpr_poses_done(loads_room, loads_at, row, 4, here);
             krhpr_poses_done(wrench_room, wrench_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* grasp of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_prr_grasp_lanes(
+/* grasp of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_prr_grasp_lanes(
     const krhpr_planar_grasp_prr_geometry *g, const krhpr_lanes_at angles[2],
     const krhpr_lanes_at contacts[4], const krhpr_lanes_at faces[2], const krhpr_lanes_at mass_centre[2],
     const krhpr_lanes_at weight[2], const krhpr_lanes_at sensor[4], const krhpr_lanes_at measured_force[1],
@@ -2252,7 +2392,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_grasp_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2277,6 +2417,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_prr_grasp_lanes(
     krhpr_poses_keep(finite, friction_margins, 2);
     krhpr_poses_keep(finite, determinant, 1);
     krhpr_poses_keep(finite, pulls, 2);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_prr_grasp_batch(
@@ -2286,7 +2427,7 @@ KRHPR_API int krhpr_planar_grasp_prr_grasp_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes angles_lanes[2];
@@ -2310,7 +2451,7 @@ KRHPR_API int krhpr_planar_grasp_prr_grasp_batch(
         krhpr_lanes friction_margins_lanes[2];
         krhpr_lanes determinant_lanes[1];
         krhpr_lanes pulls_lanes[2];
-        krhpr_planar_grasp_prr_grasp_lanes(
+        const int doubtful = krhpr_planar_grasp_prr_grasp_lanes(
             g, angles_lanes, contacts_lanes, faces_lanes, mass_centre_lanes, weight_lanes, sensor_lanes,
             measured_force_lanes, friction_lanes, contact_forces_lanes, loads_lanes, friction_margins_lanes,
             determinant_lanes, pulls_lanes, &answer);
@@ -2319,7 +2460,9 @@ KRHPR_API int krhpr_planar_grasp_prr_grasp_batch(
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], friction_margins_lanes, 2, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], determinant_lanes, 1, here);
         krhpr_poses_store(out[4] + k * out_step[4], out_step[4], pulls_lanes, 2, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_prr_grasp(
@@ -2383,7 +2526,7 @@ KRHPR_API int krhpr_planar_grasp_prr_grasp_soa(
             krhpr_lanes pulls_room[2];
             double *const pulls_at = out[4] + b * out_step[4] + k;
             krhpr_lanes_at *const pulls_lanes = krhpr_poses_out(pulls_room, pulls_at, row, here);
-            krhpr_planar_grasp_prr_grasp_lanes(
+            const int doubtful = krhpr_planar_grasp_prr_grasp_lanes(
                 g, angles_lanes, contacts_lanes, faces_lanes, mass_centre_lanes, weight_lanes, sensor_lanes,
                 measured_force_lanes, friction_lanes, contact_forces_lanes, loads_lanes,
                 friction_margins_lanes, determinant_lanes, pulls_lanes, &answer);
@@ -2392,7 +2535,9 @@ KRHPR_API int krhpr_planar_grasp_prr_grasp_soa(
             krhpr_poses_done(friction_margins_room, friction_margins_at, row, 2, here);
             krhpr_poses_done(determinant_room, determinant_at, row, 1, here);
             krhpr_poses_done(pulls_room, pulls_at, row, 2, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;

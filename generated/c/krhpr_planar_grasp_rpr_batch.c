@@ -13,8 +13,8 @@
 
 static const double assembly_default[2] = {1.0, 1.0};
 
-/* end_points of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_rpr_end_points_lanes(
+/* end_points of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_rpr_end_points_lanes(
     const krhpr_planar_grasp_rpr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at angles[2],
     krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
@@ -33,13 +33,14 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_end_points_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 4);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_rpr_end_points_batch(
@@ -49,7 +50,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_end_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -57,9 +58,12 @@ KRHPR_API int krhpr_planar_grasp_rpr_end_points_batch(
         krhpr_lanes angles_lanes[2];
         krhpr_poses_load(angles_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
         krhpr_lanes s_lanes[4];
-        krhpr_planar_grasp_rpr_end_points_lanes(g, pivot_lanes, angles_lanes, s_lanes, &answer);
+        const int doubtful = krhpr_planar_grasp_rpr_end_points_lanes(
+            g, pivot_lanes, angles_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 4, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_end_points(
@@ -95,17 +99,20 @@ KRHPR_API int krhpr_planar_grasp_rpr_end_points_soa(
             krhpr_lanes s_room[4];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_planar_grasp_rpr_end_points_lanes(g, pivot_lanes, angles_lanes, s_lanes, &answer);
+            const int doubtful = krhpr_planar_grasp_rpr_end_points_lanes(
+                g, pivot_lanes, angles_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 4, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_inverse of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_rpr_subleg_inverse_lanes(
+/* subleg_inverse of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_rpr_subleg_inverse_lanes(
     const krhpr_planar_grasp_rpr_geometry *g, const krhpr_lanes_at s[4],
     krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
@@ -121,7 +128,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_subleg_inverse_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -133,6 +140,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_subleg_inverse_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 4);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_rpr_subleg_inverse_batch(
@@ -142,15 +150,17 @@ KRHPR_API int krhpr_planar_grasp_rpr_subleg_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[4];
         krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 4, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_planar_grasp_rpr_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
+        const int doubtful = krhpr_planar_grasp_rpr_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 4, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
@@ -183,17 +193,20 @@ KRHPR_API int krhpr_planar_grasp_rpr_subleg_inverse_soa(
             krhpr_lanes theta_room[4];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_planar_grasp_rpr_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
+            const int doubtful = krhpr_planar_grasp_rpr_subleg_inverse_lanes(
+                g, s_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 4, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_rpr_inverse_lanes(
+/* inverse of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_rpr_inverse_lanes(
     const krhpr_planar_grasp_rpr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at angles[2],
     krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
@@ -217,7 +230,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_inverse_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -229,6 +242,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_inverse_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 4);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_rpr_inverse_batch(
@@ -238,7 +252,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -246,9 +260,12 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_batch(
         krhpr_lanes angles_lanes[2];
         krhpr_poses_load(angles_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_planar_grasp_rpr_inverse_lanes(g, pivot_lanes, angles_lanes, theta_lanes, &answer);
+        const int doubtful = krhpr_planar_grasp_rpr_inverse_lanes(
+            g, pivot_lanes, angles_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 4, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_inverse(
@@ -284,17 +301,20 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_soa(
             krhpr_lanes theta_room[4];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_planar_grasp_rpr_inverse_lanes(g, pivot_lanes, angles_lanes, theta_lanes, &answer);
+            const int doubtful = krhpr_planar_grasp_rpr_inverse_lanes(
+                g, pivot_lanes, angles_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 4, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_all of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_rpr_inverse_all_lanes(
+/* inverse_all of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_rpr_inverse_all_lanes(
     const krhpr_planar_grasp_rpr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at angles[2],
     krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
@@ -318,7 +338,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_inverse_all_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -330,6 +350,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_inverse_all_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 4);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_rpr_inverse_all_batch(
@@ -339,7 +360,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -347,9 +368,12 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_all_batch(
         krhpr_lanes angles_lanes[2];
         krhpr_poses_load(angles_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
         krhpr_lanes theta_lanes[4];
-        krhpr_planar_grasp_rpr_inverse_all_lanes(g, pivot_lanes, angles_lanes, theta_lanes, &answer);
+        const int doubtful = krhpr_planar_grasp_rpr_inverse_all_lanes(
+            g, pivot_lanes, angles_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 4, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_inverse_all(
@@ -385,17 +409,20 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_all_soa(
             krhpr_lanes theta_room[4];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_planar_grasp_rpr_inverse_all_lanes(g, pivot_lanes, angles_lanes, theta_lanes, &answer);
+            const int doubtful = krhpr_planar_grasp_rpr_inverse_all_lanes(
+                g, pivot_lanes, angles_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 4, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_status of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_rpr_inverse_status_lanes(
+/* inverse_status of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_rpr_inverse_status_lanes(
     const krhpr_planar_grasp_rpr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at angles[2],
     krhpr_lanes_at *KRHPR_RESTRICT excess, krhpr_ints *answer)
 {
@@ -418,7 +445,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_inverse_status_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -429,6 +456,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_inverse_status_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 2);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_rpr_inverse_status_batch(
@@ -438,7 +466,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_status_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -446,9 +474,12 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_status_batch(
         krhpr_lanes angles_lanes[2];
         krhpr_poses_load(angles_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
         krhpr_lanes excess_lanes[2];
-        krhpr_planar_grasp_rpr_inverse_status_lanes(g, pivot_lanes, angles_lanes, excess_lanes, &answer);
+        const int doubtful = krhpr_planar_grasp_rpr_inverse_status_lanes(
+            g, pivot_lanes, angles_lanes, excess_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess_lanes, 2, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_inverse_status(
@@ -484,17 +515,20 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_status_soa(
             krhpr_lanes excess_room[2];
             double *const excess_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const excess_lanes = krhpr_poses_out(excess_room, excess_at, row, here);
-            krhpr_planar_grasp_rpr_inverse_status_lanes(g, pivot_lanes, angles_lanes, excess_lanes, &answer);
+            const int doubtful = krhpr_planar_grasp_rpr_inverse_status_lanes(
+                g, pivot_lanes, angles_lanes, excess_lanes, &answer);
             krhpr_poses_done(excess_room, excess_at, row, 2, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_forward of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_rpr_subleg_forward_lanes(
+/* subleg_forward of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_rpr_subleg_forward_lanes(
     const krhpr_planar_grasp_rpr_geometry *g, const krhpr_lanes_at theta[4],
     const krhpr_lanes_at assembly[2], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
@@ -510,7 +544,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_subleg_forward_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -522,6 +556,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_subleg_forward_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 4);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_rpr_subleg_forward_batch(
@@ -531,17 +566,25 @@ KRHPR_API int krhpr_planar_grasp_rpr_subleg_forward_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes assembly_lanes[2];
+    if (in[1] == NULL) {
+        krhpr_poses_load(assembly_lanes, assembly_default, 0, 2, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[4];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 4, here);
-        krhpr_lanes assembly_lanes[2];
-        krhpr_poses_load(assembly_lanes, in[1] ? in[1] + k * in_step[1] : assembly_default, in[1] ? in_step[1] : 0, 2, here);
+        if (in[1] != NULL) {
+            krhpr_poses_load(assembly_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        }
         krhpr_lanes s_lanes[4];
-        krhpr_planar_grasp_rpr_subleg_forward_lanes(g, theta_lanes, assembly_lanes, s_lanes, &answer);
+        const int doubtful = krhpr_planar_grasp_rpr_subleg_forward_lanes(
+            g, theta_lanes, assembly_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 4, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_subleg_forward(
@@ -559,6 +602,10 @@ KRHPR_API int krhpr_planar_grasp_rpr_subleg_forward_soa(
     const krhpr_planar_grasp_rpr_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes assembly_room[2];
+    if (in[1] == NULL) {
+        krhpr_poses_load(assembly_room, assembly_default, 0, 2, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -572,27 +619,27 @@ KRHPR_API int krhpr_planar_grasp_rpr_subleg_forward_soa(
             krhpr_ints answer;
             krhpr_lanes theta_room[4];
             const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 4, here);
-            krhpr_lanes assembly_room[2];
             const krhpr_lanes_at *assembly_lanes = assembly_room;
             if (in[1] != NULL) {
                 assembly_lanes = krhpr_poses_in(assembly_room, in[1] + b * in_step[1] + k, row, 2, here);
-            } else {
-                krhpr_poses_load(assembly_room, assembly_default, 0, 2, here);
             }
             krhpr_lanes s_room[4];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_planar_grasp_rpr_subleg_forward_lanes(g, theta_lanes, assembly_lanes, s_lanes, &answer);
+            const int doubtful = krhpr_planar_grasp_rpr_subleg_forward_lanes(
+                g, theta_lanes, assembly_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 4, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_rpr_forward_lanes(
+/* forward of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_rpr_forward_lanes(
     const krhpr_planar_grasp_rpr_geometry *g, const krhpr_lanes_at theta[4],
     const krhpr_lanes_at assembly[2], const krhpr_lanes_at side[1], krhpr_lanes_at *KRHPR_RESTRICT pivot,
     krhpr_lanes_at *KRHPR_RESTRICT angles, krhpr_ints *answer)
@@ -621,7 +668,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_forward_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), radicands[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -637,6 +684,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_forward_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, pivot, 2);
     krhpr_poses_keep(finite, angles, 2);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_rpr_forward_batch(
@@ -646,22 +694,29 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes assembly_lanes[2];
+    if (in[1] == NULL) {
+        krhpr_poses_load(assembly_lanes, assembly_default, 0, 2, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[4];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 4, here);
-        krhpr_lanes assembly_lanes[2];
-        krhpr_poses_load(assembly_lanes, in[1] ? in[1] + k * in_step[1] : assembly_default, in[1] ? in_step[1] : 0, 2, here);
+        if (in[1] != NULL) {
+            krhpr_poses_load(assembly_lanes, in[1] + k * in_step[1], in_step[1], 2, here);
+        }
         krhpr_lanes side_lanes[1];
         krhpr_poses_load(side_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
         krhpr_lanes pivot_lanes[2];
         krhpr_lanes angles_lanes[2];
-        krhpr_planar_grasp_rpr_forward_lanes(
+        const int doubtful = krhpr_planar_grasp_rpr_forward_lanes(
             g, theta_lanes, assembly_lanes, side_lanes, pivot_lanes, angles_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], pivot_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], angles_lanes, 2, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_forward(
@@ -680,6 +735,10 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_soa(
     const krhpr_planar_grasp_rpr_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes assembly_room[2];
+    if (in[1] == NULL) {
+        krhpr_poses_load(assembly_room, assembly_default, 0, 2, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -693,12 +752,9 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_soa(
             krhpr_ints answer;
             krhpr_lanes theta_room[4];
             const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 4, here);
-            krhpr_lanes assembly_room[2];
             const krhpr_lanes_at *assembly_lanes = assembly_room;
             if (in[1] != NULL) {
                 assembly_lanes = krhpr_poses_in(assembly_room, in[1] + b * in_step[1] + k, row, 2, here);
-            } else {
-                krhpr_poses_load(assembly_room, assembly_default, 0, 2, here);
             }
             krhpr_lanes side_room[1];
             const krhpr_lanes_at *const side_lanes = krhpr_poses_in(side_room, in[2] + b * in_step[2] + k, row, 1, here);
@@ -708,19 +764,21 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_soa(
             krhpr_lanes angles_room[2];
             double *const angles_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const angles_lanes = krhpr_poses_out(angles_room, angles_at, row, here);
-            krhpr_planar_grasp_rpr_forward_lanes(
+            const int doubtful = krhpr_planar_grasp_rpr_forward_lanes(
                 g, theta_lanes, assembly_lanes, side_lanes, pivot_lanes, angles_lanes, &answer);
             krhpr_poses_done(pivot_room, pivot_at, row, 2, here);
             krhpr_poses_done(angles_room, angles_at, row, 2, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_all of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_rpr_forward_all_lanes(
+/* forward_all of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_rpr_forward_all_lanes(
     const krhpr_planar_grasp_rpr_geometry *g, const krhpr_lanes_at theta[4],
     krhpr_lanes_at *KRHPR_RESTRICT pivot, krhpr_lanes_at *KRHPR_RESTRICT angles, krhpr_ints *answer)
 {
@@ -760,7 +818,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_forward_all_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -775,6 +833,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_forward_all_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, pivot, 16);
     krhpr_poses_keep(finite, angles, 16);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_rpr_forward_all_batch(
@@ -784,17 +843,20 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[4];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 4, here);
         krhpr_lanes pivot_lanes[16];
         krhpr_lanes angles_lanes[16];
-        krhpr_planar_grasp_rpr_forward_all_lanes(g, theta_lanes, pivot_lanes, angles_lanes, &answer);
+        const int doubtful = krhpr_planar_grasp_rpr_forward_all_lanes(
+            g, theta_lanes, pivot_lanes, angles_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], pivot_lanes, 16, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], angles_lanes, 16, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_forward_all(
@@ -831,18 +893,21 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_all_soa(
             krhpr_lanes angles_room[16];
             double *const angles_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const angles_lanes = krhpr_poses_out(angles_room, angles_at, row, here);
-            krhpr_planar_grasp_rpr_forward_all_lanes(g, theta_lanes, pivot_lanes, angles_lanes, &answer);
+            const int doubtful = krhpr_planar_grasp_rpr_forward_all_lanes(
+                g, theta_lanes, pivot_lanes, angles_lanes, &answer);
             krhpr_poses_done(pivot_room, pivot_at, row, 16, here);
             krhpr_poses_done(angles_room, angles_at, row, 16, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* link_points of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_rpr_link_points_lanes(
+/* link_points of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_rpr_link_points_lanes(
     const krhpr_planar_grasp_rpr_geometry *g, const krhpr_lanes_at s[4], const krhpr_lanes_at theta[4],
     krhpr_lanes_at *KRHPR_RESTRICT points, krhpr_ints *answer)
 {
@@ -856,13 +921,14 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_link_points_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, points, 12);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_rpr_link_points_batch(
@@ -872,7 +938,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_link_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[4];
@@ -880,9 +946,12 @@ KRHPR_API int krhpr_planar_grasp_rpr_link_points_batch(
         krhpr_lanes theta_lanes[4];
         krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
         krhpr_lanes points_lanes[12];
-        krhpr_planar_grasp_rpr_link_points_lanes(g, s_lanes, theta_lanes, points_lanes, &answer);
+        const int doubtful = krhpr_planar_grasp_rpr_link_points_lanes(
+            g, s_lanes, theta_lanes, points_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], points_lanes, 12, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_link_points(
@@ -918,17 +987,20 @@ KRHPR_API int krhpr_planar_grasp_rpr_link_points_soa(
             krhpr_lanes points_room[12];
             double *const points_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const points_lanes = krhpr_poses_out(points_room, points_at, row, here);
-            krhpr_planar_grasp_rpr_link_points_lanes(g, s_lanes, theta_lanes, points_lanes, &answer);
+            const int doubtful = krhpr_planar_grasp_rpr_link_points_lanes(
+                g, s_lanes, theta_lanes, points_lanes, &answer);
             krhpr_poses_done(points_room, points_at, row, 12, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_jacobian of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_rpr_subleg_jacobian_lanes(
+/* subleg_jacobian of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_rpr_subleg_jacobian_lanes(
     const krhpr_planar_grasp_rpr_geometry *g, const krhpr_lanes_at s[4], const krhpr_lanes_at theta[4],
     krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_ints *answer)
 {
@@ -946,7 +1018,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_subleg_jacobian_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -958,6 +1030,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_subleg_jacobian_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, M, 8);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_rpr_subleg_jacobian_batch(
@@ -967,7 +1040,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_subleg_jacobian_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[4];
@@ -975,9 +1048,12 @@ KRHPR_API int krhpr_planar_grasp_rpr_subleg_jacobian_batch(
         krhpr_lanes theta_lanes[4];
         krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
         krhpr_lanes M_lanes[8];
-        krhpr_planar_grasp_rpr_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
+        const int doubtful = krhpr_planar_grasp_rpr_subleg_jacobian_lanes(
+            g, s_lanes, theta_lanes, M_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M_lanes, 8, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_subleg_jacobian(
@@ -1013,17 +1089,20 @@ KRHPR_API int krhpr_planar_grasp_rpr_subleg_jacobian_soa(
             krhpr_lanes M_room[8];
             double *const M_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const M_lanes = krhpr_poses_out(M_room, M_at, row, here);
-            krhpr_planar_grasp_rpr_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
+            const int doubtful = krhpr_planar_grasp_rpr_subleg_jacobian_lanes(
+                g, s_lanes, theta_lanes, M_lanes, &answer);
             krhpr_poses_done(M_room, M_at, row, 8, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* jacobians_n of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_rpr_jacobians_n_lanes(
+/* jacobians_n of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_rpr_jacobians_n_lanes(
     const krhpr_planar_grasp_rpr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at s[4],
     const krhpr_lanes_at theta[4], krhpr_lanes_at *KRHPR_RESTRICT J, krhpr_lanes_at *KRHPR_RESTRICT K,
     krhpr_ints *answer)
@@ -1039,7 +1118,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_jacobians_n_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1047,6 +1126,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_jacobians_n_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 16);
     krhpr_poses_keep(finite, K, 16);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_rpr_jacobians_n_batch(
@@ -1056,7 +1136,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_jacobians_n_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -1067,11 +1147,13 @@ KRHPR_API int krhpr_planar_grasp_rpr_jacobians_n_batch(
         krhpr_poses_load(theta_lanes, in[2] + k * in_step[2], in_step[2], 4, here);
         krhpr_lanes J_lanes[16];
         krhpr_lanes K_lanes[16];
-        krhpr_planar_grasp_rpr_jacobians_n_lanes(
+        const int doubtful = krhpr_planar_grasp_rpr_jacobians_n_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 16, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 16, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_jacobians_n(
@@ -1113,19 +1195,21 @@ KRHPR_API int krhpr_planar_grasp_rpr_jacobians_n_soa(
             krhpr_lanes K_room[16];
             double *const K_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_planar_grasp_rpr_jacobians_n_lanes(
+            const int doubtful = krhpr_planar_grasp_rpr_jacobians_n_lanes(
                 g, pivot_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 16, here);
             krhpr_poses_done(K_room, K_at, row, 16, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* jacobians_k of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_rpr_jacobians_k_lanes(
+/* jacobians_k of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_rpr_jacobians_k_lanes(
     const krhpr_planar_grasp_rpr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at s[4],
     const krhpr_lanes_at theta[4], krhpr_lanes_at *KRHPR_RESTRICT J, krhpr_lanes_at *KRHPR_RESTRICT K,
     krhpr_ints *answer)
@@ -1143,7 +1227,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_jacobians_k_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), aligned[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1154,6 +1238,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_jacobians_k_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 9);
     krhpr_poses_keep(finite, K, 12);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_rpr_jacobians_k_batch(
@@ -1163,7 +1248,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_jacobians_k_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -1174,11 +1259,13 @@ KRHPR_API int krhpr_planar_grasp_rpr_jacobians_k_batch(
         krhpr_poses_load(theta_lanes, in[2] + k * in_step[2], in_step[2], 4, here);
         krhpr_lanes J_lanes[9];
         krhpr_lanes K_lanes[12];
-        krhpr_planar_grasp_rpr_jacobians_k_lanes(
+        const int doubtful = krhpr_planar_grasp_rpr_jacobians_k_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 12, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_jacobians_k(
@@ -1220,19 +1307,21 @@ KRHPR_API int krhpr_planar_grasp_rpr_jacobians_k_soa(
             krhpr_lanes K_room[12];
             double *const K_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_planar_grasp_rpr_jacobians_k_lanes(
+            const int doubtful = krhpr_planar_grasp_rpr_jacobians_k_lanes(
                 g, pivot_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 9, here);
             krhpr_poses_done(K_room, K_at, row, 12, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* jacobians_r of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_rpr_jacobians_r_lanes(
+/* jacobians_r of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_rpr_jacobians_r_lanes(
     const krhpr_planar_grasp_rpr_geometry *g, const krhpr_lanes_at s[4], const krhpr_lanes_at theta[4],
     krhpr_lanes_at *KRHPR_RESTRICT J, krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
@@ -1247,7 +1336,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_jacobians_r_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1255,6 +1344,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_jacobians_r_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 12);
     krhpr_poses_keep(finite, K, 16);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_rpr_jacobians_r_batch(
@@ -1264,7 +1354,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_jacobians_r_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[4];
@@ -1273,10 +1363,13 @@ KRHPR_API int krhpr_planar_grasp_rpr_jacobians_r_batch(
         krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 4, here);
         krhpr_lanes J_lanes[12];
         krhpr_lanes K_lanes[16];
-        krhpr_planar_grasp_rpr_jacobians_r_lanes(g, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
+        const int doubtful = krhpr_planar_grasp_rpr_jacobians_r_lanes(
+            g, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 12, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 16, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_jacobians_r(
@@ -1316,18 +1409,21 @@ KRHPR_API int krhpr_planar_grasp_rpr_jacobians_r_soa(
             krhpr_lanes K_room[16];
             double *const K_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_planar_grasp_rpr_jacobians_r_lanes(g, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
+            const int doubtful = krhpr_planar_grasp_rpr_jacobians_r_lanes(
+                g, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 12, here);
             krhpr_poses_done(K_room, K_at, row, 16, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* twist of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_rpr_twist_lanes(
+/* twist of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_rpr_twist_lanes(
     const krhpr_planar_grasp_rpr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at s[4],
     const krhpr_lanes_at theta[4], const krhpr_lanes_at theta_dot[4],
     krhpr_lanes_at *KRHPR_RESTRICT pivot_rate, krhpr_lanes_at *KRHPR_RESTRICT angle_rates,
@@ -1353,7 +1449,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_twist_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), aligned[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1371,6 +1467,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_twist_lanes(
     krhpr_poses_keep(finite, pivot_rate, 2);
     krhpr_poses_keep(finite, angle_rates, 2);
     krhpr_poses_keep(finite, twist, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_rpr_twist_batch(
@@ -1380,7 +1477,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_twist_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -1394,13 +1491,15 @@ KRHPR_API int krhpr_planar_grasp_rpr_twist_batch(
         krhpr_lanes pivot_rate_lanes[2];
         krhpr_lanes angle_rates_lanes[2];
         krhpr_lanes twist_lanes[3];
-        krhpr_planar_grasp_rpr_twist_lanes(
+        const int doubtful = krhpr_planar_grasp_rpr_twist_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, theta_dot_lanes, pivot_rate_lanes, angle_rates_lanes,
             twist_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], pivot_rate_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], angle_rates_lanes, 2, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], twist_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_twist(
@@ -1448,21 +1547,23 @@ KRHPR_API int krhpr_planar_grasp_rpr_twist_soa(
             krhpr_lanes twist_room[3];
             double *const twist_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const twist_lanes = krhpr_poses_out(twist_room, twist_at, row, here);
-            krhpr_planar_grasp_rpr_twist_lanes(
+            const int doubtful = krhpr_planar_grasp_rpr_twist_lanes(
                 g, pivot_lanes, s_lanes, theta_lanes, theta_dot_lanes, pivot_rate_lanes, angle_rates_lanes,
                 twist_lanes, &answer);
             krhpr_poses_done(pivot_rate_room, pivot_rate_at, row, 2, here);
             krhpr_poses_done(angle_rates_room, angle_rates_at, row, 2, here);
             krhpr_poses_done(twist_room, twist_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* joint_rates of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_rpr_joint_rates_lanes(
+/* joint_rates of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_rpr_joint_rates_lanes(
     const krhpr_planar_grasp_rpr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at s[4],
     const krhpr_lanes_at theta[4], const krhpr_lanes_at pivot_rate[2], const krhpr_lanes_at angle_rates[2],
     krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
@@ -1485,7 +1586,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_joint_rates_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1497,6 +1598,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_joint_rates_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_dot, 4);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_rpr_joint_rates_batch(
@@ -1506,7 +1608,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_joint_rates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -1520,11 +1622,13 @@ KRHPR_API int krhpr_planar_grasp_rpr_joint_rates_batch(
         krhpr_lanes angle_rates_lanes[2];
         krhpr_poses_load(angle_rates_lanes, in[4] + k * in_step[4], in_step[4], 2, here);
         krhpr_lanes theta_dot_lanes[4];
-        krhpr_planar_grasp_rpr_joint_rates_lanes(
+        const int doubtful = krhpr_planar_grasp_rpr_joint_rates_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, pivot_rate_lanes, angle_rates_lanes, theta_dot_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 4, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_joint_rates(
@@ -1567,19 +1671,21 @@ KRHPR_API int krhpr_planar_grasp_rpr_joint_rates_soa(
             krhpr_lanes theta_dot_room[4];
             double *const theta_dot_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_dot_lanes = krhpr_poses_out(theta_dot_room, theta_dot_at, row, here);
-            krhpr_planar_grasp_rpr_joint_rates_lanes(
+            const int doubtful = krhpr_planar_grasp_rpr_joint_rates_lanes(
                 g, pivot_lanes, s_lanes, theta_lanes, pivot_rate_lanes, angle_rates_lanes, theta_dot_lanes,
                 &answer);
             krhpr_poses_done(theta_dot_room, theta_dot_at, row, 4, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* singularity of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_rpr_singularity_lanes(
+/* singularity of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_rpr_singularity_lanes(
     const krhpr_planar_grasp_rpr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at s[4],
     const krhpr_lanes_at theta[4], krhpr_lanes_at *KRHPR_RESTRICT type_1,
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT determinants,
@@ -1600,7 +1706,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_singularity_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1610,6 +1716,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_singularity_lanes(
     krhpr_poses_keep(finite, factors, 6);
     krhpr_poses_keep(finite, determinants, 2);
     krhpr_poses_keep(finite, sine, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_rpr_singularity_batch(
@@ -1619,7 +1726,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_singularity_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -1632,14 +1739,16 @@ KRHPR_API int krhpr_planar_grasp_rpr_singularity_batch(
         krhpr_lanes factors_lanes[6];
         krhpr_lanes determinants_lanes[2];
         krhpr_lanes sine_lanes[1];
-        krhpr_planar_grasp_rpr_singularity_lanes(
+        const int doubtful = krhpr_planar_grasp_rpr_singularity_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, determinants_lanes,
             sine_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_1_lanes, 4, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], factors_lanes, 6, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], determinants_lanes, 2, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], sine_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_singularity(
@@ -1688,22 +1797,24 @@ KRHPR_API int krhpr_planar_grasp_rpr_singularity_soa(
             krhpr_lanes sine_room[1];
             double *const sine_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const sine_lanes = krhpr_poses_out(sine_room, sine_at, row, here);
-            krhpr_planar_grasp_rpr_singularity_lanes(
+            const int doubtful = krhpr_planar_grasp_rpr_singularity_lanes(
                 g, pivot_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, determinants_lanes,
                 sine_lanes, &answer);
             krhpr_poses_done(type_1_room, type_1_at, row, 4, here);
             krhpr_poses_done(factors_room, factors_at, row, 6, here);
             krhpr_poses_done(determinants_room, determinants_at, row, 2, here);
             krhpr_poses_done(sine_room, sine_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_statics_n of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_rpr_inverse_statics_n_lanes(
+/* inverse_statics_n of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_rpr_inverse_statics_n_lanes(
     const krhpr_planar_grasp_rpr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at s[4],
     const krhpr_lanes_at theta[4], const krhpr_lanes_at loads[4],
     krhpr_lanes_at *KRHPR_RESTRICT actuator_forces, krhpr_ints *answer)
@@ -1727,7 +1838,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_inverse_statics_n_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), aligned[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1741,6 +1852,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_inverse_statics_n_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, actuator_forces, 4);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_rpr_inverse_statics_n_batch(
@@ -1750,7 +1862,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_statics_n_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -1762,10 +1874,12 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_statics_n_batch(
         krhpr_lanes loads_lanes[4];
         krhpr_poses_load(loads_lanes, in[3] + k * in_step[3], in_step[3], 4, here);
         krhpr_lanes actuator_forces_lanes[4];
-        krhpr_planar_grasp_rpr_inverse_statics_n_lanes(
+        const int doubtful = krhpr_planar_grasp_rpr_inverse_statics_n_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, loads_lanes, actuator_forces_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 4, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_inverse_statics_n(
@@ -1806,18 +1920,20 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_statics_n_soa(
             krhpr_lanes actuator_forces_room[4];
             double *const actuator_forces_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const actuator_forces_lanes = krhpr_poses_out(actuator_forces_room, actuator_forces_at, row, here);
-            krhpr_planar_grasp_rpr_inverse_statics_n_lanes(
+            const int doubtful = krhpr_planar_grasp_rpr_inverse_statics_n_lanes(
                 g, pivot_lanes, s_lanes, theta_lanes, loads_lanes, actuator_forces_lanes, &answer);
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 4, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_statics_k of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_rpr_inverse_statics_k_lanes(
+/* inverse_statics_k of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_rpr_inverse_statics_k_lanes(
     const krhpr_planar_grasp_rpr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at s[4],
     const krhpr_lanes_at theta[4], const krhpr_lanes_at wrench[3],
     krhpr_lanes_at *KRHPR_RESTRICT actuator_forces, krhpr_ints *answer)
@@ -1841,7 +1957,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_inverse_statics_k_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), aligned[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1855,6 +1971,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_inverse_statics_k_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, actuator_forces, 4);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_rpr_inverse_statics_k_batch(
@@ -1864,7 +1981,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_statics_k_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -1876,10 +1993,12 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_statics_k_batch(
         krhpr_lanes wrench_lanes[3];
         krhpr_poses_load(wrench_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
         krhpr_lanes actuator_forces_lanes[4];
-        krhpr_planar_grasp_rpr_inverse_statics_k_lanes(
+        const int doubtful = krhpr_planar_grasp_rpr_inverse_statics_k_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, wrench_lanes, actuator_forces_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 4, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_inverse_statics_k(
@@ -1920,18 +2039,20 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_statics_k_soa(
             krhpr_lanes actuator_forces_room[4];
             double *const actuator_forces_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const actuator_forces_lanes = krhpr_poses_out(actuator_forces_room, actuator_forces_at, row, here);
-            krhpr_planar_grasp_rpr_inverse_statics_k_lanes(
+            const int doubtful = krhpr_planar_grasp_rpr_inverse_statics_k_lanes(
                 g, pivot_lanes, s_lanes, theta_lanes, wrench_lanes, actuator_forces_lanes, &answer);
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 4, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_statics_r of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_rpr_inverse_statics_r_lanes(
+/* inverse_statics_r of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_rpr_inverse_statics_r_lanes(
     const krhpr_planar_grasp_rpr_geometry *g, const krhpr_lanes_at s[4], const krhpr_lanes_at theta[4],
     const krhpr_lanes_at wrench[3], const krhpr_lanes_at internal_force[1],
     krhpr_lanes_at *KRHPR_RESTRICT actuator_forces, krhpr_lanes_at *KRHPR_RESTRICT least_forces,
@@ -1958,7 +2079,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_inverse_statics_r_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), apart[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1977,6 +2098,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_inverse_statics_r_lanes(
     krhpr_poses_keep(finite, actuator_forces, 4);
     krhpr_poses_keep(finite, least_forces, 4);
     krhpr_poses_keep(finite, null_space, 4);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_rpr_inverse_statics_r_batch(
@@ -1986,7 +2108,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_statics_r_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[4];
@@ -2000,13 +2122,15 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_statics_r_batch(
         krhpr_lanes actuator_forces_lanes[4];
         krhpr_lanes least_forces_lanes[4];
         krhpr_lanes null_space_lanes[4];
-        krhpr_planar_grasp_rpr_inverse_statics_r_lanes(
+        const int doubtful = krhpr_planar_grasp_rpr_inverse_statics_r_lanes(
             g, s_lanes, theta_lanes, wrench_lanes, internal_force_lanes, actuator_forces_lanes,
             least_forces_lanes, null_space_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 4, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], least_forces_lanes, 4, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], null_space_lanes, 4, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_inverse_statics_r(
@@ -2054,21 +2178,23 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_statics_r_soa(
             krhpr_lanes null_space_room[4];
             double *const null_space_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const null_space_lanes = krhpr_poses_out(null_space_room, null_space_at, row, here);
-            krhpr_planar_grasp_rpr_inverse_statics_r_lanes(
+            const int doubtful = krhpr_planar_grasp_rpr_inverse_statics_r_lanes(
                 g, s_lanes, theta_lanes, wrench_lanes, internal_force_lanes, actuator_forces_lanes,
                 least_forces_lanes, null_space_lanes, &answer);
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 4, here);
             krhpr_poses_done(least_forces_room, least_forces_at, row, 4, here);
             krhpr_poses_done(null_space_room, null_space_at, row, 4, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_statics of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_rpr_forward_statics_lanes(
+/* forward_statics of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_rpr_forward_statics_lanes(
     const krhpr_planar_grasp_rpr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at s[4],
     const krhpr_lanes_at theta[4], const krhpr_lanes_at actuator_forces[4],
     krhpr_lanes_at *KRHPR_RESTRICT loads, krhpr_lanes_at *KRHPR_RESTRICT wrench, krhpr_ints *answer)
@@ -2091,7 +2217,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_forward_statics_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2106,6 +2232,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_forward_statics_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, loads, 4);
     krhpr_poses_keep(finite, wrench, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_rpr_forward_statics_batch(
@@ -2115,7 +2242,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -2128,11 +2255,13 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_statics_batch(
         krhpr_poses_load(actuator_forces_lanes, in[3] + k * in_step[3], in_step[3], 4, here);
         krhpr_lanes loads_lanes[4];
         krhpr_lanes wrench_lanes[3];
-        krhpr_planar_grasp_rpr_forward_statics_lanes(
+        const int doubtful = krhpr_planar_grasp_rpr_forward_statics_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, actuator_forces_lanes, loads_lanes, wrench_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], loads_lanes, 4, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], wrench_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_forward_statics(
@@ -2176,20 +2305,22 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_statics_soa(
             krhpr_lanes wrench_room[3];
             double *const wrench_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const wrench_lanes = krhpr_poses_out(wrench_room, wrench_at, row, here);
-            krhpr_planar_grasp_rpr_forward_statics_lanes(
+            const int doubtful = krhpr_planar_grasp_rpr_forward_statics_lanes(
                 g, pivot_lanes, s_lanes, theta_lanes, actuator_forces_lanes, loads_lanes, wrench_lanes,
                 &answer);
             krhpr_poses_done(loads_room, loads_at, row, 4, here);
             krhpr_poses_done(wrench_room, wrench_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* grasp of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_grasp_rpr_grasp_lanes(
+/* grasp of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_grasp_rpr_grasp_lanes(
     const krhpr_planar_grasp_rpr_geometry *g, const krhpr_lanes_at angles[2],
     const krhpr_lanes_at contacts[4], const krhpr_lanes_at faces[2], const krhpr_lanes_at mass_centre[2],
     const krhpr_lanes_at weight[2], const krhpr_lanes_at sensor[4], const krhpr_lanes_at measured_force[1],
@@ -2227,7 +2358,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_grasp_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2252,6 +2383,7 @@ KRHPR_OUTLINE void krhpr_planar_grasp_rpr_grasp_lanes(
     krhpr_poses_keep(finite, friction_margins, 2);
     krhpr_poses_keep(finite, determinant, 1);
     krhpr_poses_keep(finite, pulls, 2);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_grasp_rpr_grasp_batch(
@@ -2261,7 +2393,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_grasp_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes angles_lanes[2];
@@ -2285,7 +2417,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_grasp_batch(
         krhpr_lanes friction_margins_lanes[2];
         krhpr_lanes determinant_lanes[1];
         krhpr_lanes pulls_lanes[2];
-        krhpr_planar_grasp_rpr_grasp_lanes(
+        const int doubtful = krhpr_planar_grasp_rpr_grasp_lanes(
             g, angles_lanes, contacts_lanes, faces_lanes, mass_centre_lanes, weight_lanes, sensor_lanes,
             measured_force_lanes, friction_lanes, contact_forces_lanes, loads_lanes, friction_margins_lanes,
             determinant_lanes, pulls_lanes, &answer);
@@ -2294,7 +2426,9 @@ KRHPR_API int krhpr_planar_grasp_rpr_grasp_batch(
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], friction_margins_lanes, 2, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], determinant_lanes, 1, here);
         krhpr_poses_store(out[4] + k * out_step[4], out_step[4], pulls_lanes, 2, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_grasp(
@@ -2358,7 +2492,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_grasp_soa(
             krhpr_lanes pulls_room[2];
             double *const pulls_at = out[4] + b * out_step[4] + k;
             krhpr_lanes_at *const pulls_lanes = krhpr_poses_out(pulls_room, pulls_at, row, here);
-            krhpr_planar_grasp_rpr_grasp_lanes(
+            const int doubtful = krhpr_planar_grasp_rpr_grasp_lanes(
                 g, angles_lanes, contacts_lanes, faces_lanes, mass_centre_lanes, weight_lanes, sensor_lanes,
                 measured_force_lanes, friction_lanes, contact_forces_lanes, loads_lanes,
                 friction_margins_lanes, determinant_lanes, pulls_lanes, &answer);
@@ -2367,7 +2501,9 @@ KRHPR_API int krhpr_planar_grasp_rpr_grasp_soa(
             krhpr_poses_done(friction_margins_room, friction_margins_at, row, 2, here);
             krhpr_poses_done(determinant_room, determinant_at, row, 1, here);
             krhpr_poses_done(pulls_room, pulls_at, row, 2, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;

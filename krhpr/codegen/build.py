@@ -20,6 +20,13 @@ WORKING_BOX = (radians(30), radians(150))
 """Where redundant angles are looked for: free of type II, with unique solutions (errata, 4)."""
 
 
+JAWS_DOC = (
+    "Legs 1 and 2 of arrays are the right and the left sub-leg, which are legs 1, 2 and legs 3, 4 of the "
+    "thesis.  Of the statuses NO_ASSEMBLY says that the jaws do not meet in B, SINGULAR_IN_PLANE that they are "
+    "aligned, UNDETERMINED that the object has no width."
+)
+
+
 class Parts:
     """Parts built on first use."""
 
@@ -121,7 +128,7 @@ def _grasping(entry: GraspingEntry, parts: Parts) -> RobotCode:
         identifier=entry.identifier,
         title=entry.title,
         notation=robot.notation,
-        doc=f"{subleg.doc}  {jaws.doc}  Legs 1 and 2 of the arrays are the right and the left sub-leg.",
+        doc=f"{subleg.doc}  {jaws.doc}  {JAWS_DOC}",
         subleg=parts.subleg(subleg),
         platform=parts.platform(jaws),
         algebra=parts.algebra(robot.space),
