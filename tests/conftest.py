@@ -61,7 +61,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 def _is_larger(item: pytest.Item) -> bool:
-    """Whether large samples are another test than small ones: more examples, more robots, or not run there."""
+    """Whether large samples are another test: more examples, more robots, or not run on small ones."""
     marked = item.get_closest_marker("full") or item.get_closest_marker("larger")
     return bool(marked or "full" in getattr(item, "fixturenames", ())) or is_hypothesis_test(
         getattr(item, "function", None)
