@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from krhpr.trajectory import baselines
 from krhpr.trajectory.clearance import Pair
-from krhpr.trajectory.examine import Coordinates, Examined, examine, separators_along, turns_along
+from krhpr.trajectory.examine import Coordinates, Examined, Lines, examine, separators_along, turns_along
 from krhpr.trajectory.paths import Path, PathError
 from krhpr.trajectory.point import PointFunctions
 from krhpr.trajectory.search import Start, global_starts
@@ -113,10 +113,16 @@ class Rounds:
     def _from_baselines(self, found: Found) -> None:
         """The grid of the search is coarse, and the thesis' methods may lead elsewhere."""
         task = self.task
-        methods: list[Callable[..., baselines.Lines]] = [
+<<<<<<< HEAD
+        methods: list[Callable[..., Lines]] = [
             baselines.constant,
             *([baselines.scan] if task.point.objective.of_poses else []),
         ]
+=======
+        methods: list[Callable[[PointFunctions, Path, Floats], Lines]] = [baselines.constant]
+        if task.point.objective.of_poses:
+            methods.append(baselines.scan)
+>>>>>>> trajectories
         for method in methods:
             lines = method(task.point, task.path, task.grid(1))
             other = task.judged(lines)

@@ -22,9 +22,9 @@ def squared_torques(robot: Robot, objective: Objective, at: tuple[Any, ...], len
     """The sum of the actuators' squared torques (...) under the objective's load; (N m)^2."""
     if objective.load is None:
         return np.zeros(np.shape(at[3])[:-2])
-    torques = robot.inverse_statics(
-        *at, wrench=objective.load.wrench, redundant_forces=objective.load.redundant_forces
-    )
+    p, Q, s, theta = at
+    load = objective.load
+    torques = robot.inverse_statics(p, Q, s, theta, load.wrench, load.redundant_forces)
     return np.asarray(((torques / per_length(robot, length)) ** 2).sum(axis=(-1, -2)))
 
 

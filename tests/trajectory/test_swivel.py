@@ -15,6 +15,8 @@ import krhpr
 from krhpr import trajectory
 from krhpr.trajectory import Bounds, ContradictoryLimits
 from krhpr.trajectory.files import read_request
+from krhpr.trajectory.point import PointFunctions
+from krhpr.trajectory.terms import Objective
 
 PLANAR, SPATIAL = "planar_rrr_b", "spatial_rrrr_a"
 
@@ -52,7 +54,7 @@ def chosen(name: str, objective: str = "eta_1") -> trajectory.Trajectory:
     return trajectory.optimise(robot(name), path(name), objective, limits(name))
 
 
-@pytest.mark.parametrize("name", [PLANAR, SPATIAL])
+@pytest.mark.parametrize("name", [PLANAR, pytest.param(SPATIAL, marks=pytest.mark.full)])
 def test_it_pays(name: str) -> None:
     still = trajectory.optimise(robot(name), path(name), "eta_1", limits(name, swivel=None))
     found = chosen(name)
@@ -84,10 +86,33 @@ def test_joints_and_limits_by_plain_kinematics(name: str, objective: str) -> Non
     assert error.max() < 0.02 * max(np.abs(again).max(), 0.1)
 
 
+@pytest.mark.parametrize("name", [PLANAR, SPATIAL])
+def test_what_the_programme_sees_is_the_robot(name: str) -> None:
+    """Integrand and rates of the point functions against the robot's own functions, at random coordinates."""
+    one, source = robot(name), np.random.default_rng(8)
+    point = PointFunctions(one, Objective(eta_2=1.0), limits(name), np.ones((3, 4)))
+    motion = path(name).at(np.linspace(0, 2, 5))
+    redundant = np.asarray(one.home.redundant) * source.uniform(0.9, 1.1, (5, 3))
+    swivel, rates = source.uniform(-0.5, 0.5, (5, 3)), source.normal(size=(5, 6))
+    z = np.hstack([redundant, swivel, rates]).T
+    turns = np.zeros((5, 3, len(point.actuators)))
+    f, g = (out.full() for out in point.function.map(5)(z, point.parameters(motion, turns).T))
+    theta = one.inverse(motion.p, motion.Q, redundant, swivel=swivel)
+    assert np.isfinite(theta).all()
+    at = (motion.p, motion.Q, one.end_points(motion.p, motion.Q, redundant), theta)
+    wanted = one.index_bounds(*at).eta_2 ** 2 + 1e-3 * (rates**2).sum(axis=1)
+    np.testing.assert_allclose(f[0], wanted, rtol=1e-9)
+    theta_rate = one.joint_rates(*at, motion.twist, rates[:, :3], swivel_rates=rates[:, 3:])
+    rows = [k for k, quantity in enumerate(point.quantities) if quantity.name.startswith("rate of theta")]
+    np.testing.assert_allclose(g[rows].T, theta_rate.reshape(5, -1) / 2.0, rtol=1e-9, atol=1e-12)
+    swivels = [k for k, quantity in enumerate(point.quantities) if "swivel" in quantity.name]
+    np.testing.assert_allclose(g[swivels].T, rates[:, 3:], rtol=1e-12)
+
+
 def test_the_fastest_timing() -> None:
     quick = limits(PLANAR, actuator_acceleration=10.0)
-    free = trajectory.optimise(robot(PLANAR), path(PLANAR), "time", quick)
-    held = trajectory.optimise(robot(PLANAR), path(PLANAR), "time", replace(quick, swivel=None))
+    free = trajectory.optimise(robot(PLANAR), path(PLANAR), "time", quick, intervals=12)
+    held = trajectory.optimise(robot(PLANAR), path(PLANAR), "time", replace(quick, swivel=None), intervals=12)
     assert free.feasible and held.feasible and free.duration < 0.98 * held.duration
     assert np.abs(free.examined.theta_rate).max() < 2.0 + 1e-5
 
