@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -241,14 +241,6 @@ def _of_joints(point: PointFunctions, at: tuple[Any, ...], theta_rate: Floats) -
     """Integrands of those terms that have a weight."""
     robot, objective, length = point.robot, point.objective, point.length
     comparable = theta_rate * per_length(robot, length)
-<<<<<<< HEAD
-    made: dict[str, Callable[[], Floats]] = {
-        "torques": lambda: squared_torques(robot, objective, at, length),
-        "travel": lambda: np.abs(comparable).sum(axis=(1, 2)),
-        "joint_rates": lambda: (comparable**2).sum(axis=(1, 2)),
-    }
-    return {JOINT_TERMS[name]: term() for name, term in made.items() if getattr(objective, name)}
-=======
     made: dict[str, Floats] = {}
     if objective.torques:
         made["torques"] = squared_torques(robot, objective, at, length)
@@ -257,7 +249,6 @@ def _of_joints(point: PointFunctions, at: tuple[Any, ...], theta_rate: Floats) -
     if objective.joint_rates:
         made["joint_rates"] = (comparable**2).sum(axis=(1, 2))
     return {JOINT_TERMS[name]: term for name, term in made.items()}
->>>>>>> trajectories
 
 
 def _violations(times: Floats, quantities: Sequence[Quantity], scaled: Any) -> tuple[list[Violation], Floats]:

@@ -113,16 +113,9 @@ class Rounds:
     def _from_baselines(self, found: Found) -> None:
         """The grid of the search is coarse, and the thesis' methods may lead elsewhere."""
         task = self.task
-<<<<<<< HEAD
-        methods: list[Callable[..., Lines]] = [
-            baselines.constant,
-            *([baselines.scan] if task.point.objective.of_poses else []),
-        ]
-=======
         methods: list[Callable[[PointFunctions, Path, Floats], Lines]] = [baselines.constant]
         if task.point.objective.of_poses:
             methods.append(baselines.scan)
->>>>>>> trajectories
         for method in methods:
             lines = method(task.point, task.path, task.grid(1))
             other = task.judged(lines)
