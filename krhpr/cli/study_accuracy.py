@@ -8,24 +8,22 @@ import numpy as np
 
 from krhpr.cli.common import Column, WrongUse, print_table, progress
 from krhpr.cli.studying import tell, write
-from krhpr.study.forward_accuracy import APPROACHES, ERROR, LIMIT, Accuracy, Spread, forward_accuracy
+from krhpr.study.forward_accuracy import APPROACHES, LIMIT, Accuracy, Spread, forward_accuracy
 from krhpr.study.histograms import Histogram, accuracy_figures, histograms
 
 
 def run(options: argparse.Namespace) -> int:
     """The accuracy study."""
-    seed, repeat = options.seed or 0, 1 if options.repeat is None else options.repeat
-    bound = ERROR if options.bound is None else options.bound
-    if not bound > 0:
-        raise WrongUse(f"--bound is {bound:g}; it must be positive")
-    if repeat < 1:
-        raise WrongUse(f"--repeat is {repeat}; it must be 1 or more")
+    if not options.bound > 0:
+        raise WrongUse(f"--bound is {options.bound:g}; it must be positive")
+    if options.repeat < 1:
+        raise WrongUse(f"--repeat is {options.repeat}; it must be 1 or more")
     with progress(len(APPROACHES) + 3) as step:
         found = forward_accuracy(
-            seed=seed,
-            spread=Spread(options.errors or Spread.UNIFORM),
-            error=bound,
-            repeat=repeat,
+            seed=options.seed,
+            spread=Spread(options.errors),
+            error=options.bound,
+            repeat=options.repeat,
             progress=step,
         )
         step("results")

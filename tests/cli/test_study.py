@@ -7,6 +7,7 @@ from pathlib import Path
 
 from krhpr.study.forward_accuracy import APPROACHES, CONFIGURATIONS
 from tests.cli.support import Cli
+from tests.support import ROOT
 
 
 def test_the_command(cli: Cli, tmp_path: Path) -> None:
@@ -18,6 +19,26 @@ def test_the_command(cli: Cli, tmp_path: Path) -> None:
     assert (tmp_path / "accuracy_position.png").stat().st_size > 10_000
     refused = cli("study", "forward-accuracy", "--repeat", "0")
     assert refused.code == 2 and "--repeat is 0; it must be 1 or more" in refused.err
+
+
+def test_grasping(cli: Cli, tmp_path: Path) -> None:
+    example = str(ROOT / "examples" / "grasping_prototype.yaml")
+    done = cli("study", "grasp", "--file", example, "--out", str(tmp_path))
+    assert done.code == 0 and done.out.count("holds: ") == 2
+    assert "0.8061 to 2.2605               0.3508" in done.out and "k = 21.15 N/rad" in done.out
+    table = json.loads((tmp_path / "grasp.json").read_text("utf-8"))
+    assert [len(row["torques_Nm"]) for row in table["trajectories"]] == [401] * 6
+    assert (tmp_path / "grasp.png").stat().st_size > 10_000
+    assert cli("study", "grasp", "--out", str(tmp_path)).out == done.out
+    refused = cli("study", "forward-accuracy", "--file", example)
+    assert refused.code == 2 and "--file belongs to grasp; forward-accuracy has no such option" in refused.err
+    slippery = tmp_path / "slippery.yaml"
+    slippery.write_text(Path(example).read_text("utf-8").replace("friction: 0.5", "friction: 0.01"), "utf-8")
+    done = cli("study", "grasp", "--file", str(slippery), "--out", str(tmp_path))
+    assert done.code == 3 and "DOES NOT HOLD: every pose" in done.out and "not held: (5.73)" in done.out
+    slippery.write_text("robot: arm\n", "utf-8")
+    done = cli("study", "grasp", "--file", str(slippery), "--out", str(tmp_path))
+    assert done.code == 2 and "missing: geometry" in done.err
 
 
 def test_the_dexterity_study(cli: Cli, tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ from krhpr.codegen.composition import (
     variables,
 )
 from krhpr.codegen.graph import InputRef, Op
-from krhpr.codegen.kernel import Kernel, Port
+from krhpr.codegen.kernel import LEGS, Kernel, Port
 from krhpr.codegen.part import Part
 from krhpr.codegen.printers.infix import Body, Line
 from krhpr.codegen.printers.python import NUMPY, component, print_kernel
@@ -52,6 +52,8 @@ class PythonTarget:
         text = render(
             "python/robot.py.j2",
             robot=robot,
+            usual=robot.legs == LEGS,
+            imports=_imports(robot),
             functions=functions,
             exported=sorted([*_constants(robot), "Geometry", "Status", *(f["name"] for f in functions)]),
             prepared=_prepared(robot) if robot.baked else {},
@@ -60,6 +62,13 @@ class PythonTarget:
             default_assembly=default_assembly,
         )
         yield File(f"python/{robot.identifier}.py", text)
+
+
+def _imports(robot: RobotCode) -> set[str]:
+    """Which of NumPy and the algebra a robot's module needs."""
+    algebra = any(call.part == "algebra" for function in robot.functions for call in function.calls)
+    numpy = robot.baked or any(not function.calls for function in robot.functions)
+    return {name for name, needed in (("algebra", algebra), ("numpy", numpy)) if needed}
 
 
 def _constants(robot: RobotCode) -> list[str]:
@@ -135,7 +144,9 @@ def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
     known = variables(function, robot.parts) if function.calls else {}
     read = function.read(robot.parts, guards=True)
     per_leg = {"mode": "MODES[DEFAULT_MODE]", "assembly": "ASSEMBLIES[DEFAULT_ASSEMBLY]", "swivel": "0.0"}
-    optional = {name: f"({value},) * 3" for name, value in per_leg.items()} | {"box": "DEFAULT_BOX"}
+    optional = {name: f"({value},) * {robot.legs}" for name, value in per_leg.items()} | {
+        "box": "DEFAULT_BOX"
+    }
     optional |= dict.fromkeys(SIGNS, "1.0")
     optional |= {name: repr(value[0] if len(value) == 1 else value) for name, value in NUMBERS.items()}
     present = [port.name for port in function.inputs if port.name in optional]
@@ -209,7 +220,7 @@ def _call(robot: RobotCode, call: Call, known: Mapping[str, Variable], read: set
         if call.each is not None and port.name == call.each.root:
             arguments.append("root")
         else:
-            arguments.append(_argument(known[call.variable_in(port.name)], call.stage))
+            arguments.append(_argument(known[call.variable_in(port.name)], call.stage, robot.legs))
     names = [call.variable_out(port.name) for port in kernel.outputs]
     names = [name if name in read else f"_{name}" for name in names]
     if call.each is not None:
@@ -249,11 +260,11 @@ def _at_roots(call: Call, each: EachRoot, kernel: Kernel, arguments: list[str], 
     return broken(f"{', '.join(names)} = rt.only_root", [step, *rest], indent=8)
 
 
-def _argument(variable: Variable, stage: Stage) -> str:
+def _argument(variable: Variable, stage: Stage, legs: int) -> str:
     if variable.kind == "input":
         return f'arguments.{"leg" if stage is Stage.LEG else "whole"}("{variable.name}")'
     if stage is Stage.PLATFORM and variable.per_leg:
-        return f"rt.legs({variable.name})"
+        return f"rt.legs({variable.name})" if legs == LEGS else f"rt.legs({variable.name}, {legs})"
     return variable.name
 
 
