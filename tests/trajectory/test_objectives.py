@@ -41,7 +41,7 @@ def robot() -> krhpr.Robot:
 
 @cache
 def optimised(name: str) -> trajectory.Trajectory:
-    return trajectory.optimise(robot(), trajectory.tilt(), OBJECTIVES[name], LIMITS)
+    return trajectory.optimise(robot(), trajectory.tilt(), OBJECTIVES[name], LIMITS, intervals=20)
 
 
 def measured(found: trajectory.Trajectory) -> dict[str, float]:
@@ -55,7 +55,7 @@ def measured(found: trajectory.Trajectory) -> dict[str, float]:
     step = times[1] - times[0]
     change = np.diff(theta, axis=0)
     squares = np.zeros(len(times))
-    for k in range(0, len(times), 20):
+    for k in range(0, len(times), 40):
         pose = tuple(x[k] for x in at)
         # virtual work: f theta_dot = F t + phi rho_dot for all motions
         moves = [robot().joint_rates(*pose, theta[k], t, np.zeros(3)).ravel() for t in np.eye(6)]
@@ -72,7 +72,7 @@ def measured(found: trajectory.Trajectory) -> dict[str, float]:
         "eta_2": float(np.trapezoid(np.linalg.norm(U[:, 3:], 2, axis=(1, 2)) ** 2, times)),
         "travel": float(np.abs(change).sum()),
         "joint_rates": float((change**2).sum() / step),
-        "torques": float(np.trapezoid(squares[::20], times[::20])),
+        "torques": float(np.trapezoid(squares[::40], times[::40])),
     }
 
 
