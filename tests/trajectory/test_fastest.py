@@ -6,7 +6,6 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
-import casadi as ca
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -19,6 +18,7 @@ from krhpr.trajectory.files import read_request
 from krhpr.trajectory.terms import Objective
 from krhpr.trajectory.timing import Clock, Retimed, TimedFunctions, TimedProgramme
 from krhpr.trajectory.transcription import uniform_knots
+from tests.trajectory.derivatives import check_derivatives
 
 LIMITS = replace(trajectory.chapter_4(), actuator_acceleration=10.0)
 RIGHT = float(np.radians(90))
@@ -152,26 +152,7 @@ def test_derivatives_of_the_programme() -> None:
     q = point.parameters(curved().at(times), np.zeros((9, 3, 3)))
     p = np.concatenate([q.ravel(), np.full(9, 0.5)])
     x = np.concatenate([source.uniform(1.5, 1.9, 21), source.normal(size=54), source.uniform(1, 2, 7)])
-    assert programme._nlp["x"].numel() == len(x)
-    given, values = programme._options[False], [programme._nlp[name] for name in "fg"]
-    plain = ca.Function("plain", [programme._nlp["x"], programme._nlp["p"]], values)
-    direction, h = source.normal(size=len(x)), 1e-6
-    ahead, behind = (plain(x + sign * h * direction, p) for sign in (1, -1))
-    _, gradient = given["grad_f"](x, p)
-    _, jacobian = given["jac_g"](x, p)
-    slope = (ahead[0] - behind[0]).full()[0, 0] / (2 * h)
-    assert gradient.full().ravel() @ direction == pytest.approx(slope, rel=1e-6)
-    slopes = (ahead[1] - behind[1]).full() / (2 * h)
-    np.testing.assert_allclose((jacobian @ direction).full(), slopes, atol=1e-6 * np.abs(slopes).max())
-    multipliers = source.normal(size=jacobian.size1())
-
-    def lagrangian(at: np.ndarray) -> ca.DM:
-        return 0.7 * given["grad_f"](at, p)[1] + given["jac_g"](at, p)[1].T @ multipliers
-
-    upper = given["hess_lag"](x, p, 0.7, multipliers)
-    hessian = upper + ca.triu(upper, False).T
-    difference = (lagrangian(x + h * direction) - lagrangian(x - h * direction)).full() / (2 * h)
-    np.testing.assert_allclose((hessian @ direction).full(), difference, atol=1e-5 * np.abs(difference).max())
+    check_derivatives(programme, x, p, source)
 
 
 def test_files(tmp_path: Path) -> None:

@@ -7,7 +7,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import casadi as ca
 import numpy as np
 import pytest
 from scipy.optimize import minimize
@@ -21,6 +20,7 @@ from krhpr.trajectory.point import PointFunctions
 from krhpr.trajectory.results import about
 from krhpr.trajectory.terms import MAXIMA, TERMS, Objective
 from krhpr.trajectory.transcription import Programme, uniform_knots
+from tests.trajectory.derivatives import check_derivatives
 
 LIMITS = trajectory.chapter_4()
 LOAD = Load([0.0, 3.0, -20.0, 0.5, 0.0, 0.0], [0.2, 0.0, -0.1])
@@ -142,25 +142,7 @@ def test_derivatives_with_largest_values_and_joints() -> None:
     q = point.parameters(trajectory.tilt().at(times), np.zeros((9, 3, 3)))
     p = np.concatenate([q.ravel(), np.full(9, 0.5)])
     x = np.concatenate([source.uniform(1.5, 1.9, 21), source.uniform(1, 2, len(MAXIMA))])
-    nlp, given = programme._nlp, programme._options[False]
-    plain = ca.Function("plain", [nlp["x"], nlp["p"]], [nlp["f"], nlp["g"]])
-    direction, h = source.normal(size=len(x)), 1e-6
-    ahead, behind = (plain(x + sign * h * direction, p) for sign in (1, -1))
-    _, gradient = given["grad_f"](x, p)
-    slope = (ahead[0] - behind[0]).full()[0, 0] / (2 * h)
-    assert gradient.full().ravel() @ direction == pytest.approx(slope, rel=1e-6)
-    _, jacobian = given["jac_g"](x, p)
-    slopes = (ahead[1] - behind[1]).full() / (2 * h)
-    np.testing.assert_allclose((jacobian @ direction).full(), slopes, atol=1e-6 * np.abs(slopes).max())
-    multipliers = source.normal(size=jacobian.size1())
-
-    def lagrangian(at: np.ndarray) -> ca.DM:
-        return 0.7 * given["grad_f"](at, p)[1] + given["jac_g"](at, p)[1].T @ multipliers
-
-    upper = given["hess_lag"](x, p, 0.7, multipliers)
-    hessian = upper + ca.triu(upper, False).T
-    difference = (lagrangian(x + h * direction) - lagrangian(x - h * direction)).full() / (2 * h)
-    np.testing.assert_allclose((hessian @ direction).full(), difference, atol=1e-5 * np.abs(difference).max())
+    check_derivatives(programme, x, p, source)
 
 
 @pytest.mark.parametrize("name", ["spatial_prr_c", "planar_rp_b"])

@@ -9,7 +9,6 @@ from pathlib import Path
 from time import process_time
 from typing import Any
 
-import casadi as ca
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -23,6 +22,7 @@ from krhpr.trajectory.examine import Lines, turns_along
 from krhpr.trajectory.point import PointFunctions
 from krhpr.trajectory.terms import Objective
 from krhpr.trajectory.transcription import Programme, uniform_knots
+from tests.trajectory.derivatives import check_derivatives
 
 REFERENCE = json.loads(
     (Path(__file__).parents[1] / "reference" / "trajectories.json").read_text(encoding="utf-8")
@@ -195,32 +195,7 @@ def test_derivatives_of_the_programme() -> None:
     q = point.parameters(motion, np.zeros((9, 3, 3)))
     p = np.concatenate([q.ravel(), np.full(9, 0.5)])
     x = np.concatenate([source.uniform(1.5, 1.9, 21), source.normal(size=54)])
-    given = programme._options[False]
-    values, slopes = (
-        ca.Function(
-            "g", [programme._nlp["x"], programme._nlp["p"]], [programme._nlp["f"], programme._nlp["g"]]
-        ),
-        given["jac_g"],
-    )
-    direction, h = source.normal(size=len(x)), 1e-6
-    ahead, behind = (values(x + sign * h * direction, p) for sign in (1, -1))
-    _, gradient = given["grad_f"](x, p)
-    _, jacobian = slopes(x, p)
-    np.testing.assert_allclose(
-        gradient.full().ravel() @ direction, (ahead[0] - behind[0]).full()[0, 0] / (2 * h), rtol=1e-6
-    )
-    np.testing.assert_allclose(
-        (jacobian @ direction).full(), (ahead[1] - behind[1]).full() / (2 * h), atol=1e-5
-    )
-    multipliers = source.normal(size=jacobian.size1())
-
-    def lagrangian(at: Any) -> Any:
-        return 0.7 * given["grad_f"](at, p)[1] + slopes(at, p)[1].T @ multipliers
-
-    upper = given["hess_lag"](x, p, 0.7, multipliers)
-    hessian = upper + ca.triu(upper, False).T
-    difference = (lagrangian(x + h * direction) - lagrangian(x - h * direction)).full() / (2 * h)
-    np.testing.assert_allclose((hessian @ direction).full(), difference, atol=1e-4 * np.abs(difference).max())
+    check_derivatives(programme, x, p, source)
 
 
 @pytest.mark.parametrize(
