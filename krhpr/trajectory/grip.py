@@ -30,6 +30,10 @@ class Grip:
     """How far the object's centre may be from O' in the platform's plane, m; as far as slides go unless
     given."""
 
+    def __post_init__(self) -> None:
+        jaws = np.asarray(self.jaws, dtype=float)
+        object.__setattr__(self, "jaws", float(jaws) if jaws.ndim == 0 else tuple(jaws.ravel().tolist()))
+
     def condition(self, robot: Robot) -> tuple[Floats, float]:
         """A row (3) and a value of which row @ redundant = value says that the opening is kept."""
         at_zero = robot.opening(np.zeros(3), self.jaws)
@@ -56,6 +60,8 @@ class Grip:
             raise ContradictoryLimits(
                 f"{robot.name} has no gripper to hold an opening with; arrangements (b) and (c) have one"
             )
+        if np.size(self.jaws) not in (1, 3) or not np.isfinite(self.jaws).all():
+            raise ContradictoryLimits(f"jaws of the grip are {self.jaws}; expected a number, or three")
         for name in ("opening", "play"):
             value = getattr(self, name)
             if value is not None and not 0 <= value < np.inf:

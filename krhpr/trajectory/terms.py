@@ -210,7 +210,8 @@ class Bounds:
                 f"redundant coordinate of leg {leg + 1}: {low[leg]:g} to {high[leg]:g} is asked for, and the "
                 f"file of {robot.name} allows {least[leg]:g} to {most[leg]:g}"
             )
-        within = replace(self, redundant=(np.maximum(low, least), np.minimum(high, most)))
+        sides = np.maximum(low, least).tolist(), np.minimum(high, most).tolist()
+        within = replace(self, redundant=(tuple(sides[0]), tuple(sides[1])))
         within.check(robot)
         return within
 

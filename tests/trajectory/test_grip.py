@@ -134,6 +134,7 @@ def test_joints_in_the_middle_of_links() -> None:
         (Grip(0.2, JAWS), r"an opening of 0\.2 m cannot be held: .* open from -0\.04 to 0\.16 m"),
         (Grip(-0.01, JAWS), r"opening of the grip is -0\.01; it must not be negative"),
         (Grip(0.06, JAWS, float("nan")), "play of the grip is nan"),
+        (Grip(0.06, [JAWS, JAWS]), r"jaws of the grip are \(0\.08, 0\.08\); expected a number, or three"),
         (Grip(0.06, (0.01, 0.13, 0.13), 0.01), r"centre of an object of 0\.06 m is .* more from O'; play is"),
     ],
 )
@@ -141,6 +142,11 @@ def test_contradictions(grip: Grip, message: str) -> None:
     asked = request_()
     with pytest.raises(ContradictoryLimits, match=message):
         trajectory.optimise(gripper(), asked.path, "eta_1", replace(asked.bounds, grip=grip))
+
+
+def test_grips_can_be_compared() -> None:
+    assert Grip(0.06, np.full(3, JAWS)) == Grip(0.06, [JAWS] * 3) != Grip(0.06, JAWS)
+    assert hash(Grip(0.06, np.full(3, JAWS))) == hash(Grip(0.06, (JAWS,) * 3))
 
 
 def test_robots_without_a_gripper() -> None:
