@@ -88,7 +88,7 @@ def _rotation_error() -> Kernel:
 
 
 NO_LENGTH = sp.Rational(1, 10**150)
-"""Beside the square of a length nothing, in any unit; a link without length is a point."""
+"""Beside the square of a length nothing, in any unit."""
 
 PARALLEL = sp.Rational(1, 10**15)
 """Sine squared below which links count as parallel: the numbers that tell more are rounding."""
@@ -120,7 +120,8 @@ def _segment_distance() -> Kernel:
     y = k.let("y", _held(k, (uv * first + vw) / vv), "on the second, nearest to that")
     x = k.let("x_2", _held(k, (uv * y - uw) / uu), "on the first, nearest to that")
     gap = k.let("gap", w + x * u - y * v)
-    k.output("distance", sp.sqrt(dot(gap, gap)), Unit.METRE, doc="between the nearest points")
+    # links in one plane that cross have no distance; what is added keeps slopes finite
+    k.output("distance", sp.sqrt(dot(gap, gap) + NO_LENGTH), Unit.METRE, doc="between the nearest points")
     return k.kernel()
 
 

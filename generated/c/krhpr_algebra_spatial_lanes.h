@@ -81,7 +81,7 @@ KRHPR_INLINE void krhpr_algebra_spatial_rotation_error_lanes(
     *error = krhpr_lanes_max(t3, t4);
 }
 
-/* Shortest distance between two straight segments.  Thesis: 1.7.1.  (33 add, 31 multiply, 3 divide, 1
+/* Shortest distance between two straight segments.  Thesis: 1.7.1.  (34 add, 31 multiply, 3 divide, 1
  * square root, 7 select) */
 KRHPR_INLINE void krhpr_algebra_spatial_segment_distance_lanes(
     const krhpr_lanes_at a_0[3], const krhpr_lanes_at a_1[3], const krhpr_lanes_at b_0[3],
@@ -109,7 +109,7 @@ KRHPR_INLINE void krhpr_algebra_spatial_segment_distance_lanes(
     const krhpr_lanes gap_0 = w_0 + u_0 * x_2 - v_0 * y;
     const krhpr_lanes gap_1 = w_1 + u_1 * x_2 - v_1 * y;
     const krhpr_lanes gap_2 = w_2 + u_2 * x_2 - v_2 * y;
-    *distance = krhpr_lanes_sqrt(gap_0 * gap_0 + gap_1 * gap_1 + gap_2 * gap_2);
+    *distance = krhpr_lanes_sqrt(1e-150 + gap_0 * gap_0 + gap_1 * gap_1 + gap_2 * gap_2);
 }
 
 /* Largest and smallest singular value of M, squared.  Thesis: 1.8.  (128 add, 208 multiply, 2 divide, 4

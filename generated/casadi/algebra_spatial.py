@@ -96,7 +96,7 @@ def rotation_error(Q: Any) -> tuple[Any, ...]:
 
 
 def segment_distance(a_0: Any, a_1: Any, b_0: Any, b_1: Any) -> tuple[Any, ...]:
-    """Shortest distance between two straight segments.  Thesis: 1.7.1.  (33 add, 31 multiply, 3
+    """Shortest distance between two straight segments.  Thesis: 1.7.1.  (34 add, 31 multiply, 3
     divide, 1 square root, 7 select)"""
     a_0_0, a_0_1, a_0_2 = a_0
     a_1_0, a_1_1, a_1_2 = a_1
@@ -124,7 +124,7 @@ def segment_distance(a_0: Any, a_1: Any, b_0: Any, b_1: Any) -> tuple[Any, ...]:
     gap_1 = w_1 + u_1 * x_2 - v_1 * y
     gap_2 = w_2 + u_2 * x_2 - v_2 * y
     return (
-        ca.sqrt(gap_0 * gap_0 + gap_1 * gap_1 + gap_2 * gap_2),
+        ca.sqrt(1e-150 + gap_0 * gap_0 + gap_1 * gap_1 + gap_2 * gap_2),
     )
 
 

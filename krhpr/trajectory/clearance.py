@@ -26,6 +26,11 @@ class Segment:
     start: tuple[int, int]
     end: tuple[int, int]
 
+    def number(self, rows: int, which: int) -> int:
+        """One end by its number: the `rows` points of each leg, then the joints on the platform."""
+        leg, row = (self.start, self.end)[which]
+        return 3 * rows + leg if row < 0 else rows * leg + row
+
     def end_of(self, points: Any, which: int) -> Any:
         """One end as a CasADi column, from the outputs of `link_points`."""
         leg, row = (self.start, self.end)[which]
@@ -75,7 +80,11 @@ def segments(robot: Robot) -> tuple[Segment, ...]:
 
 
 def pairs(robot: Robot) -> tuple[Pair, ...]:
-    """Every pair of links that share no point."""
+    """Every pair of links that no joint joins; of spatial robots in the order of `clearances`."""
+    if robot.link_pairs:
+        rows = len(robot.signature("link_points").outputs[0].labels)
+        known = {(one.number(rows, 0), one.number(rows, 1)): one for one in segments(robot)}
+        return tuple(Pair(known[a, b], known[c, d]) for a, b, c, d in robot.link_pairs)
     found = []
     for a, b in combinations(segments(robot), 2):
         if not {a.start, a.end} & {b.start, b.end}:
