@@ -36,7 +36,7 @@ def _point_square(point: list[Ball], start: list[Ball], end: list[Ball]) -> list
 
 
 def _inside(share: Ball) -> bool:
-    """Whether it is between 0 and 1; at one of them, which balls cannot tell, other distances are the same."""
+    """Whether it is between 0 and 1; where balls cannot tell, the end there has the same distance."""
     try:
         return Ball(0) < share and share < Ball(1)
     except Undecidable:
