@@ -181,8 +181,8 @@ class Job(ABC):
         short = -float(self.examiner.examine(p, Q, redundant).values[Stop.BODIES][0])
         raise WorkspaceError(
             f"{self.robot.name}: {self.examiner.name(Stop.BODIES, int(found.which[0]))} already at home "
-            f"(p = {list(map(float, p[0]))}, redundant = {redundant[0].round(4).tolist()}): {short:.4g} m too "
-            "near; make radii or the clearance smaller, or choose another working mode or other redundant "
+            f"(p = {p[0].tolist()}, redundant = {redundant[0].round(4).tolist()}): {short:.4g} m "
+            "too near; make radii or the clearance smaller, or choose another working mode or other redundant "
             "coordinates"
         )
 

@@ -119,8 +119,8 @@ class Store:
             before = json.loads(root.attrs[SETTINGS])
         except Exception as problem:
             raise WorkspaceError(
-                f"{self.path}: no store of a workspace ({type(problem).__name__}); give a path where "
-                "nothing is"
+                f"{self.path}: no store of a workspace ({type(problem).__name__}); give a path "
+                "where nothing is"
             ) from problem
         now = json.loads(json.dumps(self.job.settings(), sort_keys=True))
         if before != now:
@@ -136,8 +136,8 @@ class Store:
         if self.job.size > room:
             raise WorkspaceError(
                 f"{self.path}: the map has {prod(self.job.shape):,} places and takes up to "
-                f"{self.job.size / 1e9:.1f} GB; the disk has room for {max(room, 0) / 1e9:.1f} GB: take larger "
-                "steps, a smaller range, or another disk"
+                f"{self.job.size / 1e9:.1f} GB; the disk has room for {max(room, 0) / 1e9:.1f} GB: take "
+                "larger steps, a smaller range, or another disk"
             )
 
     def _made(self, zarr: Any) -> Any:
