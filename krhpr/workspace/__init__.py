@@ -12,11 +12,11 @@ Stores and clusters take the extra `workspace` (xarray, zarr, Dask).
 from krhpr.workspace.axes import Axis, Box, Family, Layers, TiltTorsion, directions, steps, tilt_torsion
 from krhpr.workspace.bodies import Bodies
 from krhpr.workspace.choices import Best, Redundancy, Variant, constant, free
+from krhpr.workspace.execute import run
 from krhpr.workspace.limits import Stop, WorkspaceLimits, section_1_7
 from krhpr.workspace.maps import BoundaryMap, GridMap, Job, Workspace
 from krhpr.workspace.margins import Examiner, Margins
 from krhpr.workspace.measures import Measure, areas, volume
-from krhpr.workspace.run import run
 from krhpr.workspace.sections import Torsion, orientational, torsion, translational
 from krhpr.workspace.store import open_store
 from krhpr.workspace.trace import Tracing

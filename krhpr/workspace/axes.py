@@ -167,11 +167,11 @@ def tilt_torsion(psi: Floats, theta_c: Floats, phi: Floats) -> Floats:
 
 def steps(low: float, high: float, step: float) -> Floats:
     """low, low + step, ... up to high (with it where it is one of them)."""
-    count = int(np.floor((high - low) / step * (1 + 1e-12) + 1e-9)) + 1
-    if not step > 0 or count < 1:
+    if not (step > 0 and high >= low):
         raise WorkspaceError(
             f"from {low:g} to {high:g} in steps of {step:g}: expected a positive step upwards"
         )
+    count = int(np.floor((high - low) / step * (1 + 1e-12) + 1e-9)) + 1
     return low + step * np.arange(count)
 
 

@@ -33,8 +33,8 @@ from krhpr.workspace.trace import BATCH, Tracing, trace
 Floats = NDArray[np.float64]
 Arrays = dict[str, NDArray[Any]]
 
-NODES = 1 << 16
-"""About so many nodes make a chunk."""
+CHUNK = 1 << 16
+"""About how many nodes make a chunk, unless told."""
 FORMAT = 1
 """Of settings and stores; another number is another meaning."""
 
@@ -77,6 +77,8 @@ class Job(ABC):
     mode: Branch | None = None
     with_indices: bool = False
     """Whether the performance indices are computed, at the boundary or at every free node."""
+    chunk: int = CHUNK
+    """About how many nodes make a chunk."""
 
     @cached_property
     def examiner(self) -> Examiner:
@@ -111,7 +113,7 @@ class Job(ABC):
     def rows(self) -> int:
         """How many values of the first axis make a chunk."""
         inner = max(1, self.nodes // max(1, len(self.axes[0])))
-        return min(len(self.axes[0]), max(1, NODES // inner))
+        return min(len(self.axes[0]), max(1, self.chunk // inner))
 
     @property
     def chunks(self) -> int:
@@ -149,6 +151,7 @@ class Job(ABC):
             "mode": mode or robot.default_mode,
             "kind": type(self).__name__,
             "indices": self.with_indices,
+            "chunk": self.chunk,
             **self.redundancy.settings(),
             **self.family.settings(),
             "axes": [axis.settings() for axis in self.axes],
@@ -181,8 +184,8 @@ class Job(ABC):
         short = -float(self.examiner.examine(p, Q, redundant).values[Stop.BODIES][0])
         raise WorkspaceError(
             f"{self.robot.name}: {self.examiner.name(Stop.BODIES, int(found.which[0]))} already at home "
-            f"(p = {p[0].tolist()}, redundant = {redundant[0].round(4).tolist()}): {short:.4g} m "
-            "too near; make radii or the clearance smaller, or choose another working mode or other redundant "
+            f"(p = {p[0].tolist()}, redundant = {redundant[0].round(4).tolist()}): {short:.4g} m too near; "
+            "make radii or the clearance smaller, or choose another working mode or other redundant "
             "coordinates"
         )
 

@@ -14,10 +14,10 @@ from krhpr.errors import WorkspaceError
 from krhpr.robot import Robot
 from krhpr.workspace.axes import Layers, TiltTorsion, directions, steps
 from krhpr.workspace.choices import Redundancy, choose, constant
+from krhpr.workspace.execute import Progress, run
 from krhpr.workspace.limits import Stop, WorkspaceLimits, section_1_7
 from krhpr.workspace.maps import BoundaryMap, Workspace
 from krhpr.workspace.margins import Examiner
-from krhpr.workspace.run import Progress, run
 from krhpr.workspace.trace import Tracing
 
 Floats = NDArray[np.float64]
@@ -75,8 +75,8 @@ def translational(
         axes,
         mode,
         with_indices,
-        Tracing(tracing),
-        coarse,
+        tracing=Tracing(tracing),
+        coarse=coarse,
     )
     return run(job, store=store, cluster=cluster, progress=progress)
 
@@ -146,7 +146,9 @@ def orientational(
         span = torsion(robot, limits=held, redundancy=chosen, p=family.p, step=step, mode=mode)
         torsions = step * np.arange(round(span.low / step), round(span.high / step) + 1)
     axes = family.axes(torsions, directions(rays), steps(0.0, steepest, step))
-    job = BoundaryMap(robot, held, chosen, family, axes, mode, with_indices, Tracing(tracing), coarse)
+    job = BoundaryMap(
+        robot, held, chosen, family, axes, mode, with_indices, tracing=Tracing(tracing), coarse=coarse
+    )
     return run(job, store=store, cluster=cluster, progress=progress)
 
 

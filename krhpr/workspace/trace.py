@@ -75,7 +75,9 @@ class _Tracer:
             some = slice(first, first + BATCH)
             answer = self._look(rays[some], steps[some])
             room[some] = np.where(answer.stops == Stop.NONE, answer.slack, -np.inf)
-            nearer = (answer.stops != Stop.NONE) & (steps[some] < self.beyond[rays[some]])
+            nearer = np.flatnonzero((answer.stops != Stop.NONE) & (steps[some] < self.beyond[rays[some]]))
+            # where there are several of one ray, the nearest comes last and stays
+            nearer = nearer[np.argsort(-steps[some][nearer], kind="stable")]
             place = rays[some][nearer]
             self.beyond[place] = steps[some][nearer]
             self.stops[place], self.which[place] = answer.stops[nearer], answer.which[nearer]
