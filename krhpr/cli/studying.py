@@ -1,4 +1,4 @@
-"""What `krhpr study` does: run, print, write."""
+"""What `krhpr study forward-accuracy` does: run, print, write."""
 
 from __future__ import annotations
 
