@@ -17,6 +17,7 @@ from typing import Any
 
 import matplotlib
 import numpy as np
+import workspaces
 from matplotlib import pyplot
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc
@@ -370,6 +371,7 @@ PICTURES: dict[str, Callable[[], Figure]] = {
     "type_2_margin": type_2_margin,
     "singularity_locus": singularity_locus,
     **{f"accuracy_{name}": partial(accuracy, name) for name in ACCURACY},
+    **workspaces.PICTURES,
 }
 
 

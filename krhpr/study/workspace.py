@@ -128,9 +128,11 @@ def workspace_study(
     def kept(name: str) -> Path | None:
         return None if store is None else store / f"{one.name}-{name}-{coarser}"
 
+    limits = workspace.section_1_7(one)
     layers = workspace.translational(
         one,
         HEIGHTS,
+        limits=limits,
         redundancy=redundancy,
         step=coarser * MILLIMETRE,
         rays=rays,
@@ -141,6 +143,7 @@ def workspace_study(
     ).demand()
     tilts = workspace.orientational(
         one,
+        limits=limits,
         redundancy=redundancy,
         step=step,
         rays=rays,
@@ -148,7 +151,9 @@ def workspace_study(
         cluster=cluster,
         progress=told("tilts"),
     ).demand()
-    level = workspace.orientational(one, redundancy=redundancy, torsions=[0.0], step=step, rays=rays)
+    level = workspace.orientational(
+        one, limits=limits, redundancy=redundancy, torsions=[0.0], step=step, rays=rays
+    )
     found = []
     models = readings_of(one)
     for number, (name, limits) in enumerate(models.items()):

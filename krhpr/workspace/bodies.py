@@ -28,9 +28,7 @@ class Bodies:
     @classmethod
     def of(cls, robot: Robot, limits: WorkspaceLimits) -> Bodies:
         """Those of a robot: radii of its file first, then of the limits."""
-        clearance = limits.clearance
-        if clearance is None:
-            clearance = robot.limits.clearance or 0.0
+        clearance = limits.beside(robot.limits).clearance or 0.0
         names, chosen, least = [], [], []
         for place, pair in enumerate(pairs(robot)):
             names.append(pair.name)

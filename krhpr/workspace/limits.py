@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from enum import IntEnum
 from math import pi, radians
 from typing import Any
 
 from krhpr.errors import WorkspaceError
+from krhpr.limits import Limits
 from krhpr.robot import Robot
+from krhpr.robot_files.facts import FIRST_LINK
 
 
 class Stop(IntEnum):
@@ -58,13 +60,14 @@ _WORDS = {
 class WorkspaceLimits:
     """Limits beside those of the robot's file (`robot.limits`), which are held as well; None: not limited.
 
-    Lengths in metres, angles in radians.
+    Lengths in metres, angles in radians.  Clearance, axis distance and elbow are those of the file unless
+    given here.
     """
 
     radius: float | None = None
     """Of the links for which the robot's file has none; without either a link is no body."""
     clearance: float | None = None
-    """The least distance between surfaces of bodies; unless given that of the robot's file, else 0."""
+    """The least distance between surfaces of bodies; 0 where there is none in the file either."""
     edges: bool = True
     """Whether the platform's edges are bodies (in arrangement (a)), with the largest radius there is."""
     cone: float | None = None
@@ -88,6 +91,16 @@ class WorkspaceLimits:
             raise WorkspaceError(
                 f"elbow is {self.elbow}; expected the least and the largest angle, between 0 and pi"
             )
+
+    def beside(self, file: Limits) -> WorkspaceLimits:
+        """With what only the robot's file limits."""
+        own = (file.elbow.low, file.elbow.high) if file.elbow is not None else None
+        return replace(
+            self,
+            clearance=file.clearance if self.clearance is None else self.clearance,
+            axis_distance=file.axis_distance if self.axis_distance is None else self.axis_distance,
+            elbow=own if self.elbow is None else self.elbow,
+        )
 
     def settings(self) -> dict[str, Any]:
         """As plain values, for stores."""
@@ -116,7 +129,7 @@ def section_1_7(robot: Robot | None = None) -> WorkspaceLimits:
 
 def first_axis_turns(robot: Robot) -> bool:
     """Whether the first actuator turns about link l_1, on which the first axis then lies."""
-    return robot.angular[0] and ("l_1", "fixed", "A", "c") in robot.links
+    return robot.angular[0] and FIRST_LINK in robot.links
 
 
 def elbows(robot: Robot) -> tuple[tuple[int, int, int], ...]:

@@ -92,7 +92,7 @@ class Examiner:
     """A robot with limits, which says of poses whether they keep them."""
 
     def __init__(self, robot: Robot, limits: WorkspaceLimits, *, mode: Branch | None = None) -> None:
-        """`mode` is the working mode, the default one unless given.
+        """With limits beside those of the robot's file, in a working mode (the default one unless given).
 
         Raises:
             WorkspaceError: a limit that the robot does not have, or a robot that is not in space.
@@ -103,6 +103,7 @@ class Examiner:
             )
         if any(port.name == "theta_near" for port in robot.signature("inverse").inputs):
             raise WorkspaceError(f"{robot.name}: its sub-legs have no inverse kinematics in closed form")
+        limits = limits.beside(robot.limits)
         if limits.axis_distance is not None and not first_axis_turns(robot):
             raise WorkspaceError(
                 f"{robot.name}: axis_distance is limited, but its first actuators do not turn"

@@ -62,14 +62,15 @@ def translational(
 ) -> Workspace:
     """Boundaries of the layers at `heights` along rays from the z-axis, (1.38), (1.39).
 
-    Limits are those of Section 1.7 and redundant coordinates those of the home pose, unless given.
+    Unless given, limits are those of the robot's file, or where it has none those of Section 1.7, and
+    redundant coordinates are those of the home pose.
     """
     turned = np.eye(3) if Q is None else np.asarray(Q, dtype=float)
     family = Layers(tuple(tuple(row) for row in turned.tolist()))
     axes = family.axes(heights, directions(rays), steps(0.0, farthest, step))
     job = BoundaryMap(
         robot,
-        section_1_7(robot) if limits is None else limits,
+        _limits(robot, limits),
         _redundancy(robot, redundancy),
         family,
         axes,
@@ -95,7 +96,7 @@ def torsion(
     Raises:
         WorkspaceError: there are none: what stops the pose without torsion.
     """
-    examiner = Examiner(robot, section_1_7(robot) if limits is None else limits, mode=mode)
+    examiner = Examiner(robot, _limits(robot, limits), mode=mode)
     chosen = _redundancy(robot, redundancy)
     family = TiltTorsion(_position(robot, p))
     angles = steps(0.0, np.pi, step)
@@ -139,7 +140,7 @@ def orientational(
     `torsions` are those that can be reached without tilt, in steps of `step`, unless given; `p` is the home
     position unless given.  Limits and redundant coordinates as for `translational`.
     """
-    held = section_1_7(robot) if limits is None else limits
+    held = _limits(robot, limits)
     chosen = _redundancy(robot, redundancy)
     family = TiltTorsion(_position(robot, p))
     if torsions is None:
@@ -150,6 +151,12 @@ def orientational(
         robot, held, chosen, family, axes, mode, with_indices, tracing=Tracing(tracing), coarse=coarse
     )
     return run(job, store=store, cluster=cluster, progress=progress)
+
+
+def _limits(robot: Robot, given: WorkspaceLimits | None) -> WorkspaceLimits:
+    if given is not None:
+        return given
+    return WorkspaceLimits() if robot.limits else section_1_7(robot)
 
 
 def _redundancy(robot: Robot, given: Redundancy | ArrayLike | None) -> Redundancy:
