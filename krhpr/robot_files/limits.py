@@ -56,7 +56,7 @@ def _elbow(limits: Table, problems: Problems) -> Interval | None:
         return None
     node, line = limits.entries["elbow"], limits.lines["elbow"]
     found = _interval(node, line, "limits.elbow", Kind.ANGLE, problems)
-    if found is not None and not (0 <= found.low and found.high <= math.pi):
+    if found is not None and not (found.low >= 0 and found.high <= math.pi):
         problems.wrong(
             line,
             "limits.elbow",
