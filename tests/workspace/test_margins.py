@@ -210,3 +210,41 @@ def test_section_1_7_leaves_out_what_a_robot_lacks() -> None:
     slides = section_1_7(krhpr.load("spatial_ups3_a"))
     assert (slides.axis_distance, slides.elbow) == (None, None)
     assert section_1_7(krhpr.load("spatial_rrr_a")) == section_1_7()
+
+
+def test_limits_of_the_file_are_held_and_others_go_before() -> None:
+    """Type I limits, clearance and the platform's radius."""
+    file = {"axis_distance": 0.05, "elbow": Interval(0.3, 2.8), "clearance": 0.002}
+    radii = {"l_5": (0.01,) * 3, "platform": (0.004, 0.005, 0.006)}
+    robot = with_limits(FLAGSHIP, link_radii=radii, **file)
+    at = poses(80, seed=6)
+    by_file = measured(robot, WorkspaceLimits(), at)
+    bare = with_limits(FLAGSHIP, link_radii=radii)
+    same = WorkspaceLimits(axis_distance=0.05, elbow=(0.3, 2.8), clearance=0.002)
+    by_hand = measured(bare, same, at)
+    assert np.array_equal(by_file.stops, by_hand.stops)
+    for stop in (Stop.AXIS, Stop.ELBOW, Stop.BODIES):
+        assert by_file.values[stop] == pytest.approx(by_hand.values[stop], nan_ok=True)
+    wider = measured(robot, WorkspaceLimits(axis_distance=0.01), at)
+    kept = ~np.isnan(wider.values[Stop.AXIS])
+    assert wider.values[Stop.AXIS][kept] == pytest.approx(by_file.values[Stop.AXIS][kept] + 0.04)
+    bodies = Bodies.of(robot, WorkspaceLimits())
+    names = [bodies.names[place] for place in bodies.chosen]
+    least = dict(zip(names, bodies.least, strict=True))
+    assert least["l_5 of leg 1 and platform edge 1-2"] == pytest.approx(0.018)
+
+
+def test_a_robot_file_makes_such_a_robot(tmp_path: Any) -> None:
+    file = tmp_path / "arm.yaml"
+    file.write_text(
+        "space: spatial\nsubleg: r_fivebar\narrangement: a\n"
+        "limits: {axis_distance: 20 mm, elbow: [10 deg, 170 deg], clearance: 5 mm,"
+        " link_radii: {l_1: 7.5 mm, l_2: 7.5 mm, l_3: 7.5 mm, l_4: 7.5 mm, l_5: 7.5 mm, l_r: 7.5 mm}}\n",
+        "utf-8",
+    )
+    at = poses(120, seed=7)
+    of_file = Examiner(krhpr.load(file), WorkspaceLimits(cone=np.radians(150), lowest=0.0)).examine(*at)
+    robot = krhpr.load(FLAGSHIP)
+    of_section = Examiner(robot, section_1_7(robot)).examine(*at)
+    assert np.array_equal(of_file.stops, of_section.stops)
+    assert np.array_equal(of_file.which, of_section.which)
