@@ -182,7 +182,7 @@ class FirstAxis(Carrier):
         d = k.let("d", s - k.g.c, "s - c")
         along_x, along_t = k.let("d_x", dot(d, k.g.e_x)), k.let("d_t", dot(d, k.g.e_t))
         y = k.let("y", dot(d, k.g.e_1))
-        r = k.let("r", sign * sp.sqrt(along_x**2 + along_t**2))
+        r = k.signed_root("r", sign, along_x**2 + along_t**2)
         return k.atan2(-sign * along_t, sign * along_x), sp.Matrix([r, y])
 
     def lever(self, at: SimpleNamespace) -> Any:

@@ -56,7 +56,6 @@ KRHPR_STATIC double krhpr_atan2_near(double y, double x)
 {
     const double zero = 0.0;
     const double one = 1.0;
-    const double two = 2.0;
     const double ax = fabs(x);
     const double ay = fabs(y);
     const int steep = ax < ay;
@@ -71,22 +70,23 @@ KRHPR_STATIC double krhpr_atan2_near(double y, double x)
     const double u = (short_side - f * long_side) / divisor;
     const double z = u * u;
     const double w = z * z;
-    /* atan(u) = u - u p, p a minimax polynomial (relative error 2^-56), even and odd terms apart */
-    const double even = z * (0.333333333333331
+    /* atan(u) = u - u z p, p a minimax polynomial (relative error 2^-56), even and odd terms apart */
+    const double even = 0.333333333333331
         + w * (0.1428571427837729
         + w * (0.09090898049474193
-        + w * (0.06664062944598949 + w * (0.051288218728311304 + w * 0.027715857210339187)))));
-    const double odd = w * (-0.19999999999928744
+        + w * (0.06664062944598949 + w * (0.051288218728311304 + w * 0.027715857210339187))));
+    const double odd = -0.19999999999928744
         + w * (-0.11111110737932599
         + w * (-0.07692100224898962
-        + w * (-0.058599126513718534 + w * (-0.0420476109429019 + w * -0.010305936999865081)))));
+        + w * (-0.058599126513718534 + w * (-0.0420476109429019 + w * -0.010305936999865081))));
     /* unfold: steps of pi/4 from the x axis, turned by u; pi/4 in two parts */
-    const double quarters = (steep ? two : two - copysign(two, x));
     const double side = copysign(one, x);
+    const double level = (steep ? zero : side);
+    const double quarters = 2.0 - 2.0 * level;
     const double turn = (steep ? -side : side);
     const double steps = quarters + turn * f;
     const double part = turn * u;
-    const double rest = part - (part * (even + odd) - steps * 3.06161699786838301793e-17);
+    const double rest = part - (part * z * (even + z * odd) - steps * 3.06161699786838301793e-17);
     return copysign(steps * 7.85398163397448278999e-01 + rest, y);
 }
 static inline int krhpr_sincos_is_near(double x)
@@ -171,12 +171,13 @@ KRHPR_STATIC void krhpr_lanes_sincos_near(krhpr_lanes x, krhpr_lanes *sine, krhp
     /* quadrant n mod 4: its last bit swaps the two, the one before is the sign of the sine, and that of n + 1 of the
      * cosine */
     const krhpr_ints quadrant = (krhpr_ints)shifted;
-    const krhpr_ints odd = -(quadrant & 1);
-    const krhpr_lanes signed_s = krhpr_lanes_copysign(s, y); /* also for -0 */
+    const krhpr_ints odd = (krhpr_ints)((quadrant & 1) != 0);
+    const krhpr_ints sign = (krhpr_ints)krhpr_all(-0.0);
+    const krhpr_lanes signed_s = (krhpr_lanes)((krhpr_ints)s | ((krhpr_ints)y & sign)); /* the sign of y, also for -0 */
     const krhpr_lanes sine_of = krhpr_where(odd, c, signed_s);
     const krhpr_lanes cosine_of = krhpr_where(odd, s, c);
-    *sine = (krhpr_lanes)((krhpr_ints)sine_of ^ ((quadrant & 2) << 62));
-    *cosine = (krhpr_lanes)((krhpr_ints)cosine_of ^ (((quadrant + 1) & 2) << 62));
+    *sine = (krhpr_lanes)((krhpr_ints)sine_of ^ ((quadrant << 62) & sign));
+    *cosine = (krhpr_lanes)((krhpr_ints)cosine_of ^ (((quadrant + 1) << 62) & sign));
 }
 #endif
 
@@ -184,7 +185,6 @@ KRHPR_STATIC krhpr_lanes krhpr_lanes_atan2_near(krhpr_lanes y, krhpr_lanes x)
 {
     const krhpr_lanes zero = krhpr_all(0.0);
     const krhpr_lanes one = krhpr_all(1.0);
-    const krhpr_lanes two = krhpr_all(2.0);
     const krhpr_lanes ax = krhpr_lanes_fabs(x);
     const krhpr_lanes ay = krhpr_lanes_fabs(y);
     const krhpr_ints steep = krhpr_less(ax, ay);
@@ -199,22 +199,23 @@ KRHPR_STATIC krhpr_lanes krhpr_lanes_atan2_near(krhpr_lanes y, krhpr_lanes x)
     const krhpr_lanes u = (short_side - f * long_side) / divisor;
     const krhpr_lanes z = u * u;
     const krhpr_lanes w = z * z;
-    /* atan(u) = u - u p, p a minimax polynomial (relative error 2^-56), even and odd terms apart */
-    const krhpr_lanes even = z * (0.333333333333331
+    /* atan(u) = u - u z p, p a minimax polynomial (relative error 2^-56), even and odd terms apart */
+    const krhpr_lanes even = 0.333333333333331
         + w * (0.1428571427837729
         + w * (0.09090898049474193
-        + w * (0.06664062944598949 + w * (0.051288218728311304 + w * 0.027715857210339187)))));
-    const krhpr_lanes odd = w * (-0.19999999999928744
+        + w * (0.06664062944598949 + w * (0.051288218728311304 + w * 0.027715857210339187))));
+    const krhpr_lanes odd = -0.19999999999928744
         + w * (-0.11111110737932599
         + w * (-0.07692100224898962
-        + w * (-0.058599126513718534 + w * (-0.0420476109429019 + w * -0.010305936999865081)))));
+        + w * (-0.058599126513718534 + w * (-0.0420476109429019 + w * -0.010305936999865081))));
     /* unfold: steps of pi/4 from the x axis, turned by u; pi/4 in two parts */
-    const krhpr_lanes quarters = krhpr_where(steep, two, two - krhpr_lanes_copysign(two, x));
     const krhpr_lanes side = krhpr_lanes_copysign(one, x);
+    const krhpr_lanes level = krhpr_where(steep, zero, side);
+    const krhpr_lanes quarters = 2.0 - 2.0 * level;
     const krhpr_lanes turn = krhpr_where(steep, -side, side);
     const krhpr_lanes steps = quarters + turn * f;
     const krhpr_lanes part = turn * u;
-    const krhpr_lanes rest = part - (part * (even + odd) - steps * 3.06161699786838301793e-17);
+    const krhpr_lanes rest = part - (part * z * (even + z * odd) - steps * 3.06161699786838301793e-17);
     return krhpr_lanes_copysign(steps * 7.85398163397448278999e-01 + rest, y);
 }
 

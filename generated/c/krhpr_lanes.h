@@ -185,9 +185,14 @@ KRHPR_STATIC int krhpr_is_clean(krhpr_lanes taint)
 KRHPR_STATIC krhpr_lanes krhpr_lanes_sqrt(krhpr_lanes x)
 {
     krhpr_lanes root = x;
+#if KRHPR_LANES == 8 && defined(__AVX512F__)
+    /* gcc takes two halves, and puts them together in memory, which the next load waits for */
+    __asm__("vsqrtpd %1, %0" : "=v"(root) : "v"(x));
+#else
     for (int lane = 0; lane < KRHPR_LANES; ++lane) {
         krhpr_set_lane(&root, lane, sqrt(krhpr_lane(&x, lane)));
     }
+#endif
     return root;
 }
 

@@ -14,8 +14,8 @@
 static const double mode_default[6] = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
 static const double assembly_default[3] = {-1.0, -1.0, -1.0};
 
-/* end_points of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_end_points_lanes(
+/* end_points of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_end_points_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
@@ -37,13 +37,14 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_end_points_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_end_points_batch(
@@ -53,7 +54,7 @@ KRHPR_API int krhpr_planar_fivebar_a_end_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -63,9 +64,12 @@ KRHPR_API int krhpr_planar_fivebar_a_end_points_batch(
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
         krhpr_lanes s_lanes[6];
-        krhpr_planar_fivebar_a_end_points_lanes(g, p_lanes, phi_lanes, redundant_lanes, s_lanes, &answer);
+        const int doubtful = krhpr_planar_fivebar_a_end_points_lanes(
+            g, p_lanes, phi_lanes, redundant_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_end_points(
@@ -104,17 +108,20 @@ KRHPR_API int krhpr_planar_fivebar_a_end_points_soa(
             krhpr_lanes s_room[6];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_planar_fivebar_a_end_points_lanes(g, p_lanes, phi_lanes, redundant_lanes, s_lanes, &answer);
+            const int doubtful = krhpr_planar_fivebar_a_end_points_lanes(
+                g, p_lanes, phi_lanes, redundant_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* redundant_coordinates of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_redundant_coordinates_lanes(
+/* redundant_coordinates of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_redundant_coordinates_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
@@ -140,13 +147,14 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_redundant_coordinates_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, redundant, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_redundant_coordinates_batch(
@@ -156,7 +164,7 @@ KRHPR_API int krhpr_planar_fivebar_a_redundant_coordinates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -166,10 +174,12 @@ KRHPR_API int krhpr_planar_fivebar_a_redundant_coordinates_batch(
         krhpr_lanes s_lanes[6];
         krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_planar_fivebar_a_redundant_coordinates_lanes(
+        const int doubtful = krhpr_planar_fivebar_a_redundant_coordinates_lanes(
             g, p_lanes, phi_lanes, s_lanes, redundant_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_redundant_coordinates(
@@ -208,18 +218,20 @@ KRHPR_API int krhpr_planar_fivebar_a_redundant_coordinates_soa(
             krhpr_lanes redundant_room[3];
             double *const redundant_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const redundant_lanes = krhpr_poses_out(redundant_room, redundant_at, row, here);
-            krhpr_planar_fivebar_a_redundant_coordinates_lanes(
+            const int doubtful = krhpr_planar_fivebar_a_redundant_coordinates_lanes(
                 g, p_lanes, phi_lanes, s_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_forward of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_subleg_forward_lanes(
+/* subleg_forward of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_subleg_forward_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at theta[6],
     const krhpr_lanes_at assembly[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
@@ -242,7 +254,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_subleg_forward_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -254,6 +266,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_subleg_forward_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_subleg_forward_batch(
@@ -263,17 +276,25 @@ KRHPR_API int krhpr_planar_fivebar_a_subleg_forward_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes assembly_lanes[3];
+    if (in[1] == NULL) {
+        krhpr_poses_load(assembly_lanes, assembly_default, 0, 3, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[6];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
-        krhpr_lanes assembly_lanes[3];
-        krhpr_poses_load(assembly_lanes, in[1] ? in[1] + k * in_step[1] : assembly_default, in[1] ? in_step[1] : 0, 3, here);
+        if (in[1] != NULL) {
+            krhpr_poses_load(assembly_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        }
         krhpr_lanes s_lanes[6];
-        krhpr_planar_fivebar_a_subleg_forward_lanes(g, theta_lanes, assembly_lanes, s_lanes, &answer);
+        const int doubtful = krhpr_planar_fivebar_a_subleg_forward_lanes(
+            g, theta_lanes, assembly_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_subleg_forward(
@@ -291,6 +312,10 @@ KRHPR_API int krhpr_planar_fivebar_a_subleg_forward_soa(
     const krhpr_planar_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes assembly_room[3];
+    if (in[1] == NULL) {
+        krhpr_poses_load(assembly_room, assembly_default, 0, 3, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -304,27 +329,27 @@ KRHPR_API int krhpr_planar_fivebar_a_subleg_forward_soa(
             krhpr_ints answer;
             krhpr_lanes theta_room[6];
             const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 6, here);
-            krhpr_lanes assembly_room[3];
             const krhpr_lanes_at *assembly_lanes = assembly_room;
             if (in[1] != NULL) {
                 assembly_lanes = krhpr_poses_in(assembly_room, in[1] + b * in_step[1] + k, row, 3, here);
-            } else {
-                krhpr_poses_load(assembly_room, assembly_default, 0, 3, here);
             }
             krhpr_lanes s_room[6];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_planar_fivebar_a_subleg_forward_lanes(g, theta_lanes, assembly_lanes, s_lanes, &answer);
+            const int doubtful = krhpr_planar_fivebar_a_subleg_forward_lanes(
+                g, theta_lanes, assembly_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_forward_all of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_subleg_forward_all_lanes(
+/* subleg_forward_all of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_subleg_forward_all_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at theta[6],
     krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
@@ -347,7 +372,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_subleg_forward_all_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -359,6 +384,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_subleg_forward_all_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 12);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_subleg_forward_all_batch(
@@ -368,15 +394,18 @@ KRHPR_API int krhpr_planar_fivebar_a_subleg_forward_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[6];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
         krhpr_lanes s_lanes[12];
-        krhpr_planar_fivebar_a_subleg_forward_all_lanes(g, theta_lanes, s_lanes, &answer);
+        const int doubtful = krhpr_planar_fivebar_a_subleg_forward_all_lanes(
+            g, theta_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 12, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_subleg_forward_all(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
@@ -409,17 +438,20 @@ KRHPR_API int krhpr_planar_fivebar_a_subleg_forward_all_soa(
             krhpr_lanes s_room[12];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_planar_fivebar_a_subleg_forward_all_lanes(g, theta_lanes, s_lanes, &answer);
+            const int doubtful = krhpr_planar_fivebar_a_subleg_forward_all_lanes(
+                g, theta_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 12, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_inverse of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_subleg_inverse_lanes(
+/* subleg_inverse of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_subleg_inverse_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at s[6],
     krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
@@ -449,7 +481,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_subleg_inverse_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -461,6 +493,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_subleg_inverse_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 24);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_subleg_inverse_batch(
@@ -470,15 +503,17 @@ KRHPR_API int krhpr_planar_fivebar_a_subleg_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
         krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
         krhpr_lanes theta_lanes[24];
-        krhpr_planar_fivebar_a_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
+        const int doubtful = krhpr_planar_fivebar_a_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 24, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
@@ -511,17 +546,20 @@ KRHPR_API int krhpr_planar_fivebar_a_subleg_inverse_soa(
             krhpr_lanes theta_room[24];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_planar_fivebar_a_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
+            const int doubtful = krhpr_planar_fivebar_a_subleg_inverse_lanes(
+                g, s_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 24, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_jacobian of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_subleg_jacobian_lanes(
+/* subleg_jacobian of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_subleg_jacobian_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6],
     krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_ints *answer)
 {
@@ -548,7 +586,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_subleg_jacobian_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -560,6 +598,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_subleg_jacobian_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, M, 12);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_subleg_jacobian_batch(
@@ -569,7 +608,7 @@ KRHPR_API int krhpr_planar_fivebar_a_subleg_jacobian_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -577,9 +616,12 @@ KRHPR_API int krhpr_planar_fivebar_a_subleg_jacobian_batch(
         krhpr_lanes theta_lanes[6];
         krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 6, here);
         krhpr_lanes M_lanes[12];
-        krhpr_planar_fivebar_a_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
+        const int doubtful = krhpr_planar_fivebar_a_subleg_jacobian_lanes(
+            g, s_lanes, theta_lanes, M_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M_lanes, 12, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_subleg_jacobian(
@@ -615,17 +657,20 @@ KRHPR_API int krhpr_planar_fivebar_a_subleg_jacobian_soa(
             krhpr_lanes M_room[12];
             double *const M_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const M_lanes = krhpr_poses_out(M_room, M_at, row, here);
-            krhpr_planar_fivebar_a_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
+            const int doubtful = krhpr_planar_fivebar_a_subleg_jacobian_lanes(
+                g, s_lanes, theta_lanes, M_lanes, &answer);
             krhpr_poses_done(M_room, M_at, row, 12, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* constraints of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_constraints_lanes(
+/* constraints of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_constraints_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT residual, krhpr_ints *answer)
 {
@@ -643,13 +688,14 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_constraints_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, residual, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_constraints_batch(
@@ -659,7 +705,7 @@ KRHPR_API int krhpr_planar_fivebar_a_constraints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -669,9 +715,12 @@ KRHPR_API int krhpr_planar_fivebar_a_constraints_batch(
         krhpr_lanes s_lanes[6];
         krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
         krhpr_lanes residual_lanes[3];
-        krhpr_planar_fivebar_a_constraints_lanes(g, p_lanes, phi_lanes, s_lanes, residual_lanes, &answer);
+        const int doubtful = krhpr_planar_fivebar_a_constraints_lanes(
+            g, p_lanes, phi_lanes, s_lanes, residual_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], residual_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_constraints(
@@ -710,17 +759,20 @@ KRHPR_API int krhpr_planar_fivebar_a_constraints_soa(
             krhpr_lanes residual_room[3];
             double *const residual_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const residual_lanes = krhpr_poses_out(residual_room, residual_at, row, here);
-            krhpr_planar_fivebar_a_constraints_lanes(g, p_lanes, phi_lanes, s_lanes, residual_lanes, &answer);
+            const int doubtful = krhpr_planar_fivebar_a_constraints_lanes(
+                g, p_lanes, phi_lanes, s_lanes, residual_lanes, &answer);
             krhpr_poses_done(residual_room, residual_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* jacobians of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_jacobians_lanes(
+/* jacobians of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_jacobians_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
@@ -761,7 +813,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_jacobians_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -774,6 +826,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_jacobians_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 9);
     krhpr_poses_keep(finite, K, 18);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_jacobians_batch(
@@ -783,7 +836,7 @@ KRHPR_API int krhpr_planar_fivebar_a_jacobians_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -796,11 +849,13 @@ KRHPR_API int krhpr_planar_fivebar_a_jacobians_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
         krhpr_lanes J_lanes[9];
         krhpr_lanes K_lanes[18];
-        krhpr_planar_fivebar_a_jacobians_lanes(
+        const int doubtful = krhpr_planar_fivebar_a_jacobians_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 18, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_jacobians(
@@ -844,19 +899,21 @@ KRHPR_API int krhpr_planar_fivebar_a_jacobians_soa(
             krhpr_lanes K_room[18];
             double *const K_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_planar_fivebar_a_jacobians_lanes(
+            const int doubtful = krhpr_planar_fivebar_a_jacobians_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 9, here);
             krhpr_poses_done(K_room, K_at, row, 18, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* jacobian_blocks of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_jacobian_blocks_lanes(
+/* jacobian_blocks of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_jacobian_blocks_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
@@ -890,7 +947,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_jacobian_blocks_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -903,6 +960,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_jacobian_blocks_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 9);
     krhpr_poses_keep(finite, K, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_jacobian_blocks_batch(
@@ -912,7 +970,7 @@ KRHPR_API int krhpr_planar_fivebar_a_jacobian_blocks_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -925,11 +983,13 @@ KRHPR_API int krhpr_planar_fivebar_a_jacobian_blocks_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
         krhpr_lanes J_lanes[9];
         krhpr_lanes K_lanes[6];
-        krhpr_planar_fivebar_a_jacobian_blocks_lanes(
+        const int doubtful = krhpr_planar_fivebar_a_jacobian_blocks_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_jacobian_blocks(
@@ -973,19 +1033,21 @@ KRHPR_API int krhpr_planar_fivebar_a_jacobian_blocks_soa(
             krhpr_lanes K_room[6];
             double *const K_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_planar_fivebar_a_jacobian_blocks_lanes(
+            const int doubtful = krhpr_planar_fivebar_a_jacobian_blocks_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 9, here);
             krhpr_poses_done(K_room, K_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_inverse_lanes(
+/* inverse of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_inverse_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
@@ -1024,7 +1086,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_inverse_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1036,6 +1098,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_inverse_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_inverse_batch(
@@ -1045,7 +1108,11 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes mode_lanes[6];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_lanes, mode_default, 0, 6, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1054,13 +1121,16 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_batch(
         krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes mode_lanes[6];
-        krhpr_poses_load(mode_lanes, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 6, here);
+        if (in[3] != NULL) {
+            krhpr_poses_load(mode_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        }
         krhpr_lanes theta_lanes[6];
-        krhpr_planar_fivebar_a_inverse_lanes(
+        const int doubtful = krhpr_planar_fivebar_a_inverse_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_inverse(
@@ -1079,6 +1149,10 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_soa(
     const krhpr_planar_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes mode_room[6];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_room, mode_default, 0, 6, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -1096,28 +1170,27 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_soa(
             const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            krhpr_lanes mode_room[6];
             const krhpr_lanes_at *mode_lanes = mode_room;
             if (in[3] != NULL) {
                 mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 6, here);
-            } else {
-                krhpr_poses_load(mode_room, mode_default, 0, 6, here);
             }
             krhpr_lanes theta_room[6];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_planar_fivebar_a_inverse_lanes(
+            const int doubtful = krhpr_planar_fivebar_a_inverse_lanes(
                 g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_all of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_inverse_all_lanes(
+/* inverse_all of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_inverse_all_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
@@ -1160,7 +1233,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_inverse_all_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1172,6 +1245,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_inverse_all_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 24);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_inverse_all_batch(
@@ -1181,7 +1255,7 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1191,10 +1265,12 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_all_batch(
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
         krhpr_lanes theta_lanes[24];
-        krhpr_planar_fivebar_a_inverse_all_lanes(
+        const int doubtful = krhpr_planar_fivebar_a_inverse_all_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 24, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_inverse_all(
@@ -1233,10 +1309,12 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_all_soa(
             krhpr_lanes theta_room[24];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_planar_fivebar_a_inverse_all_lanes(
+            const int doubtful = krhpr_planar_fivebar_a_inverse_all_lanes(
                 g, p_lanes, phi_lanes, redundant_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 24, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
@@ -1297,8 +1375,8 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_near_soa(
 }
 #endif
 
-/* inverse_status of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_inverse_status_lanes(
+/* inverse_status of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_inverse_status_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], krhpr_lanes_at *KRHPR_RESTRICT excess,
     krhpr_ints *answer)
@@ -1327,7 +1405,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_inverse_status_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1338,6 +1416,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_inverse_status_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_inverse_status_batch(
@@ -1347,7 +1426,11 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_status_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes mode_lanes[6];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_lanes, mode_default, 0, 6, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1356,13 +1439,16 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_status_batch(
         krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes mode_lanes[6];
-        krhpr_poses_load(mode_lanes, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 6, here);
+        if (in[3] != NULL) {
+            krhpr_poses_load(mode_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        }
         krhpr_lanes excess_lanes[3];
-        krhpr_planar_fivebar_a_inverse_status_lanes(
+        const int doubtful = krhpr_planar_fivebar_a_inverse_status_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, excess_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_inverse_status(
@@ -1381,6 +1467,10 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_status_soa(
     const krhpr_planar_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes mode_room[6];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_room, mode_default, 0, 6, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -1398,28 +1488,27 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_status_soa(
             const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            krhpr_lanes mode_room[6];
             const krhpr_lanes_at *mode_lanes = mode_room;
             if (in[3] != NULL) {
                 mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 6, here);
-            } else {
-                krhpr_poses_load(mode_room, mode_default, 0, 6, here);
             }
             krhpr_lanes excess_room[3];
             double *const excess_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const excess_lanes = krhpr_poses_out(excess_room, excess_at, row, here);
-            krhpr_planar_fivebar_a_inverse_status_lanes(
+            const int doubtful = krhpr_planar_fivebar_a_inverse_status_lanes(
                 g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, excess_lanes, &answer);
             krhpr_poses_done(excess_room, excess_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* twist of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_twist_lanes(
+/* twist of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_twist_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at theta_dot[6],
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
@@ -1464,7 +1553,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_twist_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1478,6 +1567,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_twist_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_twist_batch(
@@ -1487,7 +1577,7 @@ KRHPR_API int krhpr_planar_fivebar_a_twist_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1501,10 +1591,12 @@ KRHPR_API int krhpr_planar_fivebar_a_twist_batch(
         krhpr_lanes theta_dot_lanes[6];
         krhpr_poses_load(theta_dot_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
         krhpr_lanes twist_lanes[3];
-        krhpr_planar_fivebar_a_twist_lanes(
+        const int doubtful = krhpr_planar_fivebar_a_twist_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_twist(
@@ -1547,18 +1639,20 @@ KRHPR_API int krhpr_planar_fivebar_a_twist_soa(
             krhpr_lanes twist_room[3];
             double *const twist_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const twist_lanes = krhpr_poses_out(twist_room, twist_at, row, here);
-            krhpr_planar_fivebar_a_twist_lanes(
+            const int doubtful = krhpr_planar_fivebar_a_twist_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
             krhpr_poses_done(twist_room, twist_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* joint_rates of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_joint_rates_lanes(
+/* joint_rates of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_joint_rates_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at twist[3],
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
@@ -1594,7 +1688,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_joint_rates_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1606,6 +1700,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_joint_rates_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_dot, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_joint_rates_batch(
@@ -1615,7 +1710,7 @@ KRHPR_API int krhpr_planar_fivebar_a_joint_rates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1631,11 +1726,13 @@ KRHPR_API int krhpr_planar_fivebar_a_joint_rates_batch(
         krhpr_lanes redundant_rates_lanes[3];
         krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
         krhpr_lanes theta_dot_lanes[6];
-        krhpr_planar_fivebar_a_joint_rates_lanes(
+        const int doubtful = krhpr_planar_fivebar_a_joint_rates_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
             theta_dot_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_joint_rates(
@@ -1680,19 +1777,21 @@ KRHPR_API int krhpr_planar_fivebar_a_joint_rates_soa(
             krhpr_lanes theta_dot_room[6];
             double *const theta_dot_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_dot_lanes = krhpr_poses_out(theta_dot_room, theta_dot_at, row, here);
-            krhpr_planar_fivebar_a_joint_rates_lanes(
+            const int doubtful = krhpr_planar_fivebar_a_joint_rates_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 theta_dot_lanes, &answer);
             krhpr_poses_done(theta_dot_room, theta_dot_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* platform_acceleration of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_platform_acceleration_lanes(
+/* platform_acceleration of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_platform_acceleration_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at twist[3],
     const krhpr_lanes_at theta_dot[6], const krhpr_lanes_at theta_ddot[6],
@@ -1748,7 +1847,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_platform_acceleration_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1762,6 +1861,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_platform_acceleration_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist_rate, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_platform_acceleration_batch(
@@ -1771,7 +1871,7 @@ KRHPR_API int krhpr_planar_fivebar_a_platform_acceleration_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1789,11 +1889,13 @@ KRHPR_API int krhpr_planar_fivebar_a_platform_acceleration_batch(
         krhpr_lanes theta_ddot_lanes[6];
         krhpr_poses_load(theta_ddot_lanes, in[6] + k * in_step[6], in_step[6], 6, here);
         krhpr_lanes twist_rate_lanes[3];
-        krhpr_planar_fivebar_a_platform_acceleration_lanes(
+        const int doubtful = krhpr_planar_fivebar_a_platform_acceleration_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
             twist_rate_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_platform_acceleration(
@@ -1841,19 +1943,21 @@ KRHPR_API int krhpr_planar_fivebar_a_platform_acceleration_soa(
             krhpr_lanes twist_rate_room[3];
             double *const twist_rate_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const twist_rate_lanes = krhpr_poses_out(twist_rate_room, twist_rate_at, row, here);
-            krhpr_planar_fivebar_a_platform_acceleration_lanes(
+            const int doubtful = krhpr_planar_fivebar_a_platform_acceleration_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
                 twist_rate_lanes, &answer);
             krhpr_poses_done(twist_rate_room, twist_rate_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* joint_accelerations of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_joint_accelerations_lanes(
+/* joint_accelerations of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_joint_accelerations_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at twist[3],
     const krhpr_lanes_at redundant_rates[3], const krhpr_lanes_at theta_dot[6],
@@ -1903,7 +2007,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_joint_accelerations_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1918,6 +2022,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_joint_accelerations_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_ddot, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_joint_accelerations_batch(
@@ -1927,7 +2032,7 @@ KRHPR_API int krhpr_planar_fivebar_a_joint_accelerations_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1949,11 +2054,13 @@ KRHPR_API int krhpr_planar_fivebar_a_joint_accelerations_batch(
         krhpr_lanes redundant_accelerations_lanes[3];
         krhpr_poses_load(redundant_accelerations_lanes, in[8] + k * in_step[8], in_step[8], 3, here);
         krhpr_lanes theta_ddot_lanes[6];
-        krhpr_planar_fivebar_a_joint_accelerations_lanes(
+        const int doubtful = krhpr_planar_fivebar_a_joint_accelerations_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
             theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_joint_accelerations(
@@ -2005,19 +2112,21 @@ KRHPR_API int krhpr_planar_fivebar_a_joint_accelerations_soa(
             krhpr_lanes theta_ddot_room[6];
             double *const theta_ddot_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_ddot_lanes = krhpr_poses_out(theta_ddot_room, theta_ddot_at, row, here);
-            krhpr_planar_fivebar_a_joint_accelerations_lanes(
+            const int doubtful = krhpr_planar_fivebar_a_joint_accelerations_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
             krhpr_poses_done(theta_ddot_room, theta_ddot_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_statics of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_inverse_statics_lanes(
+/* inverse_statics of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_inverse_statics_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at wrench[3],
     const krhpr_lanes_at redundant_forces[3], krhpr_lanes_at *KRHPR_RESTRICT actuator_forces,
@@ -2068,7 +2177,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_inverse_statics_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2082,6 +2191,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_inverse_statics_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, actuator_forces, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_inverse_statics_batch(
@@ -2091,7 +2201,7 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2107,11 +2217,13 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_statics_batch(
         krhpr_lanes redundant_forces_lanes[3];
         krhpr_poses_load(redundant_forces_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
         krhpr_lanes actuator_forces_lanes[6];
-        krhpr_planar_fivebar_a_inverse_statics_lanes(
+        const int doubtful = krhpr_planar_fivebar_a_inverse_statics_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
             actuator_forces_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_inverse_statics(
@@ -2156,19 +2268,21 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_statics_soa(
             krhpr_lanes actuator_forces_room[6];
             double *const actuator_forces_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const actuator_forces_lanes = krhpr_poses_out(actuator_forces_room, actuator_forces_at, row, here);
-            krhpr_planar_fivebar_a_inverse_statics_lanes(
+            const int doubtful = krhpr_planar_fivebar_a_inverse_statics_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
                 actuator_forces_lanes, &answer);
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_statics of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_forward_statics_lanes(
+/* forward_statics of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_statics_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at actuator_forces[6],
     krhpr_lanes_at *KRHPR_RESTRICT wrench, krhpr_lanes_at *KRHPR_RESTRICT redundant_forces,
@@ -2207,7 +2321,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_forward_statics_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2222,6 +2336,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_forward_statics_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, wrench, 3);
     krhpr_poses_keep(finite, redundant_forces, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_forward_statics_batch(
@@ -2231,7 +2346,7 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2246,12 +2361,14 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_statics_batch(
         krhpr_poses_load(actuator_forces_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
         krhpr_lanes wrench_lanes[3];
         krhpr_lanes redundant_forces_lanes[3];
-        krhpr_planar_fivebar_a_forward_statics_lanes(
+        const int doubtful = krhpr_planar_fivebar_a_forward_statics_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, actuator_forces_lanes, wrench_lanes,
             redundant_forces_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], wrench_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_forward_statics(
@@ -2298,20 +2415,22 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_statics_soa(
             krhpr_lanes redundant_forces_room[3];
             double *const redundant_forces_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const redundant_forces_lanes = krhpr_poses_out(redundant_forces_room, redundant_forces_at, row, here);
-            krhpr_planar_fivebar_a_forward_statics_lanes(
+            const int doubtful = krhpr_planar_fivebar_a_forward_statics_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, actuator_forces_lanes, wrench_lanes,
                 redundant_forces_lanes, &answer);
             krhpr_poses_done(wrench_room, wrench_at, row, 3, here);
             krhpr_poses_done(redundant_forces_room, redundant_forces_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* passive_joints of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_passive_joints_lanes(
+/* passive_joints of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_passive_joints_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT passive,
     krhpr_lanes_at *KRHPR_RESTRICT wrist, krhpr_lanes_at *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
@@ -2356,7 +2475,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_passive_joints_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2365,6 +2484,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_passive_joints_lanes(
     krhpr_poses_keep(finite, passive, 9);
     krhpr_poses_keep(finite, wrist, 3);
     krhpr_poses_keep(finite, platform_joint, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_passive_joints_batch(
@@ -2374,7 +2494,7 @@ KRHPR_API int krhpr_planar_fivebar_a_passive_joints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2388,13 +2508,15 @@ KRHPR_API int krhpr_planar_fivebar_a_passive_joints_batch(
         krhpr_lanes passive_lanes[9];
         krhpr_lanes wrist_lanes[3];
         krhpr_lanes platform_joint_lanes[3];
-        krhpr_planar_fivebar_a_passive_joints_lanes(
+        const int doubtful = krhpr_planar_fivebar_a_passive_joints_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, passive_lanes, wrist_lanes, platform_joint_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], passive_lanes, 9, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], wrist_lanes, 3, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], platform_joint_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_passive_joints(
@@ -2442,21 +2564,23 @@ KRHPR_API int krhpr_planar_fivebar_a_passive_joints_soa(
             krhpr_lanes platform_joint_room[3];
             double *const platform_joint_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const platform_joint_lanes = krhpr_poses_out(platform_joint_room, platform_joint_at, row, here);
-            krhpr_planar_fivebar_a_passive_joints_lanes(
+            const int doubtful = krhpr_planar_fivebar_a_passive_joints_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, passive_lanes, wrist_lanes,
                 platform_joint_lanes, &answer);
             krhpr_poses_done(passive_room, passive_at, row, 9, here);
             krhpr_poses_done(wrist_room, wrist_at, row, 3, here);
             krhpr_poses_done(platform_joint_room, platform_joint_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* link_points of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_link_points_lanes(
+/* link_points of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_link_points_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT points,
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
@@ -2485,7 +2609,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_link_points_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2493,6 +2617,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_link_points_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, points, 30);
     krhpr_poses_keep(finite, attachment, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_link_points_batch(
@@ -2502,7 +2627,7 @@ KRHPR_API int krhpr_planar_fivebar_a_link_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2515,11 +2640,13 @@ KRHPR_API int krhpr_planar_fivebar_a_link_points_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
         krhpr_lanes points_lanes[30];
         krhpr_lanes attachment_lanes[6];
-        krhpr_planar_fivebar_a_link_points_lanes(
+        const int doubtful = krhpr_planar_fivebar_a_link_points_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], points_lanes, 30, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], attachment_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_link_points(
@@ -2563,19 +2690,21 @@ KRHPR_API int krhpr_planar_fivebar_a_link_points_soa(
             krhpr_lanes attachment_room[6];
             double *const attachment_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const attachment_lanes = krhpr_poses_out(attachment_room, attachment_at, row, here);
-            krhpr_planar_fivebar_a_link_points_lanes(
+            const int doubtful = krhpr_planar_fivebar_a_link_points_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
             krhpr_poses_done(points_room, points_at, row, 30, here);
             krhpr_poses_done(attachment_room, attachment_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* singularity of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_singularity_lanes(
+/* singularity of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_singularity_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT type_1,
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
@@ -2612,7 +2741,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_singularity_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2622,6 +2751,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_singularity_lanes(
     krhpr_poses_keep(finite, factors, 9);
     krhpr_poses_keep(finite, type_2, 1);
     krhpr_poses_keep(finite, margins, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_singularity_batch(
@@ -2631,7 +2761,7 @@ KRHPR_API int krhpr_planar_fivebar_a_singularity_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2646,14 +2776,16 @@ KRHPR_API int krhpr_planar_fivebar_a_singularity_batch(
         krhpr_lanes factors_lanes[9];
         krhpr_lanes type_2_lanes[1];
         krhpr_lanes margins_lanes[1];
-        krhpr_planar_fivebar_a_singularity_lanes(
+        const int doubtful = krhpr_planar_fivebar_a_singularity_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
             margins_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_1_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], factors_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], type_2_lanes, 1, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], margins_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_singularity(
@@ -2704,22 +2836,24 @@ KRHPR_API int krhpr_planar_fivebar_a_singularity_soa(
             krhpr_lanes margins_room[1];
             double *const margins_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const margins_lanes = krhpr_poses_out(margins_room, margins_at, row, here);
-            krhpr_planar_fivebar_a_singularity_lanes(
+            const int doubtful = krhpr_planar_fivebar_a_singularity_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
                 margins_lanes, &answer);
             krhpr_poses_done(type_1_room, type_1_at, row, 3, here);
             krhpr_poses_done(factors_room, factors_at, row, 9, here);
             krhpr_poses_done(type_2_room, type_2_at, row, 1, here);
             krhpr_poses_done(margins_room, margins_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* type_2_of_redundant of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_type_2_of_redundant_lanes(
+/* type_2_of_redundant of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_type_2_of_redundant_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at redundant[3],
     krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
@@ -2742,7 +2876,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_type_2_of_redundant_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2750,6 +2884,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_type_2_of_redundant_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_2, 1);
     krhpr_poses_keep(finite, margins, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_type_2_of_redundant_batch(
@@ -2759,18 +2894,20 @@ KRHPR_API int krhpr_planar_fivebar_a_type_2_of_redundant_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
         krhpr_lanes type_2_lanes[1];
         krhpr_lanes margins_lanes[1];
-        krhpr_planar_fivebar_a_type_2_of_redundant_lanes(
+        const int doubtful = krhpr_planar_fivebar_a_type_2_of_redundant_lanes(
             g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_2_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], margins_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_type_2_of_redundant(
@@ -2807,19 +2944,21 @@ KRHPR_API int krhpr_planar_fivebar_a_type_2_of_redundant_soa(
             krhpr_lanes margins_room[1];
             double *const margins_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const margins_lanes = krhpr_poses_out(margins_room, margins_at, row, here);
-            krhpr_planar_fivebar_a_type_2_of_redundant_lanes(
+            const int doubtful = krhpr_planar_fivebar_a_type_2_of_redundant_lanes(
                 g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
             krhpr_poses_done(type_2_room, type_2_at, row, 1, here);
             krhpr_poses_done(margins_room, margins_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* indices of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_indices_lanes(
+/* indices of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_indices_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3,
@@ -2876,7 +3015,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_indices_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2898,6 +3037,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_indices_lanes(
     krhpr_poses_keep(finite, eta_2, 1);
     krhpr_poses_keep(finite, eta_3, 1);
     krhpr_poses_keep(finite, condition, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_indices_batch(
@@ -2907,7 +3047,7 @@ KRHPR_API int krhpr_planar_fivebar_a_indices_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2922,14 +3062,16 @@ KRHPR_API int krhpr_planar_fivebar_a_indices_batch(
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
         krhpr_lanes condition_lanes[3];
-        krhpr_planar_fivebar_a_indices_lanes(
+        const int doubtful = krhpr_planar_fivebar_a_indices_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes,
             condition_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_indices(
@@ -2980,22 +3122,24 @@ KRHPR_API int krhpr_planar_fivebar_a_indices_soa(
             krhpr_lanes condition_room[3];
             double *const condition_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const condition_lanes = krhpr_poses_out(condition_room, condition_at, row, here);
-            krhpr_planar_fivebar_a_indices_lanes(
+            const int doubtful = krhpr_planar_fivebar_a_indices_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes,
                 condition_lanes, &answer);
             krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
             krhpr_poses_done(condition_room, condition_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* index_bounds of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_index_bounds_lanes(
+/* index_bounds of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_index_bounds_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_ints *answer)
@@ -3052,7 +3196,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_index_bounds_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3072,6 +3216,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_index_bounds_lanes(
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
     krhpr_poses_keep(finite, eta_3, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_index_bounds_batch(
@@ -3081,7 +3226,7 @@ KRHPR_API int krhpr_planar_fivebar_a_index_bounds_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -3095,12 +3240,14 @@ KRHPR_API int krhpr_planar_fivebar_a_index_bounds_batch(
         krhpr_lanes eta_1_lanes[1];
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
-        krhpr_planar_fivebar_a_index_bounds_lanes(
+        const int doubtful = krhpr_planar_fivebar_a_index_bounds_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_index_bounds(
@@ -3148,12 +3295,14 @@ KRHPR_API int krhpr_planar_fivebar_a_index_bounds_soa(
             krhpr_lanes eta_3_room[1];
             double *const eta_3_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const eta_3_lanes = krhpr_poses_out(eta_3_room, eta_3_at, row, here);
-            krhpr_planar_fivebar_a_index_bounds_lanes(
+            const int doubtful = krhpr_planar_fivebar_a_index_bounds_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes, &answer);
             krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
@@ -3285,8 +3434,8 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_soa(
 }
 #endif
 
-/* forward_newton of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_forward_newton_lanes(
+/* forward_newton of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_newton_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at p_near[2],
     const krhpr_lanes_at phi_near[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT kantorovich, krhpr_ints *answer)
@@ -3351,7 +3500,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_forward_newton_lanes(
     fine &= krhpr_at_most(misfit[0], krhpr_all(1e-12));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3368,6 +3517,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_forward_newton_lanes(
     krhpr_poses_keep(finite, phi, 1);
     krhpr_poses_keep(finite, redundant, 3);
     krhpr_poses_keep(finite, kantorovich, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_forward_newton_batch(
@@ -3377,7 +3527,7 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_newton_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -3390,14 +3540,16 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_newton_batch(
         krhpr_lanes phi_lanes[1];
         krhpr_lanes redundant_lanes[3];
         krhpr_lanes kantorovich_lanes[1];
-        krhpr_planar_fivebar_a_forward_newton_lanes(
+        const int doubtful = krhpr_planar_fivebar_a_forward_newton_lanes(
             g, s_lanes, p_near_lanes, phi_near_lanes, p_lanes, phi_lanes, redundant_lanes,
             kantorovich_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], kantorovich_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_forward_newton(
@@ -3446,22 +3598,24 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_newton_soa(
             krhpr_lanes kantorovich_room[1];
             double *const kantorovich_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const kantorovich_lanes = krhpr_poses_out(kantorovich_room, kantorovich_at, row, here);
-            krhpr_planar_fivebar_a_forward_newton_lanes(
+            const int doubtful = krhpr_planar_fivebar_a_forward_newton_lanes(
                 g, s_lanes, p_near_lanes, phi_near_lanes, p_lanes, phi_lanes, redundant_lanes,
                 kantorovich_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
             krhpr_poses_done(kantorovich_room, kantorovich_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_encoders_1 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_forward_encoders_1_lanes(
+/* forward_encoders_1 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_encoders_1_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at measured[1],
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
@@ -3496,7 +3650,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_forward_encoders_1_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3511,6 +3665,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_forward_encoders_1_lanes(
     krhpr_poses_keep(finite, p, 4);
     krhpr_poses_keep(finite, phi, 2);
     krhpr_poses_keep(finite, mismatch, 2);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_1_batch(
@@ -3520,7 +3675,7 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_1_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -3532,12 +3687,14 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_1_batch(
         krhpr_lanes p_lanes[4];
         krhpr_lanes phi_lanes[2];
         krhpr_lanes mismatch_lanes[2];
-        krhpr_planar_fivebar_a_forward_encoders_1_lanes(
+        const int doubtful = krhpr_planar_fivebar_a_forward_encoders_1_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, mismatch_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 4, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 2, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], mismatch_lanes, 2, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_forward_encoders_1(
@@ -3582,12 +3739,14 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_1_soa(
             krhpr_lanes mismatch_room[2];
             double *const mismatch_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_planar_fivebar_a_forward_encoders_1_lanes(
+            const int doubtful = krhpr_planar_fivebar_a_forward_encoders_1_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 4, here);
             krhpr_poses_done(phi_room, phi_at, row, 2, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 2, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
@@ -3663,8 +3822,8 @@ KRHPR_API int krhpr_planar_fivebar_a_passive_joints_of_theta_soa(
 }
 #endif
 
-/* forward_encoders_2 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_forward_encoders_2_lanes(
+/* forward_encoders_2 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_encoders_2_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at measured[2],
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
@@ -3704,7 +3863,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3722,6 +3881,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_forward_encoders_2_lanes(
     krhpr_poses_keep(finite, phi, 1);
     krhpr_poses_keep(finite, raw, 4);
     krhpr_poses_keep(finite, mismatch, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_2_batch(
@@ -3731,7 +3891,7 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -3744,14 +3904,16 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_2_batch(
         krhpr_lanes phi_lanes[1];
         krhpr_lanes raw_lanes[4];
         krhpr_lanes mismatch_lanes[1];
-        krhpr_planar_fivebar_a_forward_encoders_2_lanes(
+        const int doubtful = krhpr_planar_fivebar_a_forward_encoders_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_forward_encoders_2(
@@ -3800,22 +3962,24 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_2_soa(
             krhpr_lanes mismatch_room[1];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_planar_fivebar_a_forward_encoders_2_lanes(
+            const int doubtful = krhpr_planar_fivebar_a_forward_encoders_2_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
                 &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_encoders_3 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_forward_encoders_3_lanes(
+/* forward_encoders_3 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_encoders_3_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at measured[3],
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
@@ -3855,7 +4019,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3873,6 +4037,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_forward_encoders_3_lanes(
     krhpr_poses_keep(finite, phi, 1);
     krhpr_poses_keep(finite, raw, 4);
     krhpr_poses_keep(finite, mismatch, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_3_batch(
@@ -3882,7 +4047,7 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -3895,14 +4060,16 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_3_batch(
         krhpr_lanes phi_lanes[1];
         krhpr_lanes raw_lanes[4];
         krhpr_lanes mismatch_lanes[3];
-        krhpr_planar_fivebar_a_forward_encoders_3_lanes(
+        const int doubtful = krhpr_planar_fivebar_a_forward_encoders_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_forward_encoders_3(
@@ -3951,22 +4118,24 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_3_soa(
             krhpr_lanes mismatch_room[3];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_planar_fivebar_a_forward_encoders_3_lanes(
+            const int doubtful = krhpr_planar_fivebar_a_forward_encoders_3_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
                 &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_gauss_newton_2 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_forward_gauss_newton_2_lanes(
+/* forward_gauss_newton_2 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_gauss_newton_2_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at measured[2],
     const krhpr_lanes_at tolerance[1], const krhpr_lanes_at weights[3], krhpr_lanes_at *KRHPR_RESTRICT p,
     krhpr_lanes_at *KRHPR_RESTRICT phi, krhpr_lanes_at *KRHPR_RESTRICT raw,
@@ -4031,7 +4200,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -4050,6 +4219,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_forward_gauss_newton_2_lanes(
     krhpr_poses_keep(finite, phi, 1);
     krhpr_poses_keep(finite, raw, 4);
     krhpr_poses_keep(finite, mismatch, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_forward_gauss_newton_2_batch(
@@ -4059,7 +4229,7 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_gauss_newton_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -4074,14 +4244,16 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_gauss_newton_2_batch(
         krhpr_lanes phi_lanes[1];
         krhpr_lanes raw_lanes[4];
         krhpr_lanes mismatch_lanes[1];
-        krhpr_planar_fivebar_a_forward_gauss_newton_2_lanes(
+        const int doubtful = krhpr_planar_fivebar_a_forward_gauss_newton_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
             mismatch_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_forward_gauss_newton_2(
@@ -4132,22 +4304,24 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_gauss_newton_2_soa(
             krhpr_lanes mismatch_room[1];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_planar_fivebar_a_forward_gauss_newton_2_lanes(
+            const int doubtful = krhpr_planar_fivebar_a_forward_gauss_newton_2_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
                 mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_gauss_newton_3 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_a_forward_gauss_newton_3_lanes(
+/* forward_gauss_newton_3 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_gauss_newton_3_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at measured[3],
     const krhpr_lanes_at tolerance[1], const krhpr_lanes_at weights[3], krhpr_lanes_at *KRHPR_RESTRICT p,
     krhpr_lanes_at *KRHPR_RESTRICT phi, krhpr_lanes_at *KRHPR_RESTRICT raw,
@@ -4211,7 +4385,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -4230,6 +4404,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_a_forward_gauss_newton_3_lanes(
     krhpr_poses_keep(finite, phi, 1);
     krhpr_poses_keep(finite, raw, 4);
     krhpr_poses_keep(finite, mismatch, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_a_forward_gauss_newton_3_batch(
@@ -4239,7 +4414,7 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_gauss_newton_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -4254,14 +4429,16 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_gauss_newton_3_batch(
         krhpr_lanes phi_lanes[1];
         krhpr_lanes raw_lanes[4];
         krhpr_lanes mismatch_lanes[3];
-        krhpr_planar_fivebar_a_forward_gauss_newton_3_lanes(
+        const int doubtful = krhpr_planar_fivebar_a_forward_gauss_newton_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
             mismatch_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_a_forward_gauss_newton_3(
@@ -4312,14 +4489,16 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_gauss_newton_3_soa(
             krhpr_lanes mismatch_room[3];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_planar_fivebar_a_forward_gauss_newton_3_lanes(
+            const int doubtful = krhpr_planar_fivebar_a_forward_gauss_newton_3_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
                 mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;

@@ -14,8 +14,8 @@
 static const double mode_default[6] = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
 static const double assembly_default[3] = {-1.0, -1.0, -1.0};
 
-/* end_points of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_end_points_lanes(
+/* end_points of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_end_points_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
@@ -33,13 +33,14 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_end_points_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_end_points_batch(
@@ -49,7 +50,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_end_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -59,10 +60,12 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_end_points_batch(
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
         krhpr_lanes s_lanes[6];
-        krhpr_planar_fivebar_coupler_b_end_points_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_end_points_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_end_points(
@@ -101,18 +104,20 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_end_points_soa(
             krhpr_lanes s_room[6];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_planar_fivebar_coupler_b_end_points_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_end_points_lanes(
                 g, p_lanes, phi_lanes, redundant_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* redundant_coordinates of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_redundant_coordinates_lanes(
+/* redundant_coordinates of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_redundant_coordinates_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
@@ -130,13 +135,14 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_redundant_coordinates_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, redundant, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_redundant_coordinates_batch(
@@ -146,7 +152,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_redundant_coordinates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -156,10 +162,12 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_redundant_coordinates_batch(
         krhpr_lanes s_lanes[6];
         krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_planar_fivebar_coupler_b_redundant_coordinates_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_redundant_coordinates_lanes(
             g, p_lanes, phi_lanes, s_lanes, redundant_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_redundant_coordinates(
@@ -198,18 +206,20 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_redundant_coordinates_soa(
             krhpr_lanes redundant_room[3];
             double *const redundant_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const redundant_lanes = krhpr_poses_out(redundant_room, redundant_at, row, here);
-            krhpr_planar_fivebar_coupler_b_redundant_coordinates_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_redundant_coordinates_lanes(
                 g, p_lanes, phi_lanes, s_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_forward of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_subleg_forward_lanes(
+/* subleg_forward of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_subleg_forward_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at theta[6],
     const krhpr_lanes_at assembly[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
@@ -232,7 +242,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_subleg_forward_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -244,6 +254,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_subleg_forward_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_subleg_forward_batch(
@@ -253,17 +264,25 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_subleg_forward_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes assembly_lanes[3];
+    if (in[1] == NULL) {
+        krhpr_poses_load(assembly_lanes, assembly_default, 0, 3, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[6];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
-        krhpr_lanes assembly_lanes[3];
-        krhpr_poses_load(assembly_lanes, in[1] ? in[1] + k * in_step[1] : assembly_default, in[1] ? in_step[1] : 0, 3, here);
+        if (in[1] != NULL) {
+            krhpr_poses_load(assembly_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        }
         krhpr_lanes s_lanes[6];
-        krhpr_planar_fivebar_coupler_b_subleg_forward_lanes(g, theta_lanes, assembly_lanes, s_lanes, &answer);
+        const int doubtful = krhpr_planar_fivebar_coupler_b_subleg_forward_lanes(
+            g, theta_lanes, assembly_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_subleg_forward(
@@ -281,6 +300,10 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_subleg_forward_soa(
     const krhpr_planar_fivebar_coupler_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes assembly_room[3];
+    if (in[1] == NULL) {
+        krhpr_poses_load(assembly_room, assembly_default, 0, 3, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -294,28 +317,27 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_subleg_forward_soa(
             krhpr_ints answer;
             krhpr_lanes theta_room[6];
             const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 6, here);
-            krhpr_lanes assembly_room[3];
             const krhpr_lanes_at *assembly_lanes = assembly_room;
             if (in[1] != NULL) {
                 assembly_lanes = krhpr_poses_in(assembly_room, in[1] + b * in_step[1] + k, row, 3, here);
-            } else {
-                krhpr_poses_load(assembly_room, assembly_default, 0, 3, here);
             }
             krhpr_lanes s_room[6];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_planar_fivebar_coupler_b_subleg_forward_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_subleg_forward_lanes(
                 g, theta_lanes, assembly_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_forward_all of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_subleg_forward_all_lanes(
+/* subleg_forward_all of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_subleg_forward_all_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at theta[6],
     krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
@@ -338,7 +360,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_subleg_forward_all_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -350,6 +372,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_subleg_forward_all_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 12);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_subleg_forward_all_batch(
@@ -359,15 +382,18 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_subleg_forward_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[6];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
         krhpr_lanes s_lanes[12];
-        krhpr_planar_fivebar_coupler_b_subleg_forward_all_lanes(g, theta_lanes, s_lanes, &answer);
+        const int doubtful = krhpr_planar_fivebar_coupler_b_subleg_forward_all_lanes(
+            g, theta_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 12, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_subleg_forward_all(
@@ -401,17 +427,20 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_subleg_forward_all_soa(
             krhpr_lanes s_room[12];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_planar_fivebar_coupler_b_subleg_forward_all_lanes(g, theta_lanes, s_lanes, &answer);
+            const int doubtful = krhpr_planar_fivebar_coupler_b_subleg_forward_all_lanes(
+                g, theta_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 12, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_inverse of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_subleg_inverse_lanes(
+/* subleg_inverse of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_subleg_inverse_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at s[6],
     krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
@@ -441,7 +470,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_subleg_inverse_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -453,6 +482,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_subleg_inverse_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 24);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_subleg_inverse_batch(
@@ -462,15 +492,18 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_subleg_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
         krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
         krhpr_lanes theta_lanes[24];
-        krhpr_planar_fivebar_coupler_b_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
+        const int doubtful = krhpr_planar_fivebar_coupler_b_subleg_inverse_lanes(
+            g, s_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 24, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
@@ -503,17 +536,20 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_subleg_inverse_soa(
             krhpr_lanes theta_room[24];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_planar_fivebar_coupler_b_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
+            const int doubtful = krhpr_planar_fivebar_coupler_b_subleg_inverse_lanes(
+                g, s_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 24, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_jacobian of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_subleg_jacobian_lanes(
+/* subleg_jacobian of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_subleg_jacobian_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at s[6],
     const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_ints *answer)
 {
@@ -541,7 +577,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_subleg_jacobian_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -553,6 +589,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_subleg_jacobian_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, M, 12);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_subleg_jacobian_batch(
@@ -562,7 +599,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_subleg_jacobian_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -570,9 +607,12 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_subleg_jacobian_batch(
         krhpr_lanes theta_lanes[6];
         krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 6, here);
         krhpr_lanes M_lanes[12];
-        krhpr_planar_fivebar_coupler_b_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
+        const int doubtful = krhpr_planar_fivebar_coupler_b_subleg_jacobian_lanes(
+            g, s_lanes, theta_lanes, M_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M_lanes, 12, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_subleg_jacobian(
@@ -608,17 +648,20 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_subleg_jacobian_soa(
             krhpr_lanes M_room[12];
             double *const M_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const M_lanes = krhpr_poses_out(M_room, M_at, row, here);
-            krhpr_planar_fivebar_coupler_b_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
+            const int doubtful = krhpr_planar_fivebar_coupler_b_subleg_jacobian_lanes(
+                g, s_lanes, theta_lanes, M_lanes, &answer);
             krhpr_poses_done(M_room, M_at, row, 12, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* constraints of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_constraints_lanes(
+/* constraints of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_constraints_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT residual, krhpr_ints *answer)
 {
@@ -636,13 +679,14 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_constraints_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, residual, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_constraints_batch(
@@ -652,7 +696,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_constraints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -662,10 +706,12 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_constraints_batch(
         krhpr_lanes s_lanes[6];
         krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
         krhpr_lanes residual_lanes[3];
-        krhpr_planar_fivebar_coupler_b_constraints_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_constraints_lanes(
             g, p_lanes, phi_lanes, s_lanes, residual_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], residual_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_constraints(
@@ -704,18 +750,20 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_constraints_soa(
             krhpr_lanes residual_room[3];
             double *const residual_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const residual_lanes = krhpr_poses_out(residual_room, residual_at, row, here);
-            krhpr_planar_fivebar_coupler_b_constraints_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_constraints_lanes(
                 g, p_lanes, phi_lanes, s_lanes, residual_lanes, &answer);
             krhpr_poses_done(residual_room, residual_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* jacobians of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_jacobians_lanes(
+/* jacobians of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_jacobians_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
@@ -757,7 +805,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_jacobians_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -770,6 +818,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_jacobians_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 9);
     krhpr_poses_keep(finite, K, 18);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_jacobians_batch(
@@ -779,7 +828,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_jacobians_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -792,11 +841,13 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_jacobians_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
         krhpr_lanes J_lanes[9];
         krhpr_lanes K_lanes[18];
-        krhpr_planar_fivebar_coupler_b_jacobians_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_jacobians_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 18, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_jacobians(
@@ -840,19 +891,21 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_jacobians_soa(
             krhpr_lanes K_room[18];
             double *const K_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_planar_fivebar_coupler_b_jacobians_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_jacobians_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 9, here);
             krhpr_poses_done(K_room, K_at, row, 18, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* jacobian_blocks of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_jacobian_blocks_lanes(
+/* jacobian_blocks of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_jacobian_blocks_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
@@ -887,7 +940,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_jacobian_blocks_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -900,6 +953,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_jacobian_blocks_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 9);
     krhpr_poses_keep(finite, K, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_jacobian_blocks_batch(
@@ -909,7 +963,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_jacobian_blocks_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -922,11 +976,13 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_jacobian_blocks_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
         krhpr_lanes J_lanes[9];
         krhpr_lanes K_lanes[6];
-        krhpr_planar_fivebar_coupler_b_jacobian_blocks_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_jacobian_blocks_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_jacobian_blocks(
@@ -970,19 +1026,21 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_jacobian_blocks_soa(
             krhpr_lanes K_room[6];
             double *const K_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_planar_fivebar_coupler_b_jacobian_blocks_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_jacobian_blocks_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 9, here);
             krhpr_poses_done(K_room, K_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_inverse_lanes(
+/* inverse of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_inverse_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
@@ -1017,7 +1075,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_inverse_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1029,6 +1087,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_inverse_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_inverse_batch(
@@ -1038,7 +1097,11 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes mode_lanes[6];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_lanes, mode_default, 0, 6, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1047,13 +1110,16 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_inverse_batch(
         krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes mode_lanes[6];
-        krhpr_poses_load(mode_lanes, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 6, here);
+        if (in[3] != NULL) {
+            krhpr_poses_load(mode_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        }
         krhpr_lanes theta_lanes[6];
-        krhpr_planar_fivebar_coupler_b_inverse_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_inverse_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_inverse(
@@ -1072,6 +1138,10 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_inverse_soa(
     const krhpr_planar_fivebar_coupler_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes mode_room[6];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_room, mode_default, 0, 6, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -1089,28 +1159,27 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_inverse_soa(
             const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            krhpr_lanes mode_room[6];
             const krhpr_lanes_at *mode_lanes = mode_room;
             if (in[3] != NULL) {
                 mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 6, here);
-            } else {
-                krhpr_poses_load(mode_room, mode_default, 0, 6, here);
             }
             krhpr_lanes theta_room[6];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_planar_fivebar_coupler_b_inverse_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_inverse_lanes(
                 g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_all of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_inverse_all_lanes(
+/* inverse_all of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_inverse_all_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
@@ -1149,7 +1218,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_inverse_all_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1161,6 +1230,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_inverse_all_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 24);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_inverse_all_batch(
@@ -1170,7 +1240,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_inverse_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1180,10 +1250,12 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_inverse_all_batch(
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
         krhpr_lanes theta_lanes[24];
-        krhpr_planar_fivebar_coupler_b_inverse_all_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_inverse_all_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 24, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_inverse_all(
@@ -1222,10 +1294,12 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_inverse_all_soa(
             krhpr_lanes theta_room[24];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_planar_fivebar_coupler_b_inverse_all_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_inverse_all_lanes(
                 g, p_lanes, phi_lanes, redundant_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 24, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
@@ -1286,8 +1360,8 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_inverse_near_soa(
 }
 #endif
 
-/* inverse_status of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_inverse_status_lanes(
+/* inverse_status of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_inverse_status_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], krhpr_lanes_at *KRHPR_RESTRICT excess,
     krhpr_ints *answer)
@@ -1312,7 +1386,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_inverse_status_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1323,6 +1397,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_inverse_status_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_inverse_status_batch(
@@ -1332,7 +1407,11 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_inverse_status_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes mode_lanes[6];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_lanes, mode_default, 0, 6, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1341,13 +1420,16 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_inverse_status_batch(
         krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes mode_lanes[6];
-        krhpr_poses_load(mode_lanes, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 6, here);
+        if (in[3] != NULL) {
+            krhpr_poses_load(mode_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        }
         krhpr_lanes excess_lanes[3];
-        krhpr_planar_fivebar_coupler_b_inverse_status_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_inverse_status_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, excess_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_inverse_status(
@@ -1366,6 +1448,10 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_inverse_status_soa(
     const krhpr_planar_fivebar_coupler_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes mode_room[6];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_room, mode_default, 0, 6, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -1383,28 +1469,27 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_inverse_status_soa(
             const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            krhpr_lanes mode_room[6];
             const krhpr_lanes_at *mode_lanes = mode_room;
             if (in[3] != NULL) {
                 mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 6, here);
-            } else {
-                krhpr_poses_load(mode_room, mode_default, 0, 6, here);
             }
             krhpr_lanes excess_room[3];
             double *const excess_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const excess_lanes = krhpr_poses_out(excess_room, excess_at, row, here);
-            krhpr_planar_fivebar_coupler_b_inverse_status_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_inverse_status_lanes(
                 g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, excess_lanes, &answer);
             krhpr_poses_done(excess_room, excess_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* twist of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_twist_lanes(
+/* twist of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_twist_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at theta_dot[6],
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
@@ -1449,7 +1534,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_twist_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1463,6 +1548,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_twist_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_twist_batch(
@@ -1472,7 +1558,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_twist_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1486,10 +1572,12 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_twist_batch(
         krhpr_lanes theta_dot_lanes[6];
         krhpr_poses_load(theta_dot_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
         krhpr_lanes twist_lanes[3];
-        krhpr_planar_fivebar_coupler_b_twist_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_twist_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_twist(
@@ -1532,18 +1620,20 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_twist_soa(
             krhpr_lanes twist_room[3];
             double *const twist_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const twist_lanes = krhpr_poses_out(twist_room, twist_at, row, here);
-            krhpr_planar_fivebar_coupler_b_twist_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_twist_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
             krhpr_poses_done(twist_room, twist_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* joint_rates of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_joint_rates_lanes(
+/* joint_rates of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_joint_rates_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at twist[3],
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
@@ -1579,7 +1669,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_joint_rates_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1591,6 +1681,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_joint_rates_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_dot, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_joint_rates_batch(
@@ -1600,7 +1691,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_joint_rates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1616,11 +1707,13 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_joint_rates_batch(
         krhpr_lanes redundant_rates_lanes[3];
         krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
         krhpr_lanes theta_dot_lanes[6];
-        krhpr_planar_fivebar_coupler_b_joint_rates_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_joint_rates_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
             theta_dot_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_joint_rates(
@@ -1665,19 +1758,21 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_joint_rates_soa(
             krhpr_lanes theta_dot_room[6];
             double *const theta_dot_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_dot_lanes = krhpr_poses_out(theta_dot_room, theta_dot_at, row, here);
-            krhpr_planar_fivebar_coupler_b_joint_rates_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_joint_rates_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 theta_dot_lanes, &answer);
             krhpr_poses_done(theta_dot_room, theta_dot_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* platform_acceleration of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_platform_acceleration_lanes(
+/* platform_acceleration of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_platform_acceleration_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at twist[3],
     const krhpr_lanes_at theta_dot[6], const krhpr_lanes_at theta_ddot[6],
@@ -1733,7 +1828,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_platform_acceleration_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1747,6 +1842,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_platform_acceleration_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist_rate, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_platform_acceleration_batch(
@@ -1756,7 +1852,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_platform_acceleration_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1774,11 +1870,13 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_platform_acceleration_batch(
         krhpr_lanes theta_ddot_lanes[6];
         krhpr_poses_load(theta_ddot_lanes, in[6] + k * in_step[6], in_step[6], 6, here);
         krhpr_lanes twist_rate_lanes[3];
-        krhpr_planar_fivebar_coupler_b_platform_acceleration_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_platform_acceleration_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
             twist_rate_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_platform_acceleration(
@@ -1826,19 +1924,21 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_platform_acceleration_soa(
             krhpr_lanes twist_rate_room[3];
             double *const twist_rate_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const twist_rate_lanes = krhpr_poses_out(twist_rate_room, twist_rate_at, row, here);
-            krhpr_planar_fivebar_coupler_b_platform_acceleration_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_platform_acceleration_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
                 twist_rate_lanes, &answer);
             krhpr_poses_done(twist_rate_room, twist_rate_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* joint_accelerations of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_joint_accelerations_lanes(
+/* joint_accelerations of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_joint_accelerations_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at twist[3],
     const krhpr_lanes_at redundant_rates[3], const krhpr_lanes_at theta_dot[6],
@@ -1888,7 +1988,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_joint_accelerations_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1903,6 +2003,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_joint_accelerations_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_ddot, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_joint_accelerations_batch(
@@ -1912,7 +2013,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_joint_accelerations_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1934,11 +2035,13 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_joint_accelerations_batch(
         krhpr_lanes redundant_accelerations_lanes[3];
         krhpr_poses_load(redundant_accelerations_lanes, in[8] + k * in_step[8], in_step[8], 3, here);
         krhpr_lanes theta_ddot_lanes[6];
-        krhpr_planar_fivebar_coupler_b_joint_accelerations_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_joint_accelerations_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
             theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_joint_accelerations(
@@ -1990,19 +2093,21 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_joint_accelerations_soa(
             krhpr_lanes theta_ddot_room[6];
             double *const theta_ddot_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_ddot_lanes = krhpr_poses_out(theta_ddot_room, theta_ddot_at, row, here);
-            krhpr_planar_fivebar_coupler_b_joint_accelerations_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_joint_accelerations_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
             krhpr_poses_done(theta_ddot_room, theta_ddot_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_statics of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_inverse_statics_lanes(
+/* inverse_statics of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_inverse_statics_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at wrench[3],
     const krhpr_lanes_at redundant_forces[3], krhpr_lanes_at *KRHPR_RESTRICT actuator_forces,
@@ -2053,7 +2158,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_inverse_statics_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2067,6 +2172,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_inverse_statics_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, actuator_forces, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_inverse_statics_batch(
@@ -2076,7 +2182,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_inverse_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2092,11 +2198,13 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_inverse_statics_batch(
         krhpr_lanes redundant_forces_lanes[3];
         krhpr_poses_load(redundant_forces_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
         krhpr_lanes actuator_forces_lanes[6];
-        krhpr_planar_fivebar_coupler_b_inverse_statics_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_inverse_statics_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
             actuator_forces_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_inverse_statics(
@@ -2141,19 +2249,21 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_inverse_statics_soa(
             krhpr_lanes actuator_forces_room[6];
             double *const actuator_forces_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const actuator_forces_lanes = krhpr_poses_out(actuator_forces_room, actuator_forces_at, row, here);
-            krhpr_planar_fivebar_coupler_b_inverse_statics_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_inverse_statics_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
                 actuator_forces_lanes, &answer);
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_statics of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_forward_statics_lanes(
+/* forward_statics of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_forward_statics_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at actuator_forces[6],
     krhpr_lanes_at *KRHPR_RESTRICT wrench, krhpr_lanes_at *KRHPR_RESTRICT redundant_forces,
@@ -2192,7 +2302,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_forward_statics_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2207,6 +2317,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_forward_statics_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, wrench, 3);
     krhpr_poses_keep(finite, redundant_forces, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_statics_batch(
@@ -2216,7 +2327,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2231,12 +2342,14 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_statics_batch(
         krhpr_poses_load(actuator_forces_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
         krhpr_lanes wrench_lanes[3];
         krhpr_lanes redundant_forces_lanes[3];
-        krhpr_planar_fivebar_coupler_b_forward_statics_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_forward_statics_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, actuator_forces_lanes, wrench_lanes,
             redundant_forces_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], wrench_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_forward_statics(
@@ -2283,20 +2396,22 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_statics_soa(
             krhpr_lanes redundant_forces_room[3];
             double *const redundant_forces_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const redundant_forces_lanes = krhpr_poses_out(redundant_forces_room, redundant_forces_at, row, here);
-            krhpr_planar_fivebar_coupler_b_forward_statics_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_forward_statics_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, actuator_forces_lanes, wrench_lanes,
                 redundant_forces_lanes, &answer);
             krhpr_poses_done(wrench_room, wrench_at, row, 3, here);
             krhpr_poses_done(redundant_forces_room, redundant_forces_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* opening of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_opening_lanes(
+/* opening of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_opening_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at redundant[3],
     const krhpr_lanes_at jaws[3], krhpr_lanes_at *KRHPR_RESTRICT opening,
     krhpr_lanes_at *KRHPR_RESTRICT centre, krhpr_lanes_at *KRHPR_RESTRICT shares, krhpr_ints *answer)
@@ -2315,7 +2430,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_opening_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), shares[2]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2331,6 +2446,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_opening_lanes(
     krhpr_poses_keep(finite, opening, 1);
     krhpr_poses_keep(finite, centre, 2);
     krhpr_poses_keep(finite, shares, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_opening_batch(
@@ -2340,7 +2456,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_opening_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
@@ -2350,12 +2466,14 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_opening_batch(
         krhpr_lanes opening_lanes[1];
         krhpr_lanes centre_lanes[2];
         krhpr_lanes shares_lanes[3];
-        krhpr_planar_fivebar_coupler_b_opening_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_opening_lanes(
             g, redundant_lanes, jaws_lanes, opening_lanes, centre_lanes, shares_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], opening_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], centre_lanes, 2, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], shares_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_opening(
@@ -2398,20 +2516,22 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_opening_soa(
             krhpr_lanes shares_room[3];
             double *const shares_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const shares_lanes = krhpr_poses_out(shares_room, shares_at, row, here);
-            krhpr_planar_fivebar_coupler_b_opening_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_opening_lanes(
                 g, redundant_lanes, jaws_lanes, opening_lanes, centre_lanes, shares_lanes, &answer);
             krhpr_poses_done(opening_room, opening_at, row, 1, here);
             krhpr_poses_done(centre_room, centre_at, row, 2, here);
             krhpr_poses_done(shares_room, shares_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* redundant_of_opening of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_redundant_of_opening_lanes(
+/* redundant_of_opening of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_redundant_of_opening_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at opening[1],
     const krhpr_lanes_at centre[2], const krhpr_lanes_at jaws[3], krhpr_lanes_at *KRHPR_RESTRICT redundant,
     krhpr_ints *answer)
@@ -2424,13 +2544,14 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_redundant_of_opening_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, redundant, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_redundant_of_opening_batch(
@@ -2440,7 +2561,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_redundant_of_opening_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes opening_lanes[1];
@@ -2450,10 +2571,12 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_redundant_of_opening_batch(
         krhpr_lanes jaws_lanes[3];
         krhpr_poses_load(jaws_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_planar_fivebar_coupler_b_redundant_of_opening_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_redundant_of_opening_lanes(
             g, opening_lanes, centre_lanes, jaws_lanes, redundant_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_redundant_of_opening(
@@ -2492,18 +2615,20 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_redundant_of_opening_soa(
             krhpr_lanes redundant_room[3];
             double *const redundant_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const redundant_lanes = krhpr_poses_out(redundant_room, redundant_at, row, here);
-            krhpr_planar_fivebar_coupler_b_redundant_of_opening_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_redundant_of_opening_lanes(
                 g, opening_lanes, centre_lanes, jaws_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* grasp of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_grasp_lanes(
+/* grasp of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_grasp_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at phi[1],
     const krhpr_lanes_at contacts[6], const krhpr_lanes_at mass_centre[2], const krhpr_lanes_at weight[2],
     const krhpr_lanes_at normal_forces[3], const krhpr_lanes_at friction[1],
@@ -2540,7 +2665,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_grasp_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[2]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2562,6 +2687,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_grasp_lanes(
     krhpr_poses_keep(finite, wrench, 3);
     krhpr_poses_keep(finite, redundant_forces, 3);
     krhpr_poses_keep(finite, friction_margins, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_grasp_batch(
@@ -2571,7 +2697,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_grasp_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes phi_lanes[1];
@@ -2590,7 +2716,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_grasp_batch(
         krhpr_lanes wrench_lanes[3];
         krhpr_lanes redundant_forces_lanes[3];
         krhpr_lanes friction_margins_lanes[3];
-        krhpr_planar_fivebar_coupler_b_grasp_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_grasp_lanes(
             g, phi_lanes, contacts_lanes, mass_centre_lanes, weight_lanes, normal_forces_lanes,
             friction_lanes, contact_forces_lanes, wrench_lanes, redundant_forces_lanes,
             friction_margins_lanes, &answer);
@@ -2598,7 +2724,9 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_grasp_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], wrench_lanes, 3, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_forces_lanes, 3, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], friction_margins_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_grasp(
@@ -2654,7 +2782,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_grasp_soa(
             krhpr_lanes friction_margins_room[3];
             double *const friction_margins_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const friction_margins_lanes = krhpr_poses_out(friction_margins_room, friction_margins_at, row, here);
-            krhpr_planar_fivebar_coupler_b_grasp_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_grasp_lanes(
                 g, phi_lanes, contacts_lanes, mass_centre_lanes, weight_lanes, normal_forces_lanes,
                 friction_lanes, contact_forces_lanes, wrench_lanes, redundant_forces_lanes,
                 friction_margins_lanes, &answer);
@@ -2662,15 +2790,17 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_grasp_soa(
             krhpr_poses_done(wrench_room, wrench_at, row, 3, here);
             krhpr_poses_done(redundant_forces_room, redundant_forces_at, row, 3, here);
             krhpr_poses_done(friction_margins_room, friction_margins_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* passive_joints of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_passive_joints_lanes(
+/* passive_joints of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_passive_joints_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT passive,
     krhpr_lanes_at *KRHPR_RESTRICT wrist, krhpr_lanes_at *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
@@ -2714,7 +2844,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_passive_joints_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2723,6 +2853,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_passive_joints_lanes(
     krhpr_poses_keep(finite, passive, 9);
     krhpr_poses_keep(finite, wrist, 3);
     krhpr_poses_keep(finite, platform_joint, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_passive_joints_batch(
@@ -2732,7 +2863,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_passive_joints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2746,13 +2877,15 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_passive_joints_batch(
         krhpr_lanes passive_lanes[9];
         krhpr_lanes wrist_lanes[3];
         krhpr_lanes platform_joint_lanes[3];
-        krhpr_planar_fivebar_coupler_b_passive_joints_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_passive_joints_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, passive_lanes, wrist_lanes, platform_joint_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], passive_lanes, 9, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], wrist_lanes, 3, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], platform_joint_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_passive_joints(
@@ -2800,21 +2933,23 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_passive_joints_soa(
             krhpr_lanes platform_joint_room[3];
             double *const platform_joint_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const platform_joint_lanes = krhpr_poses_out(platform_joint_room, platform_joint_at, row, here);
-            krhpr_planar_fivebar_coupler_b_passive_joints_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_passive_joints_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, passive_lanes, wrist_lanes,
                 platform_joint_lanes, &answer);
             krhpr_poses_done(passive_room, passive_at, row, 9, here);
             krhpr_poses_done(wrist_room, wrist_at, row, 3, here);
             krhpr_poses_done(platform_joint_room, platform_joint_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* link_points of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_link_points_lanes(
+/* link_points of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_link_points_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT points,
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
@@ -2844,7 +2979,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_link_points_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2852,6 +2987,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_link_points_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, points, 36);
     krhpr_poses_keep(finite, attachment, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_link_points_batch(
@@ -2861,7 +2997,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_link_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2874,11 +3010,13 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_link_points_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
         krhpr_lanes points_lanes[36];
         krhpr_lanes attachment_lanes[6];
-        krhpr_planar_fivebar_coupler_b_link_points_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_link_points_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], points_lanes, 36, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], attachment_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_link_points(
@@ -2922,19 +3060,21 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_link_points_soa(
             krhpr_lanes attachment_room[6];
             double *const attachment_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const attachment_lanes = krhpr_poses_out(attachment_room, attachment_at, row, here);
-            krhpr_planar_fivebar_coupler_b_link_points_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_link_points_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
             krhpr_poses_done(points_room, points_at, row, 36, here);
             krhpr_poses_done(attachment_room, attachment_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* singularity of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_singularity_lanes(
+/* singularity of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_singularity_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT type_1,
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
@@ -2971,7 +3111,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_singularity_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2981,6 +3121,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_singularity_lanes(
     krhpr_poses_keep(finite, factors, 9);
     krhpr_poses_keep(finite, type_2, 1);
     krhpr_poses_keep(finite, margins, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_singularity_batch(
@@ -2990,7 +3131,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_singularity_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -3005,14 +3146,16 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_singularity_batch(
         krhpr_lanes factors_lanes[9];
         krhpr_lanes type_2_lanes[1];
         krhpr_lanes margins_lanes[1];
-        krhpr_planar_fivebar_coupler_b_singularity_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_singularity_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
             margins_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_1_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], factors_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], type_2_lanes, 1, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], margins_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_singularity(
@@ -3063,22 +3206,24 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_singularity_soa(
             krhpr_lanes margins_room[1];
             double *const margins_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const margins_lanes = krhpr_poses_out(margins_room, margins_at, row, here);
-            krhpr_planar_fivebar_coupler_b_singularity_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_singularity_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
                 margins_lanes, &answer);
             krhpr_poses_done(type_1_room, type_1_at, row, 3, here);
             krhpr_poses_done(factors_room, factors_at, row, 9, here);
             krhpr_poses_done(type_2_room, type_2_at, row, 1, here);
             krhpr_poses_done(margins_room, margins_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* type_2_of_redundant of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_type_2_of_redundant_lanes(
+/* type_2_of_redundant of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_type_2_of_redundant_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at redundant[3],
     krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
@@ -3094,7 +3239,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_type_2_of_redundant_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3102,6 +3247,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_type_2_of_redundant_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_2, 1);
     krhpr_poses_keep(finite, margins, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_type_2_of_redundant_batch(
@@ -3111,18 +3257,20 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_type_2_of_redundant_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
         krhpr_lanes type_2_lanes[1];
         krhpr_lanes margins_lanes[1];
-        krhpr_planar_fivebar_coupler_b_type_2_of_redundant_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_type_2_of_redundant_lanes(
             g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_2_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], margins_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_type_2_of_redundant(
@@ -3159,19 +3307,21 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_type_2_of_redundant_soa(
             krhpr_lanes margins_room[1];
             double *const margins_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const margins_lanes = krhpr_poses_out(margins_room, margins_at, row, here);
-            krhpr_planar_fivebar_coupler_b_type_2_of_redundant_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_type_2_of_redundant_lanes(
                 g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
             krhpr_poses_done(type_2_room, type_2_at, row, 1, here);
             krhpr_poses_done(margins_room, margins_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* indices of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_indices_lanes(
+/* indices of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_indices_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3,
@@ -3228,7 +3378,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_indices_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3250,6 +3400,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_indices_lanes(
     krhpr_poses_keep(finite, eta_2, 1);
     krhpr_poses_keep(finite, eta_3, 1);
     krhpr_poses_keep(finite, condition, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_indices_batch(
@@ -3259,7 +3410,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_indices_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -3274,14 +3425,16 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_indices_batch(
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
         krhpr_lanes condition_lanes[3];
-        krhpr_planar_fivebar_coupler_b_indices_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_indices_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes,
             condition_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_indices(
@@ -3332,22 +3485,24 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_indices_soa(
             krhpr_lanes condition_room[3];
             double *const condition_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const condition_lanes = krhpr_poses_out(condition_room, condition_at, row, here);
-            krhpr_planar_fivebar_coupler_b_indices_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_indices_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes,
                 condition_lanes, &answer);
             krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
             krhpr_poses_done(condition_room, condition_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* index_bounds of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_index_bounds_lanes(
+/* index_bounds of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_index_bounds_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_ints *answer)
@@ -3404,7 +3559,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_index_bounds_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3424,6 +3579,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_index_bounds_lanes(
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
     krhpr_poses_keep(finite, eta_3, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_index_bounds_batch(
@@ -3433,7 +3589,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_index_bounds_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -3447,12 +3603,14 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_index_bounds_batch(
         krhpr_lanes eta_1_lanes[1];
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
-        krhpr_planar_fivebar_coupler_b_index_bounds_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_index_bounds_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_index_bounds(
@@ -3500,20 +3658,22 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_index_bounds_soa(
             krhpr_lanes eta_3_room[1];
             double *const eta_3_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const eta_3_lanes = krhpr_poses_out(eta_3_room, eta_3_at, row, here);
-            krhpr_planar_fivebar_coupler_b_index_bounds_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_index_bounds_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes, &answer);
             krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_all of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_forward_all_lanes(
+/* forward_all of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_forward_all_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at s[6],
     krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT det_J,
@@ -3541,7 +3701,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_forward_all_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3561,6 +3721,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_forward_all_lanes(
     krhpr_poses_keep(finite, redundant, 6);
     krhpr_poses_keep(finite, det_J, 2);
     krhpr_poses_keep(finite, count, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_all_batch(
@@ -3570,7 +3731,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -3580,14 +3741,16 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_all_batch(
         krhpr_lanes redundant_lanes[6];
         krhpr_lanes det_J_lanes[2];
         krhpr_lanes count_lanes[1];
-        krhpr_planar_fivebar_coupler_b_forward_all_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_forward_all_lanes(
             g, s_lanes, p_lanes, phi_lanes, redundant_lanes, det_J_lanes, count_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 4, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 2, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 6, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], det_J_lanes, 2, here);
         krhpr_poses_store(out[4] + k * out_step[4], out_step[4], count_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_forward_all(
@@ -3634,22 +3797,24 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_all_soa(
             krhpr_lanes count_room[1];
             double *const count_at = out[4] + b * out_step[4] + k;
             krhpr_lanes_at *const count_lanes = krhpr_poses_out(count_room, count_at, row, here);
-            krhpr_planar_fivebar_coupler_b_forward_all_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_forward_all_lanes(
                 g, s_lanes, p_lanes, phi_lanes, redundant_lanes, det_J_lanes, count_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 4, here);
             krhpr_poses_done(phi_room, phi_at, row, 2, here);
             krhpr_poses_done(redundant_room, redundant_at, row, 6, here);
             krhpr_poses_done(det_J_room, det_J_at, row, 2, here);
             krhpr_poses_done(count_room, count_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_forward_lanes(
+/* forward of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_forward_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at theta[6],
     const krhpr_lanes_at assembly[3], const krhpr_lanes_at side[1], krhpr_lanes_at *KRHPR_RESTRICT p,
     krhpr_lanes_at *KRHPR_RESTRICT phi, krhpr_lanes_at *KRHPR_RESTRICT redundant,
@@ -3693,7 +3858,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_forward_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), assembly_radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3717,6 +3882,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_forward_lanes(
     krhpr_poses_keep(finite, redundant, 3);
     krhpr_poses_keep(finite, count, 1);
     krhpr_poses_keep(finite, certified, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_batch(
@@ -3726,13 +3892,18 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes assembly_lanes[3];
+    if (in[1] == NULL) {
+        krhpr_poses_load(assembly_lanes, assembly_default, 0, 3, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[6];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
-        krhpr_lanes assembly_lanes[3];
-        krhpr_poses_load(assembly_lanes, in[1] ? in[1] + k * in_step[1] : assembly_default, in[1] ? in_step[1] : 0, 3, here);
+        if (in[1] != NULL) {
+            krhpr_poses_load(assembly_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        }
         krhpr_lanes side_lanes[1];
         krhpr_poses_load(side_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
         krhpr_lanes p_lanes[2];
@@ -3740,7 +3911,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_batch(
         krhpr_lanes redundant_lanes[3];
         krhpr_lanes count_lanes[1];
         krhpr_lanes certified_lanes[1];
-        krhpr_planar_fivebar_coupler_b_forward_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_forward_lanes(
             g, theta_lanes, assembly_lanes, side_lanes, p_lanes, phi_lanes, redundant_lanes, count_lanes,
             certified_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
@@ -3748,7 +3919,9 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_batch(
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], count_lanes, 1, here);
         krhpr_poses_store(out[4] + k * out_step[4], out_step[4], certified_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_forward(
@@ -3768,6 +3941,10 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_soa(
     const krhpr_planar_fivebar_coupler_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes assembly_room[3];
+    if (in[1] == NULL) {
+        krhpr_poses_load(assembly_room, assembly_default, 0, 3, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -3781,12 +3958,9 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_soa(
             krhpr_ints answer;
             krhpr_lanes theta_room[6];
             const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 6, here);
-            krhpr_lanes assembly_room[3];
             const krhpr_lanes_at *assembly_lanes = assembly_room;
             if (in[1] != NULL) {
                 assembly_lanes = krhpr_poses_in(assembly_room, in[1] + b * in_step[1] + k, row, 3, here);
-            } else {
-                krhpr_poses_load(assembly_room, assembly_default, 0, 3, here);
             }
             krhpr_lanes side_room[1];
             const krhpr_lanes_at *const side_lanes = krhpr_poses_in(side_room, in[2] + b * in_step[2] + k, row, 1, here);
@@ -3805,7 +3979,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_soa(
             krhpr_lanes certified_room[1];
             double *const certified_at = out[4] + b * out_step[4] + k;
             krhpr_lanes_at *const certified_lanes = krhpr_poses_out(certified_room, certified_at, row, here);
-            krhpr_planar_fivebar_coupler_b_forward_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_forward_lanes(
                 g, theta_lanes, assembly_lanes, side_lanes, p_lanes, phi_lanes, redundant_lanes,
                 count_lanes, certified_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
@@ -3813,7 +3987,9 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_soa(
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
             krhpr_poses_done(count_room, count_at, row, 1, here);
             krhpr_poses_done(certified_room, certified_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
@@ -3886,8 +4062,8 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_passive_joints_of_theta_soa(
 }
 #endif
 
-/* forward_encoders_2 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_forward_encoders_2_lanes(
+/* forward_encoders_2 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_forward_encoders_2_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at s[6],
     const krhpr_lanes_at measured[2], const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p,
     krhpr_lanes_at *KRHPR_RESTRICT phi, krhpr_lanes_at *KRHPR_RESTRICT raw,
@@ -3920,7 +4096,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3938,6 +4114,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_forward_encoders_2_lanes(
     krhpr_poses_keep(finite, phi, 1);
     krhpr_poses_keep(finite, raw, 4);
     krhpr_poses_keep(finite, mismatch, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_encoders_2_batch(
@@ -3947,7 +4124,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_encoders_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -3960,14 +4137,16 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_encoders_2_batch(
         krhpr_lanes phi_lanes[1];
         krhpr_lanes raw_lanes[4];
         krhpr_lanes mismatch_lanes[1];
-        krhpr_planar_fivebar_coupler_b_forward_encoders_2_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_forward_encoders_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_forward_encoders_2(
@@ -4016,22 +4195,24 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_encoders_2_soa(
             krhpr_lanes mismatch_room[1];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_planar_fivebar_coupler_b_forward_encoders_2_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_forward_encoders_2_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
                 &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_encoders_3 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_forward_encoders_3_lanes(
+/* forward_encoders_3 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_forward_encoders_3_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at s[6],
     const krhpr_lanes_at measured[3], const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p,
     krhpr_lanes_at *KRHPR_RESTRICT phi, krhpr_lanes_at *KRHPR_RESTRICT raw,
@@ -4064,7 +4245,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -4082,6 +4263,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_forward_encoders_3_lanes(
     krhpr_poses_keep(finite, phi, 1);
     krhpr_poses_keep(finite, raw, 4);
     krhpr_poses_keep(finite, mismatch, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_encoders_3_batch(
@@ -4091,7 +4273,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_encoders_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -4104,14 +4286,16 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_encoders_3_batch(
         krhpr_lanes phi_lanes[1];
         krhpr_lanes raw_lanes[4];
         krhpr_lanes mismatch_lanes[3];
-        krhpr_planar_fivebar_coupler_b_forward_encoders_3_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_forward_encoders_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_forward_encoders_3(
@@ -4160,22 +4344,24 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_encoders_3_soa(
             krhpr_lanes mismatch_room[3];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_planar_fivebar_coupler_b_forward_encoders_3_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_forward_encoders_3_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
                 &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_gauss_newton_2 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_forward_gauss_newton_2_lanes(
+/* forward_gauss_newton_2 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_forward_gauss_newton_2_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at s[6],
     const krhpr_lanes_at measured[2], const krhpr_lanes_at tolerance[1], const krhpr_lanes_at weights[3],
     krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi, krhpr_lanes_at *KRHPR_RESTRICT raw,
@@ -4232,7 +4418,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -4251,6 +4437,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_forward_gauss_newton_2_lanes(
     krhpr_poses_keep(finite, phi, 1);
     krhpr_poses_keep(finite, raw, 4);
     krhpr_poses_keep(finite, mismatch, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_gauss_newton_2_batch(
@@ -4260,7 +4447,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_gauss_newton_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -4275,14 +4462,16 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_gauss_newton_2_batch(
         krhpr_lanes phi_lanes[1];
         krhpr_lanes raw_lanes[4];
         krhpr_lanes mismatch_lanes[1];
-        krhpr_planar_fivebar_coupler_b_forward_gauss_newton_2_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_forward_gauss_newton_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
             mismatch_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_forward_gauss_newton_2(
@@ -4333,22 +4522,24 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_gauss_newton_2_soa(
             krhpr_lanes mismatch_room[1];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_planar_fivebar_coupler_b_forward_gauss_newton_2_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_forward_gauss_newton_2_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
                 mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_gauss_newton_3 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_forward_gauss_newton_3_lanes(
+/* forward_gauss_newton_3 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_forward_gauss_newton_3_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at s[6],
     const krhpr_lanes_at measured[3], const krhpr_lanes_at tolerance[1], const krhpr_lanes_at weights[3],
     krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi, krhpr_lanes_at *KRHPR_RESTRICT raw,
@@ -4404,7 +4595,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -4423,6 +4614,7 @@ KRHPR_OUTLINE void krhpr_planar_fivebar_coupler_b_forward_gauss_newton_3_lanes(
     krhpr_poses_keep(finite, phi, 1);
     krhpr_poses_keep(finite, raw, 4);
     krhpr_poses_keep(finite, mismatch, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_gauss_newton_3_batch(
@@ -4432,7 +4624,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_gauss_newton_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -4447,14 +4639,16 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_gauss_newton_3_batch(
         krhpr_lanes phi_lanes[1];
         krhpr_lanes raw_lanes[4];
         krhpr_lanes mismatch_lanes[3];
-        krhpr_planar_fivebar_coupler_b_forward_gauss_newton_3_lanes(
+        const int doubtful = krhpr_planar_fivebar_coupler_b_forward_gauss_newton_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
             mismatch_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_fivebar_coupler_b_forward_gauss_newton_3(
@@ -4505,14 +4699,16 @@ KRHPR_API int krhpr_planar_fivebar_coupler_b_forward_gauss_newton_3_soa(
             krhpr_lanes mismatch_room[3];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_planar_fivebar_coupler_b_forward_gauss_newton_3_lanes(
+            const int doubtful = krhpr_planar_fivebar_coupler_b_forward_gauss_newton_3_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
                 mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;

@@ -13,8 +13,8 @@
 
 static const double assembly_default[3] = {1.0, 1.0, 1.0};
 
-/* end_points of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_end_points_lanes(
+/* end_points of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_end_points_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
@@ -32,13 +32,14 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_end_points_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_end_points_batch(
@@ -47,7 +48,7 @@ KRHPR_API int krhpr_planar_rpr2_c_end_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -57,9 +58,12 @@ KRHPR_API int krhpr_planar_rpr2_c_end_points_batch(
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
         krhpr_lanes s_lanes[6];
-        krhpr_planar_rpr2_c_end_points_lanes(g, p_lanes, phi_lanes, redundant_lanes, s_lanes, &answer);
+        const int doubtful = krhpr_planar_rpr2_c_end_points_lanes(
+            g, p_lanes, phi_lanes, redundant_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_end_points(
@@ -98,17 +102,20 @@ KRHPR_API int krhpr_planar_rpr2_c_end_points_soa(
             krhpr_lanes s_room[6];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_planar_rpr2_c_end_points_lanes(g, p_lanes, phi_lanes, redundant_lanes, s_lanes, &answer);
+            const int doubtful = krhpr_planar_rpr2_c_end_points_lanes(
+                g, p_lanes, phi_lanes, redundant_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* redundant_coordinates of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_redundant_coordinates_lanes(
+/* redundant_coordinates of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_redundant_coordinates_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
@@ -126,13 +133,14 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_redundant_coordinates_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, redundant, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_redundant_coordinates_batch(
@@ -141,7 +149,7 @@ KRHPR_API int krhpr_planar_rpr2_c_redundant_coordinates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -151,10 +159,12 @@ KRHPR_API int krhpr_planar_rpr2_c_redundant_coordinates_batch(
         krhpr_lanes s_lanes[6];
         krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_planar_rpr2_c_redundant_coordinates_lanes(
+        const int doubtful = krhpr_planar_rpr2_c_redundant_coordinates_lanes(
             g, p_lanes, phi_lanes, s_lanes, redundant_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_redundant_coordinates(
@@ -193,18 +203,20 @@ KRHPR_API int krhpr_planar_rpr2_c_redundant_coordinates_soa(
             krhpr_lanes redundant_room[3];
             double *const redundant_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const redundant_lanes = krhpr_poses_out(redundant_room, redundant_at, row, here);
-            krhpr_planar_rpr2_c_redundant_coordinates_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_redundant_coordinates_lanes(
                 g, p_lanes, phi_lanes, s_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_forward of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_subleg_forward_lanes(
+/* subleg_forward of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_subleg_forward_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at theta[6], const krhpr_lanes_at assembly[3],
     krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
@@ -220,7 +232,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_subleg_forward_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -232,6 +244,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_subleg_forward_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_subleg_forward_batch(
@@ -240,17 +253,25 @@ KRHPR_API int krhpr_planar_rpr2_c_subleg_forward_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes assembly_lanes[3];
+    if (in[1] == NULL) {
+        krhpr_poses_load(assembly_lanes, assembly_default, 0, 3, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[6];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
-        krhpr_lanes assembly_lanes[3];
-        krhpr_poses_load(assembly_lanes, in[1] ? in[1] + k * in_step[1] : assembly_default, in[1] ? in_step[1] : 0, 3, here);
+        if (in[1] != NULL) {
+            krhpr_poses_load(assembly_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        }
         krhpr_lanes s_lanes[6];
-        krhpr_planar_rpr2_c_subleg_forward_lanes(g, theta_lanes, assembly_lanes, s_lanes, &answer);
+        const int doubtful = krhpr_planar_rpr2_c_subleg_forward_lanes(
+            g, theta_lanes, assembly_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_subleg_forward(
@@ -268,6 +289,10 @@ KRHPR_API int krhpr_planar_rpr2_c_subleg_forward_soa(
     const krhpr_planar_rpr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes assembly_room[3];
+    if (in[1] == NULL) {
+        krhpr_poses_load(assembly_room, assembly_default, 0, 3, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -281,27 +306,27 @@ KRHPR_API int krhpr_planar_rpr2_c_subleg_forward_soa(
             krhpr_ints answer;
             krhpr_lanes theta_room[6];
             const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 6, here);
-            krhpr_lanes assembly_room[3];
             const krhpr_lanes_at *assembly_lanes = assembly_room;
             if (in[1] != NULL) {
                 assembly_lanes = krhpr_poses_in(assembly_room, in[1] + b * in_step[1] + k, row, 3, here);
-            } else {
-                krhpr_poses_load(assembly_room, assembly_default, 0, 3, here);
             }
             krhpr_lanes s_room[6];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_planar_rpr2_c_subleg_forward_lanes(g, theta_lanes, assembly_lanes, s_lanes, &answer);
+            const int doubtful = krhpr_planar_rpr2_c_subleg_forward_lanes(
+                g, theta_lanes, assembly_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_forward_all of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_subleg_forward_all_lanes(
+/* subleg_forward_all of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_subleg_forward_all_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT s,
     krhpr_ints *answer)
 {
@@ -316,7 +341,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_subleg_forward_all_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -328,6 +353,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_subleg_forward_all_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 12);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_subleg_forward_all_batch(
@@ -336,15 +362,17 @@ KRHPR_API int krhpr_planar_rpr2_c_subleg_forward_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[6];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
         krhpr_lanes s_lanes[12];
-        krhpr_planar_rpr2_c_subleg_forward_all_lanes(g, theta_lanes, s_lanes, &answer);
+        const int doubtful = krhpr_planar_rpr2_c_subleg_forward_all_lanes(g, theta_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 12, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_subleg_forward_all(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
@@ -377,17 +405,20 @@ KRHPR_API int krhpr_planar_rpr2_c_subleg_forward_all_soa(
             krhpr_lanes s_room[12];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_planar_rpr2_c_subleg_forward_all_lanes(g, theta_lanes, s_lanes, &answer);
+            const int doubtful = krhpr_planar_rpr2_c_subleg_forward_all_lanes(
+                g, theta_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 12, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_inverse of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_subleg_inverse_lanes(
+/* subleg_inverse of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_subleg_inverse_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
@@ -402,7 +433,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_subleg_inverse_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -414,6 +445,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_subleg_inverse_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_subleg_inverse_batch(
@@ -422,15 +454,17 @@ KRHPR_API int krhpr_planar_rpr2_c_subleg_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
         krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
         krhpr_lanes theta_lanes[6];
-        krhpr_planar_rpr2_c_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
+        const int doubtful = krhpr_planar_rpr2_c_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
@@ -463,17 +497,19 @@ KRHPR_API int krhpr_planar_rpr2_c_subleg_inverse_soa(
             krhpr_lanes theta_room[6];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_planar_rpr2_c_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
+            const int doubtful = krhpr_planar_rpr2_c_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_jacobian of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_subleg_jacobian_lanes(
+/* subleg_jacobian of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_subleg_jacobian_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6],
     krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_ints *answer)
 {
@@ -491,7 +527,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_subleg_jacobian_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -503,6 +539,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_subleg_jacobian_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, M, 12);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_subleg_jacobian_batch(
@@ -511,7 +548,7 @@ KRHPR_API int krhpr_planar_rpr2_c_subleg_jacobian_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -519,9 +556,12 @@ KRHPR_API int krhpr_planar_rpr2_c_subleg_jacobian_batch(
         krhpr_lanes theta_lanes[6];
         krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 6, here);
         krhpr_lanes M_lanes[12];
-        krhpr_planar_rpr2_c_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
+        const int doubtful = krhpr_planar_rpr2_c_subleg_jacobian_lanes(
+            g, s_lanes, theta_lanes, M_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M_lanes, 12, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_subleg_jacobian(
@@ -557,17 +597,20 @@ KRHPR_API int krhpr_planar_rpr2_c_subleg_jacobian_soa(
             krhpr_lanes M_room[12];
             double *const M_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const M_lanes = krhpr_poses_out(M_room, M_at, row, here);
-            krhpr_planar_rpr2_c_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
+            const int doubtful = krhpr_planar_rpr2_c_subleg_jacobian_lanes(
+                g, s_lanes, theta_lanes, M_lanes, &answer);
             krhpr_poses_done(M_room, M_at, row, 12, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* constraints of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_constraints_lanes(
+/* constraints of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_constraints_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT residual, krhpr_ints *answer)
 {
@@ -585,13 +628,14 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_constraints_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, residual, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_constraints_batch(
@@ -600,7 +644,7 @@ KRHPR_API int krhpr_planar_rpr2_c_constraints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -610,9 +654,12 @@ KRHPR_API int krhpr_planar_rpr2_c_constraints_batch(
         krhpr_lanes s_lanes[6];
         krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
         krhpr_lanes residual_lanes[3];
-        krhpr_planar_rpr2_c_constraints_lanes(g, p_lanes, phi_lanes, s_lanes, residual_lanes, &answer);
+        const int doubtful = krhpr_planar_rpr2_c_constraints_lanes(
+            g, p_lanes, phi_lanes, s_lanes, residual_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], residual_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_constraints(
@@ -651,17 +698,20 @@ KRHPR_API int krhpr_planar_rpr2_c_constraints_soa(
             krhpr_lanes residual_room[3];
             double *const residual_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const residual_lanes = krhpr_poses_out(residual_room, residual_at, row, here);
-            krhpr_planar_rpr2_c_constraints_lanes(g, p_lanes, phi_lanes, s_lanes, residual_lanes, &answer);
+            const int doubtful = krhpr_planar_rpr2_c_constraints_lanes(
+                g, p_lanes, phi_lanes, s_lanes, residual_lanes, &answer);
             krhpr_poses_done(residual_room, residual_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* jacobians of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_jacobians_lanes(
+/* jacobians of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_jacobians_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
@@ -697,7 +747,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_jacobians_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -710,6 +760,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_jacobians_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 9);
     krhpr_poses_keep(finite, K, 18);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_jacobians_batch(
@@ -718,7 +769,7 @@ KRHPR_API int krhpr_planar_rpr2_c_jacobians_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -731,11 +782,13 @@ KRHPR_API int krhpr_planar_rpr2_c_jacobians_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
         krhpr_lanes J_lanes[9];
         krhpr_lanes K_lanes[18];
-        krhpr_planar_rpr2_c_jacobians_lanes(
+        const int doubtful = krhpr_planar_rpr2_c_jacobians_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 18, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_jacobians(
@@ -779,19 +832,21 @@ KRHPR_API int krhpr_planar_rpr2_c_jacobians_soa(
             krhpr_lanes K_room[18];
             double *const K_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_planar_rpr2_c_jacobians_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_jacobians_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 9, here);
             krhpr_poses_done(K_room, K_at, row, 18, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* jacobian_blocks of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_jacobian_blocks_lanes(
+/* jacobian_blocks of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_jacobian_blocks_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
@@ -820,7 +875,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_jacobian_blocks_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -833,6 +888,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_jacobian_blocks_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 9);
     krhpr_poses_keep(finite, K, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_jacobian_blocks_batch(
@@ -841,7 +897,7 @@ KRHPR_API int krhpr_planar_rpr2_c_jacobian_blocks_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -854,11 +910,13 @@ KRHPR_API int krhpr_planar_rpr2_c_jacobian_blocks_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
         krhpr_lanes J_lanes[9];
         krhpr_lanes K_lanes[6];
-        krhpr_planar_rpr2_c_jacobian_blocks_lanes(
+        const int doubtful = krhpr_planar_rpr2_c_jacobian_blocks_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_jacobian_blocks(
@@ -902,19 +960,21 @@ KRHPR_API int krhpr_planar_rpr2_c_jacobian_blocks_soa(
             krhpr_lanes K_room[6];
             double *const K_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_planar_rpr2_c_jacobian_blocks_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_jacobian_blocks_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 9, here);
             krhpr_poses_done(K_room, K_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_inverse_lanes(
+/* inverse of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_inverse_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
@@ -938,7 +998,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_inverse_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -950,6 +1010,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_inverse_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_inverse_batch(
@@ -958,7 +1019,7 @@ KRHPR_API int krhpr_planar_rpr2_c_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -968,9 +1029,12 @@ KRHPR_API int krhpr_planar_rpr2_c_inverse_batch(
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
         krhpr_lanes theta_lanes[6];
-        krhpr_planar_rpr2_c_inverse_lanes(g, p_lanes, phi_lanes, redundant_lanes, theta_lanes, &answer);
+        const int doubtful = krhpr_planar_rpr2_c_inverse_lanes(
+            g, p_lanes, phi_lanes, redundant_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_inverse(
@@ -1009,17 +1073,20 @@ KRHPR_API int krhpr_planar_rpr2_c_inverse_soa(
             krhpr_lanes theta_room[6];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_planar_rpr2_c_inverse_lanes(g, p_lanes, phi_lanes, redundant_lanes, theta_lanes, &answer);
+            const int doubtful = krhpr_planar_rpr2_c_inverse_lanes(
+                g, p_lanes, phi_lanes, redundant_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_all of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_inverse_all_lanes(
+/* inverse_all of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_inverse_all_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
@@ -1043,7 +1110,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_inverse_all_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1055,6 +1122,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_inverse_all_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_inverse_all_batch(
@@ -1063,7 +1131,7 @@ KRHPR_API int krhpr_planar_rpr2_c_inverse_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1073,9 +1141,12 @@ KRHPR_API int krhpr_planar_rpr2_c_inverse_all_batch(
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
         krhpr_lanes theta_lanes[6];
-        krhpr_planar_rpr2_c_inverse_all_lanes(g, p_lanes, phi_lanes, redundant_lanes, theta_lanes, &answer);
+        const int doubtful = krhpr_planar_rpr2_c_inverse_all_lanes(
+            g, p_lanes, phi_lanes, redundant_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_inverse_all(
@@ -1114,10 +1185,12 @@ KRHPR_API int krhpr_planar_rpr2_c_inverse_all_soa(
             krhpr_lanes theta_room[6];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_planar_rpr2_c_inverse_all_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_inverse_all_lanes(
                 g, p_lanes, phi_lanes, redundant_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
@@ -1177,8 +1250,8 @@ KRHPR_API int krhpr_planar_rpr2_c_inverse_near_soa(
 }
 #endif
 
-/* inverse_status of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_inverse_status_lanes(
+/* inverse_status of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_inverse_status_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT excess, krhpr_ints *answer)
 {
@@ -1201,7 +1274,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_inverse_status_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1212,6 +1285,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_inverse_status_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_inverse_status_batch(
@@ -1220,7 +1294,7 @@ KRHPR_API int krhpr_planar_rpr2_c_inverse_status_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1230,10 +1304,12 @@ KRHPR_API int krhpr_planar_rpr2_c_inverse_status_batch(
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
         krhpr_lanes excess_lanes[3];
-        krhpr_planar_rpr2_c_inverse_status_lanes(
+        const int doubtful = krhpr_planar_rpr2_c_inverse_status_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, excess_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_inverse_status(
@@ -1272,18 +1348,20 @@ KRHPR_API int krhpr_planar_rpr2_c_inverse_status_soa(
             krhpr_lanes excess_room[3];
             double *const excess_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const excess_lanes = krhpr_poses_out(excess_room, excess_at, row, here);
-            krhpr_planar_rpr2_c_inverse_status_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_inverse_status_lanes(
                 g, p_lanes, phi_lanes, redundant_lanes, excess_lanes, &answer);
             krhpr_poses_done(excess_room, excess_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* twist of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_twist_lanes(
+/* twist of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_twist_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at theta_dot[6],
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
@@ -1323,7 +1401,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_twist_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1337,6 +1415,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_twist_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_twist_batch(
@@ -1345,7 +1424,7 @@ KRHPR_API int krhpr_planar_rpr2_c_twist_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1359,10 +1438,12 @@ KRHPR_API int krhpr_planar_rpr2_c_twist_batch(
         krhpr_lanes theta_dot_lanes[6];
         krhpr_poses_load(theta_dot_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
         krhpr_lanes twist_lanes[3];
-        krhpr_planar_rpr2_c_twist_lanes(
+        const int doubtful = krhpr_planar_rpr2_c_twist_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_twist(
@@ -1405,18 +1486,20 @@ KRHPR_API int krhpr_planar_rpr2_c_twist_soa(
             krhpr_lanes twist_room[3];
             double *const twist_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const twist_lanes = krhpr_poses_out(twist_room, twist_at, row, here);
-            krhpr_planar_rpr2_c_twist_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_twist_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
             krhpr_poses_done(twist_room, twist_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* joint_rates of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_joint_rates_lanes(
+/* joint_rates of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_joint_rates_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at twist[3],
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
@@ -1446,7 +1529,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_joint_rates_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1458,6 +1541,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_joint_rates_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_dot, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_joint_rates_batch(
@@ -1466,7 +1550,7 @@ KRHPR_API int krhpr_planar_rpr2_c_joint_rates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1482,11 +1566,13 @@ KRHPR_API int krhpr_planar_rpr2_c_joint_rates_batch(
         krhpr_lanes redundant_rates_lanes[3];
         krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
         krhpr_lanes theta_dot_lanes[6];
-        krhpr_planar_rpr2_c_joint_rates_lanes(
+        const int doubtful = krhpr_planar_rpr2_c_joint_rates_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
             theta_dot_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_joint_rates(
@@ -1531,19 +1617,21 @@ KRHPR_API int krhpr_planar_rpr2_c_joint_rates_soa(
             krhpr_lanes theta_dot_room[6];
             double *const theta_dot_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_dot_lanes = krhpr_poses_out(theta_dot_room, theta_dot_at, row, here);
-            krhpr_planar_rpr2_c_joint_rates_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_joint_rates_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 theta_dot_lanes, &answer);
             krhpr_poses_done(theta_dot_room, theta_dot_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* platform_acceleration of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_platform_acceleration_lanes(
+/* platform_acceleration of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_platform_acceleration_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at twist[3],
     const krhpr_lanes_at theta_dot[6], const krhpr_lanes_at theta_ddot[6],
@@ -1593,7 +1681,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_platform_acceleration_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1607,6 +1695,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_platform_acceleration_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist_rate, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_platform_acceleration_batch(
@@ -1615,7 +1704,7 @@ KRHPR_API int krhpr_planar_rpr2_c_platform_acceleration_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1633,11 +1722,13 @@ KRHPR_API int krhpr_planar_rpr2_c_platform_acceleration_batch(
         krhpr_lanes theta_ddot_lanes[6];
         krhpr_poses_load(theta_ddot_lanes, in[6] + k * in_step[6], in_step[6], 6, here);
         krhpr_lanes twist_rate_lanes[3];
-        krhpr_planar_rpr2_c_platform_acceleration_lanes(
+        const int doubtful = krhpr_planar_rpr2_c_platform_acceleration_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
             twist_rate_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_platform_acceleration(
@@ -1685,19 +1776,21 @@ KRHPR_API int krhpr_planar_rpr2_c_platform_acceleration_soa(
             krhpr_lanes twist_rate_room[3];
             double *const twist_rate_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const twist_rate_lanes = krhpr_poses_out(twist_rate_room, twist_rate_at, row, here);
-            krhpr_planar_rpr2_c_platform_acceleration_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_platform_acceleration_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
                 twist_rate_lanes, &answer);
             krhpr_poses_done(twist_rate_room, twist_rate_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* joint_accelerations of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_joint_accelerations_lanes(
+/* joint_accelerations of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_joint_accelerations_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at twist[3],
     const krhpr_lanes_at redundant_rates[3], const krhpr_lanes_at theta_dot[6],
@@ -1741,7 +1834,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_joint_accelerations_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1756,6 +1849,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_joint_accelerations_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_ddot, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_joint_accelerations_batch(
@@ -1764,7 +1858,7 @@ KRHPR_API int krhpr_planar_rpr2_c_joint_accelerations_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1786,11 +1880,13 @@ KRHPR_API int krhpr_planar_rpr2_c_joint_accelerations_batch(
         krhpr_lanes redundant_accelerations_lanes[3];
         krhpr_poses_load(redundant_accelerations_lanes, in[8] + k * in_step[8], in_step[8], 3, here);
         krhpr_lanes theta_ddot_lanes[6];
-        krhpr_planar_rpr2_c_joint_accelerations_lanes(
+        const int doubtful = krhpr_planar_rpr2_c_joint_accelerations_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
             theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_joint_accelerations(
@@ -1842,19 +1938,21 @@ KRHPR_API int krhpr_planar_rpr2_c_joint_accelerations_soa(
             krhpr_lanes theta_ddot_room[6];
             double *const theta_ddot_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_ddot_lanes = krhpr_poses_out(theta_ddot_room, theta_ddot_at, row, here);
-            krhpr_planar_rpr2_c_joint_accelerations_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_joint_accelerations_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
             krhpr_poses_done(theta_ddot_room, theta_ddot_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_statics of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_inverse_statics_lanes(
+/* inverse_statics of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_inverse_statics_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at wrench[3],
     const krhpr_lanes_at redundant_forces[3], krhpr_lanes_at *KRHPR_RESTRICT actuator_forces,
@@ -1900,7 +1998,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_inverse_statics_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1914,6 +2012,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_inverse_statics_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, actuator_forces, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_inverse_statics_batch(
@@ -1922,7 +2021,7 @@ KRHPR_API int krhpr_planar_rpr2_c_inverse_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1938,11 +2037,13 @@ KRHPR_API int krhpr_planar_rpr2_c_inverse_statics_batch(
         krhpr_lanes redundant_forces_lanes[3];
         krhpr_poses_load(redundant_forces_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
         krhpr_lanes actuator_forces_lanes[6];
-        krhpr_planar_rpr2_c_inverse_statics_lanes(
+        const int doubtful = krhpr_planar_rpr2_c_inverse_statics_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
             actuator_forces_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_inverse_statics(
@@ -1987,19 +2088,21 @@ KRHPR_API int krhpr_planar_rpr2_c_inverse_statics_soa(
             krhpr_lanes actuator_forces_room[6];
             double *const actuator_forces_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const actuator_forces_lanes = krhpr_poses_out(actuator_forces_room, actuator_forces_at, row, here);
-            krhpr_planar_rpr2_c_inverse_statics_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_inverse_statics_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
                 actuator_forces_lanes, &answer);
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_statics of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_forward_statics_lanes(
+/* forward_statics of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_forward_statics_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at actuator_forces[6],
     krhpr_lanes_at *KRHPR_RESTRICT wrench, krhpr_lanes_at *KRHPR_RESTRICT redundant_forces,
@@ -2033,7 +2136,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_forward_statics_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2048,6 +2151,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_forward_statics_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, wrench, 3);
     krhpr_poses_keep(finite, redundant_forces, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_forward_statics_batch(
@@ -2056,7 +2160,7 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2071,12 +2175,14 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_statics_batch(
         krhpr_poses_load(actuator_forces_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
         krhpr_lanes wrench_lanes[3];
         krhpr_lanes redundant_forces_lanes[3];
-        krhpr_planar_rpr2_c_forward_statics_lanes(
+        const int doubtful = krhpr_planar_rpr2_c_forward_statics_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, actuator_forces_lanes, wrench_lanes,
             redundant_forces_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], wrench_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_forward_statics(
@@ -2123,20 +2229,22 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_statics_soa(
             krhpr_lanes redundant_forces_room[3];
             double *const redundant_forces_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const redundant_forces_lanes = krhpr_poses_out(redundant_forces_room, redundant_forces_at, row, here);
-            krhpr_planar_rpr2_c_forward_statics_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_forward_statics_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, actuator_forces_lanes, wrench_lanes,
                 redundant_forces_lanes, &answer);
             krhpr_poses_done(wrench_room, wrench_at, row, 3, here);
             krhpr_poses_done(redundant_forces_room, redundant_forces_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* opening of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_opening_lanes(
+/* opening of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_opening_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at redundant[3], const krhpr_lanes_at jaws[3],
     krhpr_lanes_at *KRHPR_RESTRICT opening, krhpr_lanes_at *KRHPR_RESTRICT centre,
     krhpr_lanes_at *KRHPR_RESTRICT shares, krhpr_ints *answer)
@@ -2153,7 +2261,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_opening_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), shares[2]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2169,6 +2277,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_opening_lanes(
     krhpr_poses_keep(finite, opening, 1);
     krhpr_poses_keep(finite, centre, 2);
     krhpr_poses_keep(finite, shares, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_opening_batch(
@@ -2177,7 +2286,7 @@ KRHPR_API int krhpr_planar_rpr2_c_opening_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
@@ -2187,12 +2296,14 @@ KRHPR_API int krhpr_planar_rpr2_c_opening_batch(
         krhpr_lanes opening_lanes[1];
         krhpr_lanes centre_lanes[2];
         krhpr_lanes shares_lanes[3];
-        krhpr_planar_rpr2_c_opening_lanes(
+        const int doubtful = krhpr_planar_rpr2_c_opening_lanes(
             g, redundant_lanes, jaws_lanes, opening_lanes, centre_lanes, shares_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], opening_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], centre_lanes, 2, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], shares_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_opening(
@@ -2235,20 +2346,22 @@ KRHPR_API int krhpr_planar_rpr2_c_opening_soa(
             krhpr_lanes shares_room[3];
             double *const shares_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const shares_lanes = krhpr_poses_out(shares_room, shares_at, row, here);
-            krhpr_planar_rpr2_c_opening_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_opening_lanes(
                 g, redundant_lanes, jaws_lanes, opening_lanes, centre_lanes, shares_lanes, &answer);
             krhpr_poses_done(opening_room, opening_at, row, 1, here);
             krhpr_poses_done(centre_room, centre_at, row, 2, here);
             krhpr_poses_done(shares_room, shares_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* redundant_of_opening of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_redundant_of_opening_lanes(
+/* redundant_of_opening of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_redundant_of_opening_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at opening[1], const krhpr_lanes_at centre[2],
     const krhpr_lanes_at jaws[3], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
@@ -2260,13 +2373,14 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_redundant_of_opening_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, redundant, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_redundant_of_opening_batch(
@@ -2275,7 +2389,7 @@ KRHPR_API int krhpr_planar_rpr2_c_redundant_of_opening_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes opening_lanes[1];
@@ -2285,10 +2399,12 @@ KRHPR_API int krhpr_planar_rpr2_c_redundant_of_opening_batch(
         krhpr_lanes jaws_lanes[3];
         krhpr_poses_load(jaws_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_planar_rpr2_c_redundant_of_opening_lanes(
+        const int doubtful = krhpr_planar_rpr2_c_redundant_of_opening_lanes(
             g, opening_lanes, centre_lanes, jaws_lanes, redundant_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_redundant_of_opening(
@@ -2327,18 +2443,20 @@ KRHPR_API int krhpr_planar_rpr2_c_redundant_of_opening_soa(
             krhpr_lanes redundant_room[3];
             double *const redundant_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const redundant_lanes = krhpr_poses_out(redundant_room, redundant_at, row, here);
-            krhpr_planar_rpr2_c_redundant_of_opening_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_redundant_of_opening_lanes(
                 g, opening_lanes, centre_lanes, jaws_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* grasp of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_grasp_lanes(
+/* grasp of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_grasp_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at phi[1], const krhpr_lanes_at contacts[6],
     const krhpr_lanes_at mass_centre[2], const krhpr_lanes_at weight[2],
     const krhpr_lanes_at normal_forces[3], const krhpr_lanes_at friction[1],
@@ -2373,7 +2491,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_grasp_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[2]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2395,6 +2513,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_grasp_lanes(
     krhpr_poses_keep(finite, wrench, 3);
     krhpr_poses_keep(finite, redundant_forces, 3);
     krhpr_poses_keep(finite, friction_margins, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_grasp_batch(
@@ -2403,7 +2522,7 @@ KRHPR_API int krhpr_planar_rpr2_c_grasp_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes phi_lanes[1];
@@ -2422,7 +2541,7 @@ KRHPR_API int krhpr_planar_rpr2_c_grasp_batch(
         krhpr_lanes wrench_lanes[3];
         krhpr_lanes redundant_forces_lanes[3];
         krhpr_lanes friction_margins_lanes[3];
-        krhpr_planar_rpr2_c_grasp_lanes(
+        const int doubtful = krhpr_planar_rpr2_c_grasp_lanes(
             g, phi_lanes, contacts_lanes, mass_centre_lanes, weight_lanes, normal_forces_lanes,
             friction_lanes, contact_forces_lanes, wrench_lanes, redundant_forces_lanes,
             friction_margins_lanes, &answer);
@@ -2430,7 +2549,9 @@ KRHPR_API int krhpr_planar_rpr2_c_grasp_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], wrench_lanes, 3, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_forces_lanes, 3, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], friction_margins_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_grasp(
@@ -2486,7 +2607,7 @@ KRHPR_API int krhpr_planar_rpr2_c_grasp_soa(
             krhpr_lanes friction_margins_room[3];
             double *const friction_margins_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const friction_margins_lanes = krhpr_poses_out(friction_margins_room, friction_margins_at, row, here);
-            krhpr_planar_rpr2_c_grasp_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_grasp_lanes(
                 g, phi_lanes, contacts_lanes, mass_centre_lanes, weight_lanes, normal_forces_lanes,
                 friction_lanes, contact_forces_lanes, wrench_lanes, redundant_forces_lanes,
                 friction_margins_lanes, &answer);
@@ -2494,15 +2615,17 @@ KRHPR_API int krhpr_planar_rpr2_c_grasp_soa(
             krhpr_poses_done(wrench_room, wrench_at, row, 3, here);
             krhpr_poses_done(redundant_forces_room, redundant_forces_at, row, 3, here);
             krhpr_poses_done(friction_margins_room, friction_margins_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* passive_joints of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_passive_joints_lanes(
+/* passive_joints of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_passive_joints_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT passive,
     krhpr_lanes_at *KRHPR_RESTRICT wrist, krhpr_lanes_at *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
@@ -2540,7 +2663,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_passive_joints_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2549,6 +2672,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_passive_joints_lanes(
     krhpr_poses_keep(finite, passive, 9);
     krhpr_poses_keep(finite, wrist, 3);
     krhpr_poses_keep(finite, platform_joint, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_passive_joints_batch(
@@ -2557,7 +2681,7 @@ KRHPR_API int krhpr_planar_rpr2_c_passive_joints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2571,13 +2695,15 @@ KRHPR_API int krhpr_planar_rpr2_c_passive_joints_batch(
         krhpr_lanes passive_lanes[9];
         krhpr_lanes wrist_lanes[3];
         krhpr_lanes platform_joint_lanes[3];
-        krhpr_planar_rpr2_c_passive_joints_lanes(
+        const int doubtful = krhpr_planar_rpr2_c_passive_joints_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, passive_lanes, wrist_lanes, platform_joint_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], passive_lanes, 9, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], wrist_lanes, 3, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], platform_joint_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_passive_joints(
@@ -2625,21 +2751,23 @@ KRHPR_API int krhpr_planar_rpr2_c_passive_joints_soa(
             krhpr_lanes platform_joint_room[3];
             double *const platform_joint_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const platform_joint_lanes = krhpr_poses_out(platform_joint_room, platform_joint_at, row, here);
-            krhpr_planar_rpr2_c_passive_joints_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_passive_joints_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, passive_lanes, wrist_lanes,
                 platform_joint_lanes, &answer);
             krhpr_poses_done(passive_room, passive_at, row, 9, here);
             krhpr_poses_done(wrist_room, wrist_at, row, 3, here);
             krhpr_poses_done(platform_joint_room, platform_joint_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* link_points of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_link_points_lanes(
+/* link_points of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_link_points_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT points,
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
@@ -2663,7 +2791,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_link_points_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2671,6 +2799,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_link_points_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, points, 18);
     krhpr_poses_keep(finite, attachment, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_link_points_batch(
@@ -2679,7 +2808,7 @@ KRHPR_API int krhpr_planar_rpr2_c_link_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2692,11 +2821,13 @@ KRHPR_API int krhpr_planar_rpr2_c_link_points_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
         krhpr_lanes points_lanes[18];
         krhpr_lanes attachment_lanes[6];
-        krhpr_planar_rpr2_c_link_points_lanes(
+        const int doubtful = krhpr_planar_rpr2_c_link_points_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], points_lanes, 18, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], attachment_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_link_points(
@@ -2740,19 +2871,21 @@ KRHPR_API int krhpr_planar_rpr2_c_link_points_soa(
             krhpr_lanes attachment_room[6];
             double *const attachment_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const attachment_lanes = krhpr_poses_out(attachment_room, attachment_at, row, here);
-            krhpr_planar_rpr2_c_link_points_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_link_points_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
             krhpr_poses_done(points_room, points_at, row, 18, here);
             krhpr_poses_done(attachment_room, attachment_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* singularity of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_singularity_lanes(
+/* singularity of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_singularity_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT type_1,
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
@@ -2783,7 +2916,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_singularity_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2793,6 +2926,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_singularity_lanes(
     krhpr_poses_keep(finite, factors, 9);
     krhpr_poses_keep(finite, type_2, 1);
     krhpr_poses_keep(finite, margins, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_singularity_batch(
@@ -2801,7 +2935,7 @@ KRHPR_API int krhpr_planar_rpr2_c_singularity_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2816,14 +2950,16 @@ KRHPR_API int krhpr_planar_rpr2_c_singularity_batch(
         krhpr_lanes factors_lanes[9];
         krhpr_lanes type_2_lanes[1];
         krhpr_lanes margins_lanes[1];
-        krhpr_planar_rpr2_c_singularity_lanes(
+        const int doubtful = krhpr_planar_rpr2_c_singularity_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
             margins_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_1_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], factors_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], type_2_lanes, 1, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], margins_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_singularity(
@@ -2874,22 +3010,24 @@ KRHPR_API int krhpr_planar_rpr2_c_singularity_soa(
             krhpr_lanes margins_room[1];
             double *const margins_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const margins_lanes = krhpr_poses_out(margins_room, margins_at, row, here);
-            krhpr_planar_rpr2_c_singularity_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_singularity_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
                 margins_lanes, &answer);
             krhpr_poses_done(type_1_room, type_1_at, row, 3, here);
             krhpr_poses_done(factors_room, factors_at, row, 9, here);
             krhpr_poses_done(type_2_room, type_2_at, row, 1, here);
             krhpr_poses_done(margins_room, margins_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* type_2_of_redundant of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_type_2_of_redundant_lanes(
+/* type_2_of_redundant of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_type_2_of_redundant_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at redundant[3],
     krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
@@ -2905,7 +3043,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_type_2_of_redundant_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2913,6 +3051,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_type_2_of_redundant_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_2, 1);
     krhpr_poses_keep(finite, margins, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_type_2_of_redundant_batch(
@@ -2921,18 +3060,20 @@ KRHPR_API int krhpr_planar_rpr2_c_type_2_of_redundant_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
         krhpr_lanes type_2_lanes[1];
         krhpr_lanes margins_lanes[1];
-        krhpr_planar_rpr2_c_type_2_of_redundant_lanes(
+        const int doubtful = krhpr_planar_rpr2_c_type_2_of_redundant_lanes(
             g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_2_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], margins_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_type_2_of_redundant(
@@ -2969,19 +3110,21 @@ KRHPR_API int krhpr_planar_rpr2_c_type_2_of_redundant_soa(
             krhpr_lanes margins_room[1];
             double *const margins_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const margins_lanes = krhpr_poses_out(margins_room, margins_at, row, here);
-            krhpr_planar_rpr2_c_type_2_of_redundant_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_type_2_of_redundant_lanes(
                 g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
             krhpr_poses_done(type_2_room, type_2_at, row, 1, here);
             krhpr_poses_done(margins_room, margins_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* indices of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_indices_lanes(
+/* indices of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_indices_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at characteristic_length[1],
     krhpr_lanes_at *KRHPR_RESTRICT eta_1, krhpr_lanes_at *KRHPR_RESTRICT eta_2,
@@ -3034,7 +3177,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_indices_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3056,6 +3199,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_indices_lanes(
     krhpr_poses_keep(finite, eta_2, 1);
     krhpr_poses_keep(finite, eta_3, 1);
     krhpr_poses_keep(finite, condition, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_indices_batch(
@@ -3064,7 +3208,7 @@ KRHPR_API int krhpr_planar_rpr2_c_indices_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -3081,14 +3225,16 @@ KRHPR_API int krhpr_planar_rpr2_c_indices_batch(
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
         krhpr_lanes condition_lanes[3];
-        krhpr_planar_rpr2_c_indices_lanes(
+        const int doubtful = krhpr_planar_rpr2_c_indices_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, characteristic_length_lanes, eta_1_lanes,
             eta_2_lanes, eta_3_lanes, condition_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_indices(
@@ -3141,22 +3287,24 @@ KRHPR_API int krhpr_planar_rpr2_c_indices_soa(
             krhpr_lanes condition_room[3];
             double *const condition_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const condition_lanes = krhpr_poses_out(condition_room, condition_at, row, here);
-            krhpr_planar_rpr2_c_indices_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_indices_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, characteristic_length_lanes, eta_1_lanes,
                 eta_2_lanes, eta_3_lanes, condition_lanes, &answer);
             krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
             krhpr_poses_done(condition_room, condition_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* index_bounds of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_index_bounds_lanes(
+/* index_bounds of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_index_bounds_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at characteristic_length[1],
     krhpr_lanes_at *KRHPR_RESTRICT eta_1, krhpr_lanes_at *KRHPR_RESTRICT eta_2,
@@ -3210,7 +3358,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_index_bounds_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3230,6 +3378,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_index_bounds_lanes(
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
     krhpr_poses_keep(finite, eta_3, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_index_bounds_batch(
@@ -3238,7 +3387,7 @@ KRHPR_API int krhpr_planar_rpr2_c_index_bounds_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -3254,13 +3403,15 @@ KRHPR_API int krhpr_planar_rpr2_c_index_bounds_batch(
         krhpr_lanes eta_1_lanes[1];
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
-        krhpr_planar_rpr2_c_index_bounds_lanes(
+        const int doubtful = krhpr_planar_rpr2_c_index_bounds_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, characteristic_length_lanes, eta_1_lanes,
             eta_2_lanes, eta_3_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_index_bounds(
@@ -3310,21 +3461,23 @@ KRHPR_API int krhpr_planar_rpr2_c_index_bounds_soa(
             krhpr_lanes eta_3_room[1];
             double *const eta_3_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const eta_3_lanes = krhpr_poses_out(eta_3_room, eta_3_at, row, here);
-            krhpr_planar_rpr2_c_index_bounds_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_index_bounds_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, characteristic_length_lanes, eta_1_lanes,
                 eta_2_lanes, eta_3_lanes, &answer);
             krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_all of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_forward_all_lanes(
+/* forward_all of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_forward_all_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT p,
     krhpr_lanes_at *KRHPR_RESTRICT phi, krhpr_lanes_at *KRHPR_RESTRICT redundant,
     krhpr_lanes_at *KRHPR_RESTRICT det_J, krhpr_lanes_at *KRHPR_RESTRICT count, krhpr_ints *answer)
@@ -3349,7 +3502,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_forward_all_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3369,6 +3522,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_forward_all_lanes(
     krhpr_poses_keep(finite, redundant, 6);
     krhpr_poses_keep(finite, det_J, 2);
     krhpr_poses_keep(finite, count, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_forward_all_batch(
@@ -3377,7 +3531,7 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -3387,14 +3541,16 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_all_batch(
         krhpr_lanes redundant_lanes[6];
         krhpr_lanes det_J_lanes[2];
         krhpr_lanes count_lanes[1];
-        krhpr_planar_rpr2_c_forward_all_lanes(
+        const int doubtful = krhpr_planar_rpr2_c_forward_all_lanes(
             g, s_lanes, p_lanes, phi_lanes, redundant_lanes, det_J_lanes, count_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 4, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 2, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 6, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], det_J_lanes, 2, here);
         krhpr_poses_store(out[4] + k * out_step[4], out_step[4], count_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_forward_all(
@@ -3441,22 +3597,24 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_all_soa(
             krhpr_lanes count_room[1];
             double *const count_at = out[4] + b * out_step[4] + k;
             krhpr_lanes_at *const count_lanes = krhpr_poses_out(count_room, count_at, row, here);
-            krhpr_planar_rpr2_c_forward_all_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_forward_all_lanes(
                 g, s_lanes, p_lanes, phi_lanes, redundant_lanes, det_J_lanes, count_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 4, here);
             krhpr_poses_done(phi_room, phi_at, row, 2, here);
             krhpr_poses_done(redundant_room, redundant_at, row, 6, here);
             krhpr_poses_done(det_J_room, det_J_at, row, 2, here);
             krhpr_poses_done(count_room, count_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_forward_lanes(
+/* forward of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_forward_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at theta[6], const krhpr_lanes_at assembly[3],
     const krhpr_lanes_at side[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT count,
@@ -3490,7 +3648,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_forward_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), assembly_radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3514,6 +3672,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_forward_lanes(
     krhpr_poses_keep(finite, redundant, 3);
     krhpr_poses_keep(finite, count, 1);
     krhpr_poses_keep(finite, certified, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_forward_batch(
@@ -3522,13 +3681,18 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes assembly_lanes[3];
+    if (in[1] == NULL) {
+        krhpr_poses_load(assembly_lanes, assembly_default, 0, 3, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[6];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
-        krhpr_lanes assembly_lanes[3];
-        krhpr_poses_load(assembly_lanes, in[1] ? in[1] + k * in_step[1] : assembly_default, in[1] ? in_step[1] : 0, 3, here);
+        if (in[1] != NULL) {
+            krhpr_poses_load(assembly_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        }
         krhpr_lanes side_lanes[1];
         krhpr_poses_load(side_lanes, in[2] + k * in_step[2], in_step[2], 1, here);
         krhpr_lanes p_lanes[2];
@@ -3536,7 +3700,7 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_batch(
         krhpr_lanes redundant_lanes[3];
         krhpr_lanes count_lanes[1];
         krhpr_lanes certified_lanes[1];
-        krhpr_planar_rpr2_c_forward_lanes(
+        const int doubtful = krhpr_planar_rpr2_c_forward_lanes(
             g, theta_lanes, assembly_lanes, side_lanes, p_lanes, phi_lanes, redundant_lanes, count_lanes,
             certified_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
@@ -3544,7 +3708,9 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_batch(
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], count_lanes, 1, here);
         krhpr_poses_store(out[4] + k * out_step[4], out_step[4], certified_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_forward(
@@ -3564,6 +3730,10 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_soa(
     const krhpr_planar_rpr2_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes assembly_room[3];
+    if (in[1] == NULL) {
+        krhpr_poses_load(assembly_room, assembly_default, 0, 3, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -3577,12 +3747,9 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_soa(
             krhpr_ints answer;
             krhpr_lanes theta_room[6];
             const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 6, here);
-            krhpr_lanes assembly_room[3];
             const krhpr_lanes_at *assembly_lanes = assembly_room;
             if (in[1] != NULL) {
                 assembly_lanes = krhpr_poses_in(assembly_room, in[1] + b * in_step[1] + k, row, 3, here);
-            } else {
-                krhpr_poses_load(assembly_room, assembly_default, 0, 3, here);
             }
             krhpr_lanes side_room[1];
             const krhpr_lanes_at *const side_lanes = krhpr_poses_in(side_room, in[2] + b * in_step[2] + k, row, 1, here);
@@ -3601,7 +3768,7 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_soa(
             krhpr_lanes certified_room[1];
             double *const certified_at = out[4] + b * out_step[4] + k;
             krhpr_lanes_at *const certified_lanes = krhpr_poses_out(certified_room, certified_at, row, here);
-            krhpr_planar_rpr2_c_forward_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_forward_lanes(
                 g, theta_lanes, assembly_lanes, side_lanes, p_lanes, phi_lanes, redundant_lanes,
                 count_lanes, certified_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
@@ -3609,7 +3776,9 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_soa(
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
             krhpr_poses_done(count_room, count_at, row, 1, here);
             krhpr_poses_done(certified_room, certified_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
@@ -3681,8 +3850,8 @@ KRHPR_API int krhpr_planar_rpr2_c_passive_joints_of_theta_soa(
 }
 #endif
 
-/* forward_encoders_2 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_forward_encoders_2_lanes(
+/* forward_encoders_2 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_forward_encoders_2_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at measured[2],
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
@@ -3712,7 +3881,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3730,6 +3899,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_forward_encoders_2_lanes(
     krhpr_poses_keep(finite, phi, 1);
     krhpr_poses_keep(finite, raw, 4);
     krhpr_poses_keep(finite, mismatch, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_forward_encoders_2_batch(
@@ -3738,7 +3908,7 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_encoders_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -3751,14 +3921,16 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_encoders_2_batch(
         krhpr_lanes phi_lanes[1];
         krhpr_lanes raw_lanes[4];
         krhpr_lanes mismatch_lanes[1];
-        krhpr_planar_rpr2_c_forward_encoders_2_lanes(
+        const int doubtful = krhpr_planar_rpr2_c_forward_encoders_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_forward_encoders_2(
@@ -3807,22 +3979,24 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_encoders_2_soa(
             krhpr_lanes mismatch_room[1];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_planar_rpr2_c_forward_encoders_2_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_forward_encoders_2_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
                 &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_encoders_3 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_forward_encoders_3_lanes(
+/* forward_encoders_3 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_forward_encoders_3_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at measured[3],
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
@@ -3852,7 +4026,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3870,6 +4044,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_forward_encoders_3_lanes(
     krhpr_poses_keep(finite, phi, 1);
     krhpr_poses_keep(finite, raw, 4);
     krhpr_poses_keep(finite, mismatch, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_forward_encoders_3_batch(
@@ -3878,7 +4053,7 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_encoders_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -3891,14 +4066,16 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_encoders_3_batch(
         krhpr_lanes phi_lanes[1];
         krhpr_lanes raw_lanes[4];
         krhpr_lanes mismatch_lanes[3];
-        krhpr_planar_rpr2_c_forward_encoders_3_lanes(
+        const int doubtful = krhpr_planar_rpr2_c_forward_encoders_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_forward_encoders_3(
@@ -3947,22 +4124,24 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_encoders_3_soa(
             krhpr_lanes mismatch_room[3];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_planar_rpr2_c_forward_encoders_3_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_forward_encoders_3_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
                 &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_gauss_newton_2 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_forward_gauss_newton_2_lanes(
+/* forward_gauss_newton_2 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_forward_gauss_newton_2_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at measured[2],
     const krhpr_lanes_at tolerance[1], const krhpr_lanes_at weights[3], krhpr_lanes_at *KRHPR_RESTRICT p,
     krhpr_lanes_at *KRHPR_RESTRICT phi, krhpr_lanes_at *KRHPR_RESTRICT raw,
@@ -4017,7 +4196,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -4036,6 +4215,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_forward_gauss_newton_2_lanes(
     krhpr_poses_keep(finite, phi, 1);
     krhpr_poses_keep(finite, raw, 4);
     krhpr_poses_keep(finite, mismatch, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_forward_gauss_newton_2_batch(
@@ -4044,7 +4224,7 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_gauss_newton_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -4059,14 +4239,16 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_gauss_newton_2_batch(
         krhpr_lanes phi_lanes[1];
         krhpr_lanes raw_lanes[4];
         krhpr_lanes mismatch_lanes[1];
-        krhpr_planar_rpr2_c_forward_gauss_newton_2_lanes(
+        const int doubtful = krhpr_planar_rpr2_c_forward_gauss_newton_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
             mismatch_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_forward_gauss_newton_2(
@@ -4117,22 +4299,24 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_gauss_newton_2_soa(
             krhpr_lanes mismatch_room[1];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_planar_rpr2_c_forward_gauss_newton_2_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_forward_gauss_newton_2_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
                 mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_gauss_newton_3 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rpr2_c_forward_gauss_newton_3_lanes(
+/* forward_gauss_newton_3 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rpr2_c_forward_gauss_newton_3_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at measured[3],
     const krhpr_lanes_at tolerance[1], const krhpr_lanes_at weights[3], krhpr_lanes_at *KRHPR_RESTRICT p,
     krhpr_lanes_at *KRHPR_RESTRICT phi, krhpr_lanes_at *KRHPR_RESTRICT raw,
@@ -4186,7 +4370,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -4205,6 +4389,7 @@ KRHPR_OUTLINE void krhpr_planar_rpr2_c_forward_gauss_newton_3_lanes(
     krhpr_poses_keep(finite, phi, 1);
     krhpr_poses_keep(finite, raw, 4);
     krhpr_poses_keep(finite, mismatch, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rpr2_c_forward_gauss_newton_3_batch(
@@ -4213,7 +4398,7 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_gauss_newton_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -4228,14 +4413,16 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_gauss_newton_3_batch(
         krhpr_lanes phi_lanes[1];
         krhpr_lanes raw_lanes[4];
         krhpr_lanes mismatch_lanes[3];
-        krhpr_planar_rpr2_c_forward_gauss_newton_3_lanes(
+        const int doubtful = krhpr_planar_rpr2_c_forward_gauss_newton_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
             mismatch_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_forward_gauss_newton_3(
@@ -4286,14 +4473,16 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_gauss_newton_3_soa(
             krhpr_lanes mismatch_room[3];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_planar_rpr2_c_forward_gauss_newton_3_lanes(
+            const int doubtful = krhpr_planar_rpr2_c_forward_gauss_newton_3_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
                 mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;

@@ -13,8 +13,8 @@
 
 static const double mode_default[3] = {1.0, 1.0, 1.0};
 
-/* end_points of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_end_points_lanes(
+/* end_points of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_end_points_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
@@ -36,13 +36,14 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_end_points_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_end_points_batch(
@@ -51,7 +52,7 @@ KRHPR_API int krhpr_planar_rr_a_end_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -61,9 +62,12 @@ KRHPR_API int krhpr_planar_rr_a_end_points_batch(
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
         krhpr_lanes s_lanes[6];
-        krhpr_planar_rr_a_end_points_lanes(g, p_lanes, phi_lanes, redundant_lanes, s_lanes, &answer);
+        const int doubtful = krhpr_planar_rr_a_end_points_lanes(
+            g, p_lanes, phi_lanes, redundant_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_end_points(
@@ -102,17 +106,20 @@ KRHPR_API int krhpr_planar_rr_a_end_points_soa(
             krhpr_lanes s_room[6];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_planar_rr_a_end_points_lanes(g, p_lanes, phi_lanes, redundant_lanes, s_lanes, &answer);
+            const int doubtful = krhpr_planar_rr_a_end_points_lanes(
+                g, p_lanes, phi_lanes, redundant_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* redundant_coordinates of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_redundant_coordinates_lanes(
+/* redundant_coordinates of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_redundant_coordinates_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
@@ -138,13 +145,14 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_redundant_coordinates_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, redundant, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_redundant_coordinates_batch(
@@ -153,7 +161,7 @@ KRHPR_API int krhpr_planar_rr_a_redundant_coordinates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -163,10 +171,12 @@ KRHPR_API int krhpr_planar_rr_a_redundant_coordinates_batch(
         krhpr_lanes s_lanes[6];
         krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_planar_rr_a_redundant_coordinates_lanes(
+        const int doubtful = krhpr_planar_rr_a_redundant_coordinates_lanes(
             g, p_lanes, phi_lanes, s_lanes, redundant_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_redundant_coordinates(
@@ -205,18 +215,20 @@ KRHPR_API int krhpr_planar_rr_a_redundant_coordinates_soa(
             krhpr_lanes redundant_room[3];
             double *const redundant_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const redundant_lanes = krhpr_poses_out(redundant_room, redundant_at, row, here);
-            krhpr_planar_rr_a_redundant_coordinates_lanes(
+            const int doubtful = krhpr_planar_rr_a_redundant_coordinates_lanes(
                 g, p_lanes, phi_lanes, s_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_forward of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_subleg_forward_lanes(
+/* subleg_forward of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_subleg_forward_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT s,
     krhpr_ints *answer)
 {
@@ -234,13 +246,14 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_subleg_forward_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_subleg_forward_batch(
@@ -249,15 +262,17 @@ KRHPR_API int krhpr_planar_rr_a_subleg_forward_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[6];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
         krhpr_lanes s_lanes[6];
-        krhpr_planar_rr_a_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
+        const int doubtful = krhpr_planar_rr_a_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_subleg_forward(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
@@ -290,17 +305,19 @@ KRHPR_API int krhpr_planar_rr_a_subleg_forward_soa(
             krhpr_lanes s_room[6];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_planar_rr_a_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
+            const int doubtful = krhpr_planar_rr_a_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_inverse of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_subleg_inverse_lanes(
+/* subleg_inverse of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_subleg_inverse_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
@@ -326,7 +343,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_subleg_inverse_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -338,6 +355,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_subleg_inverse_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 12);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_subleg_inverse_batch(
@@ -346,15 +364,17 @@ KRHPR_API int krhpr_planar_rr_a_subleg_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
         krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
         krhpr_lanes theta_lanes[12];
-        krhpr_planar_rr_a_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
+        const int doubtful = krhpr_planar_rr_a_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 12, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
@@ -387,17 +407,19 @@ KRHPR_API int krhpr_planar_rr_a_subleg_inverse_soa(
             krhpr_lanes theta_room[12];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_planar_rr_a_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
+            const int doubtful = krhpr_planar_rr_a_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 12, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_jacobian of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_subleg_jacobian_lanes(
+/* subleg_jacobian of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_subleg_jacobian_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6],
     krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_ints *answer)
 {
@@ -418,13 +440,14 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_subleg_jacobian_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, M, 12);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_subleg_jacobian_batch(
@@ -433,7 +456,7 @@ KRHPR_API int krhpr_planar_rr_a_subleg_jacobian_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -441,9 +464,12 @@ KRHPR_API int krhpr_planar_rr_a_subleg_jacobian_batch(
         krhpr_lanes theta_lanes[6];
         krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 6, here);
         krhpr_lanes M_lanes[12];
-        krhpr_planar_rr_a_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
+        const int doubtful = krhpr_planar_rr_a_subleg_jacobian_lanes(
+            g, s_lanes, theta_lanes, M_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M_lanes, 12, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_subleg_jacobian(
@@ -479,17 +505,20 @@ KRHPR_API int krhpr_planar_rr_a_subleg_jacobian_soa(
             krhpr_lanes M_room[12];
             double *const M_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const M_lanes = krhpr_poses_out(M_room, M_at, row, here);
-            krhpr_planar_rr_a_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
+            const int doubtful = krhpr_planar_rr_a_subleg_jacobian_lanes(
+                g, s_lanes, theta_lanes, M_lanes, &answer);
             krhpr_poses_done(M_room, M_at, row, 12, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* constraints of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_constraints_lanes(
+/* constraints of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_constraints_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT residual, krhpr_ints *answer)
 {
@@ -507,13 +536,14 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_constraints_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, residual, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_constraints_batch(
@@ -522,7 +552,7 @@ KRHPR_API int krhpr_planar_rr_a_constraints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -532,9 +562,12 @@ KRHPR_API int krhpr_planar_rr_a_constraints_batch(
         krhpr_lanes s_lanes[6];
         krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 6, here);
         krhpr_lanes residual_lanes[3];
-        krhpr_planar_rr_a_constraints_lanes(g, p_lanes, phi_lanes, s_lanes, residual_lanes, &answer);
+        const int doubtful = krhpr_planar_rr_a_constraints_lanes(
+            g, p_lanes, phi_lanes, s_lanes, residual_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], residual_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_constraints(
@@ -573,17 +606,20 @@ KRHPR_API int krhpr_planar_rr_a_constraints_soa(
             krhpr_lanes residual_room[3];
             double *const residual_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const residual_lanes = krhpr_poses_out(residual_room, residual_at, row, here);
-            krhpr_planar_rr_a_constraints_lanes(g, p_lanes, phi_lanes, s_lanes, residual_lanes, &answer);
+            const int doubtful = krhpr_planar_rr_a_constraints_lanes(
+                g, p_lanes, phi_lanes, s_lanes, residual_lanes, &answer);
             krhpr_poses_done(residual_room, residual_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* jacobians of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_jacobians_lanes(
+/* jacobians of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_jacobians_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
@@ -619,7 +655,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_jacobians_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -627,6 +663,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_jacobians_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 9);
     krhpr_poses_keep(finite, K, 18);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_jacobians_batch(
@@ -635,7 +672,7 @@ KRHPR_API int krhpr_planar_rr_a_jacobians_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -648,11 +685,13 @@ KRHPR_API int krhpr_planar_rr_a_jacobians_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
         krhpr_lanes J_lanes[9];
         krhpr_lanes K_lanes[18];
-        krhpr_planar_rr_a_jacobians_lanes(
+        const int doubtful = krhpr_planar_rr_a_jacobians_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 18, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_jacobians(
@@ -696,19 +735,21 @@ KRHPR_API int krhpr_planar_rr_a_jacobians_soa(
             krhpr_lanes K_room[18];
             double *const K_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_planar_rr_a_jacobians_lanes(
+            const int doubtful = krhpr_planar_rr_a_jacobians_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 9, here);
             krhpr_poses_done(K_room, K_at, row, 18, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* jacobian_blocks of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_jacobian_blocks_lanes(
+/* jacobian_blocks of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_jacobian_blocks_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
@@ -737,7 +778,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_jacobian_blocks_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -745,6 +786,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_jacobian_blocks_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 9);
     krhpr_poses_keep(finite, K, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_jacobian_blocks_batch(
@@ -753,7 +795,7 @@ KRHPR_API int krhpr_planar_rr_a_jacobian_blocks_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -766,11 +808,13 @@ KRHPR_API int krhpr_planar_rr_a_jacobian_blocks_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
         krhpr_lanes J_lanes[9];
         krhpr_lanes K_lanes[6];
-        krhpr_planar_rr_a_jacobian_blocks_lanes(
+        const int doubtful = krhpr_planar_rr_a_jacobian_blocks_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_jacobian_blocks(
@@ -814,19 +858,21 @@ KRHPR_API int krhpr_planar_rr_a_jacobian_blocks_soa(
             krhpr_lanes K_room[6];
             double *const K_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_planar_rr_a_jacobian_blocks_lanes(
+            const int doubtful = krhpr_planar_rr_a_jacobian_blocks_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 9, here);
             krhpr_poses_done(K_room, K_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_inverse_lanes(
+/* inverse of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_inverse_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[3], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
@@ -865,7 +911,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_inverse_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -877,6 +923,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_inverse_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_inverse_batch(
@@ -885,7 +932,11 @@ KRHPR_API int krhpr_planar_rr_a_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes mode_lanes[3];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_lanes, mode_default, 0, 3, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -894,13 +945,16 @@ KRHPR_API int krhpr_planar_rr_a_inverse_batch(
         krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes mode_lanes[3];
-        krhpr_poses_load(mode_lanes, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 3, here);
+        if (in[3] != NULL) {
+            krhpr_poses_load(mode_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        }
         krhpr_lanes theta_lanes[6];
-        krhpr_planar_rr_a_inverse_lanes(
+        const int doubtful = krhpr_planar_rr_a_inverse_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_inverse(
@@ -919,6 +973,10 @@ KRHPR_API int krhpr_planar_rr_a_inverse_soa(
     const krhpr_planar_rr_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes mode_room[3];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_room, mode_default, 0, 3, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -936,28 +994,27 @@ KRHPR_API int krhpr_planar_rr_a_inverse_soa(
             const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            krhpr_lanes mode_room[3];
             const krhpr_lanes_at *mode_lanes = mode_room;
             if (in[3] != NULL) {
                 mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 3, here);
-            } else {
-                krhpr_poses_load(mode_room, mode_default, 0, 3, here);
             }
             krhpr_lanes theta_room[6];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_planar_rr_a_inverse_lanes(
+            const int doubtful = krhpr_planar_rr_a_inverse_lanes(
                 g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_all of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_inverse_all_lanes(
+/* inverse_all of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_inverse_all_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
@@ -996,7 +1053,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_inverse_all_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1008,6 +1065,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_inverse_all_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 12);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_inverse_all_batch(
@@ -1016,7 +1074,7 @@ KRHPR_API int krhpr_planar_rr_a_inverse_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1026,9 +1084,12 @@ KRHPR_API int krhpr_planar_rr_a_inverse_all_batch(
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
         krhpr_lanes theta_lanes[12];
-        krhpr_planar_rr_a_inverse_all_lanes(g, p_lanes, phi_lanes, redundant_lanes, theta_lanes, &answer);
+        const int doubtful = krhpr_planar_rr_a_inverse_all_lanes(
+            g, p_lanes, phi_lanes, redundant_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 12, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_inverse_all(
@@ -1067,9 +1128,12 @@ KRHPR_API int krhpr_planar_rr_a_inverse_all_soa(
             krhpr_lanes theta_room[12];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_planar_rr_a_inverse_all_lanes(g, p_lanes, phi_lanes, redundant_lanes, theta_lanes, &answer);
+            const int doubtful = krhpr_planar_rr_a_inverse_all_lanes(
+                g, p_lanes, phi_lanes, redundant_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 12, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
@@ -1129,8 +1193,8 @@ KRHPR_API int krhpr_planar_rr_a_inverse_near_soa(
 }
 #endif
 
-/* inverse_status of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_inverse_status_lanes(
+/* inverse_status of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_inverse_status_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[3], krhpr_lanes_at *KRHPR_RESTRICT excess,
     krhpr_ints *answer)
@@ -1159,7 +1223,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_inverse_status_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1170,6 +1234,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_inverse_status_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_inverse_status_batch(
@@ -1178,7 +1243,11 @@ KRHPR_API int krhpr_planar_rr_a_inverse_status_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes mode_lanes[3];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_lanes, mode_default, 0, 3, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1187,13 +1256,16 @@ KRHPR_API int krhpr_planar_rr_a_inverse_status_batch(
         krhpr_poses_load(phi_lanes, in[1] + k * in_step[1], in_step[1], 1, here);
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes mode_lanes[3];
-        krhpr_poses_load(mode_lanes, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 3, here);
+        if (in[3] != NULL) {
+            krhpr_poses_load(mode_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        }
         krhpr_lanes excess_lanes[3];
-        krhpr_planar_rr_a_inverse_status_lanes(
+        const int doubtful = krhpr_planar_rr_a_inverse_status_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, excess_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_inverse_status(
@@ -1212,6 +1284,10 @@ KRHPR_API int krhpr_planar_rr_a_inverse_status_soa(
     const krhpr_planar_rr_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes mode_room[3];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_room, mode_default, 0, 3, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -1229,28 +1305,27 @@ KRHPR_API int krhpr_planar_rr_a_inverse_status_soa(
             const krhpr_lanes_at *const phi_lanes = krhpr_poses_in(phi_room, in[1] + b * in_step[1] + k, row, 1, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            krhpr_lanes mode_room[3];
             const krhpr_lanes_at *mode_lanes = mode_room;
             if (in[3] != NULL) {
                 mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 3, here);
-            } else {
-                krhpr_poses_load(mode_room, mode_default, 0, 3, here);
             }
             krhpr_lanes excess_room[3];
             double *const excess_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const excess_lanes = krhpr_poses_out(excess_room, excess_at, row, here);
-            krhpr_planar_rr_a_inverse_status_lanes(
+            const int doubtful = krhpr_planar_rr_a_inverse_status_lanes(
                 g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, excess_lanes, &answer);
             krhpr_poses_done(excess_room, excess_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* twist of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_twist_lanes(
+/* twist of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_twist_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at theta_dot[6],
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
@@ -1289,7 +1364,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_twist_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1299,6 +1374,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_twist_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_twist_batch(
@@ -1307,7 +1383,7 @@ KRHPR_API int krhpr_planar_rr_a_twist_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1321,10 +1397,12 @@ KRHPR_API int krhpr_planar_rr_a_twist_batch(
         krhpr_lanes theta_dot_lanes[6];
         krhpr_poses_load(theta_dot_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
         krhpr_lanes twist_lanes[3];
-        krhpr_planar_rr_a_twist_lanes(
+        const int doubtful = krhpr_planar_rr_a_twist_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_twist(
@@ -1367,18 +1445,20 @@ KRHPR_API int krhpr_planar_rr_a_twist_soa(
             krhpr_lanes twist_room[3];
             double *const twist_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const twist_lanes = krhpr_poses_out(twist_room, twist_at, row, here);
-            krhpr_planar_rr_a_twist_lanes(
+            const int doubtful = krhpr_planar_rr_a_twist_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
             krhpr_poses_done(twist_room, twist_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* joint_rates of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_joint_rates_lanes(
+/* joint_rates of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_joint_rates_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at twist[3],
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
@@ -1412,7 +1492,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_joint_rates_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1424,6 +1504,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_joint_rates_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_dot, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_joint_rates_batch(
@@ -1432,7 +1513,7 @@ KRHPR_API int krhpr_planar_rr_a_joint_rates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1448,11 +1529,13 @@ KRHPR_API int krhpr_planar_rr_a_joint_rates_batch(
         krhpr_lanes redundant_rates_lanes[3];
         krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
         krhpr_lanes theta_dot_lanes[6];
-        krhpr_planar_rr_a_joint_rates_lanes(
+        const int doubtful = krhpr_planar_rr_a_joint_rates_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
             theta_dot_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_joint_rates(
@@ -1497,19 +1580,21 @@ KRHPR_API int krhpr_planar_rr_a_joint_rates_soa(
             krhpr_lanes theta_dot_room[6];
             double *const theta_dot_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_dot_lanes = krhpr_poses_out(theta_dot_room, theta_dot_at, row, here);
-            krhpr_planar_rr_a_joint_rates_lanes(
+            const int doubtful = krhpr_planar_rr_a_joint_rates_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 theta_dot_lanes, &answer);
             krhpr_poses_done(theta_dot_room, theta_dot_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* platform_acceleration of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_platform_acceleration_lanes(
+/* platform_acceleration of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_platform_acceleration_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at twist[3],
     const krhpr_lanes_at theta_dot[6], const krhpr_lanes_at theta_ddot[6],
@@ -1558,7 +1643,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_platform_acceleration_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1568,6 +1653,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_platform_acceleration_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist_rate, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_platform_acceleration_batch(
@@ -1576,7 +1662,7 @@ KRHPR_API int krhpr_planar_rr_a_platform_acceleration_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1594,11 +1680,13 @@ KRHPR_API int krhpr_planar_rr_a_platform_acceleration_batch(
         krhpr_lanes theta_ddot_lanes[6];
         krhpr_poses_load(theta_ddot_lanes, in[6] + k * in_step[6], in_step[6], 6, here);
         krhpr_lanes twist_rate_lanes[3];
-        krhpr_planar_rr_a_platform_acceleration_lanes(
+        const int doubtful = krhpr_planar_rr_a_platform_acceleration_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
             twist_rate_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_platform_acceleration(
@@ -1646,19 +1734,21 @@ KRHPR_API int krhpr_planar_rr_a_platform_acceleration_soa(
             krhpr_lanes twist_rate_room[3];
             double *const twist_rate_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const twist_rate_lanes = krhpr_poses_out(twist_rate_room, twist_rate_at, row, here);
-            krhpr_planar_rr_a_platform_acceleration_lanes(
+            const int doubtful = krhpr_planar_rr_a_platform_acceleration_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
                 twist_rate_lanes, &answer);
             krhpr_poses_done(twist_rate_room, twist_rate_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* joint_accelerations of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_joint_accelerations_lanes(
+/* joint_accelerations of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_joint_accelerations_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at twist[3],
     const krhpr_lanes_at redundant_rates[3], const krhpr_lanes_at theta_dot[6],
@@ -1704,7 +1794,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_joint_accelerations_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1716,6 +1806,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_joint_accelerations_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_ddot, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_joint_accelerations_batch(
@@ -1724,7 +1815,7 @@ KRHPR_API int krhpr_planar_rr_a_joint_accelerations_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1746,11 +1837,13 @@ KRHPR_API int krhpr_planar_rr_a_joint_accelerations_batch(
         krhpr_lanes redundant_accelerations_lanes[3];
         krhpr_poses_load(redundant_accelerations_lanes, in[8] + k * in_step[8], in_step[8], 3, here);
         krhpr_lanes theta_ddot_lanes[6];
-        krhpr_planar_rr_a_joint_accelerations_lanes(
+        const int doubtful = krhpr_planar_rr_a_joint_accelerations_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
             theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_joint_accelerations(
@@ -1802,19 +1895,21 @@ KRHPR_API int krhpr_planar_rr_a_joint_accelerations_soa(
             krhpr_lanes theta_ddot_room[6];
             double *const theta_ddot_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_ddot_lanes = krhpr_poses_out(theta_ddot_room, theta_ddot_at, row, here);
-            krhpr_planar_rr_a_joint_accelerations_lanes(
+            const int doubtful = krhpr_planar_rr_a_joint_accelerations_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
             krhpr_poses_done(theta_ddot_room, theta_ddot_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_statics of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_inverse_statics_lanes(
+/* inverse_statics of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_inverse_statics_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at wrench[3],
     const krhpr_lanes_at redundant_forces[3], krhpr_lanes_at *KRHPR_RESTRICT actuator_forces,
@@ -1859,7 +1954,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_inverse_statics_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1869,6 +1964,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_inverse_statics_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, actuator_forces, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_inverse_statics_batch(
@@ -1877,7 +1973,7 @@ KRHPR_API int krhpr_planar_rr_a_inverse_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1893,11 +1989,13 @@ KRHPR_API int krhpr_planar_rr_a_inverse_statics_batch(
         krhpr_lanes redundant_forces_lanes[3];
         krhpr_poses_load(redundant_forces_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
         krhpr_lanes actuator_forces_lanes[6];
-        krhpr_planar_rr_a_inverse_statics_lanes(
+        const int doubtful = krhpr_planar_rr_a_inverse_statics_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
             actuator_forces_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_inverse_statics(
@@ -1942,19 +2040,21 @@ KRHPR_API int krhpr_planar_rr_a_inverse_statics_soa(
             krhpr_lanes actuator_forces_room[6];
             double *const actuator_forces_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const actuator_forces_lanes = krhpr_poses_out(actuator_forces_room, actuator_forces_at, row, here);
-            krhpr_planar_rr_a_inverse_statics_lanes(
+            const int doubtful = krhpr_planar_rr_a_inverse_statics_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
                 actuator_forces_lanes, &answer);
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_statics of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_forward_statics_lanes(
+/* forward_statics of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_forward_statics_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at actuator_forces[6],
     krhpr_lanes_at *KRHPR_RESTRICT wrench, krhpr_lanes_at *KRHPR_RESTRICT redundant_forces,
@@ -1992,7 +2092,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_forward_statics_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2007,6 +2107,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_forward_statics_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, wrench, 3);
     krhpr_poses_keep(finite, redundant_forces, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_forward_statics_batch(
@@ -2015,7 +2116,7 @@ KRHPR_API int krhpr_planar_rr_a_forward_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2030,12 +2131,14 @@ KRHPR_API int krhpr_planar_rr_a_forward_statics_batch(
         krhpr_poses_load(actuator_forces_lanes, in[4] + k * in_step[4], in_step[4], 6, here);
         krhpr_lanes wrench_lanes[3];
         krhpr_lanes redundant_forces_lanes[3];
-        krhpr_planar_rr_a_forward_statics_lanes(
+        const int doubtful = krhpr_planar_rr_a_forward_statics_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, actuator_forces_lanes, wrench_lanes,
             redundant_forces_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], wrench_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_forward_statics(
@@ -2082,20 +2185,22 @@ KRHPR_API int krhpr_planar_rr_a_forward_statics_soa(
             krhpr_lanes redundant_forces_room[3];
             double *const redundant_forces_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const redundant_forces_lanes = krhpr_poses_out(redundant_forces_room, redundant_forces_at, row, here);
-            krhpr_planar_rr_a_forward_statics_lanes(
+            const int doubtful = krhpr_planar_rr_a_forward_statics_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, actuator_forces_lanes, wrench_lanes,
                 redundant_forces_lanes, &answer);
             krhpr_poses_done(wrench_room, wrench_at, row, 3, here);
             krhpr_poses_done(redundant_forces_room, redundant_forces_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* passive_joints of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_passive_joints_lanes(
+/* passive_joints of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_passive_joints_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT wrist,
     krhpr_lanes_at *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
@@ -2135,7 +2240,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_passive_joints_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2143,6 +2248,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_passive_joints_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, wrist, 3);
     krhpr_poses_keep(finite, platform_joint, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_passive_joints_batch(
@@ -2151,7 +2257,7 @@ KRHPR_API int krhpr_planar_rr_a_passive_joints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2164,11 +2270,13 @@ KRHPR_API int krhpr_planar_rr_a_passive_joints_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
         krhpr_lanes wrist_lanes[3];
         krhpr_lanes platform_joint_lanes[3];
-        krhpr_planar_rr_a_passive_joints_lanes(
+        const int doubtful = krhpr_planar_rr_a_passive_joints_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, wrist_lanes, platform_joint_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], wrist_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], platform_joint_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_passive_joints(
@@ -2212,19 +2320,21 @@ KRHPR_API int krhpr_planar_rr_a_passive_joints_soa(
             krhpr_lanes platform_joint_room[3];
             double *const platform_joint_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const platform_joint_lanes = krhpr_poses_out(platform_joint_room, platform_joint_at, row, here);
-            krhpr_planar_rr_a_passive_joints_lanes(
+            const int doubtful = krhpr_planar_rr_a_passive_joints_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, wrist_lanes, platform_joint_lanes, &answer);
             krhpr_poses_done(wrist_room, wrist_at, row, 3, here);
             krhpr_poses_done(platform_joint_room, platform_joint_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* link_points of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_link_points_lanes(
+/* link_points of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_link_points_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT points,
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
@@ -2252,7 +2362,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_link_points_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2260,6 +2370,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_link_points_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, points, 18);
     krhpr_poses_keep(finite, attachment, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_link_points_batch(
@@ -2268,7 +2379,7 @@ KRHPR_API int krhpr_planar_rr_a_link_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2281,11 +2392,13 @@ KRHPR_API int krhpr_planar_rr_a_link_points_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
         krhpr_lanes points_lanes[18];
         krhpr_lanes attachment_lanes[6];
-        krhpr_planar_rr_a_link_points_lanes(
+        const int doubtful = krhpr_planar_rr_a_link_points_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], points_lanes, 18, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], attachment_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_link_points(
@@ -2329,19 +2442,21 @@ KRHPR_API int krhpr_planar_rr_a_link_points_soa(
             krhpr_lanes attachment_room[6];
             double *const attachment_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const attachment_lanes = krhpr_poses_out(attachment_room, attachment_at, row, here);
-            krhpr_planar_rr_a_link_points_lanes(
+            const int doubtful = krhpr_planar_rr_a_link_points_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
             krhpr_poses_done(points_room, points_at, row, 18, here);
             krhpr_poses_done(attachment_room, attachment_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* singularity of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_singularity_lanes(
+/* singularity of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_singularity_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT type_1,
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
@@ -2376,7 +2491,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_singularity_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2386,6 +2501,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_singularity_lanes(
     krhpr_poses_keep(finite, factors, 3);
     krhpr_poses_keep(finite, type_2, 1);
     krhpr_poses_keep(finite, margins, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_singularity_batch(
@@ -2394,7 +2510,7 @@ KRHPR_API int krhpr_planar_rr_a_singularity_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2409,14 +2525,16 @@ KRHPR_API int krhpr_planar_rr_a_singularity_batch(
         krhpr_lanes factors_lanes[3];
         krhpr_lanes type_2_lanes[1];
         krhpr_lanes margins_lanes[1];
-        krhpr_planar_rr_a_singularity_lanes(
+        const int doubtful = krhpr_planar_rr_a_singularity_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
             margins_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_1_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], factors_lanes, 3, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], type_2_lanes, 1, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], margins_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_singularity(
@@ -2467,22 +2585,24 @@ KRHPR_API int krhpr_planar_rr_a_singularity_soa(
             krhpr_lanes margins_room[1];
             double *const margins_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const margins_lanes = krhpr_poses_out(margins_room, margins_at, row, here);
-            krhpr_planar_rr_a_singularity_lanes(
+            const int doubtful = krhpr_planar_rr_a_singularity_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
                 margins_lanes, &answer);
             krhpr_poses_done(type_1_room, type_1_at, row, 3, here);
             krhpr_poses_done(factors_room, factors_at, row, 3, here);
             krhpr_poses_done(type_2_room, type_2_at, row, 1, here);
             krhpr_poses_done(margins_room, margins_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* type_2_of_redundant of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_type_2_of_redundant_lanes(
+/* type_2_of_redundant of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_type_2_of_redundant_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at redundant[3],
     krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
@@ -2505,7 +2625,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_type_2_of_redundant_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2513,6 +2633,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_type_2_of_redundant_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_2, 1);
     krhpr_poses_keep(finite, margins, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_type_2_of_redundant_batch(
@@ -2521,17 +2642,20 @@ KRHPR_API int krhpr_planar_rr_a_type_2_of_redundant_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
         krhpr_lanes type_2_lanes[1];
         krhpr_lanes margins_lanes[1];
-        krhpr_planar_rr_a_type_2_of_redundant_lanes(g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
+        const int doubtful = krhpr_planar_rr_a_type_2_of_redundant_lanes(
+            g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_2_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], margins_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_type_2_of_redundant(
@@ -2568,19 +2692,21 @@ KRHPR_API int krhpr_planar_rr_a_type_2_of_redundant_soa(
             krhpr_lanes margins_room[1];
             double *const margins_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const margins_lanes = krhpr_poses_out(margins_room, margins_at, row, here);
-            krhpr_planar_rr_a_type_2_of_redundant_lanes(
+            const int doubtful = krhpr_planar_rr_a_type_2_of_redundant_lanes(
                 g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
             krhpr_poses_done(type_2_room, type_2_at, row, 1, here);
             krhpr_poses_done(margins_room, margins_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* indices of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_indices_lanes(
+/* indices of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_indices_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3,
@@ -2633,7 +2759,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_indices_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2653,6 +2779,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_indices_lanes(
     krhpr_poses_keep(finite, eta_2, 1);
     krhpr_poses_keep(finite, eta_3, 1);
     krhpr_poses_keep(finite, condition, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_indices_batch(
@@ -2661,7 +2788,7 @@ KRHPR_API int krhpr_planar_rr_a_indices_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2676,14 +2803,16 @@ KRHPR_API int krhpr_planar_rr_a_indices_batch(
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
         krhpr_lanes condition_lanes[3];
-        krhpr_planar_rr_a_indices_lanes(
+        const int doubtful = krhpr_planar_rr_a_indices_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes,
             condition_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_indices(
@@ -2734,22 +2863,24 @@ KRHPR_API int krhpr_planar_rr_a_indices_soa(
             krhpr_lanes condition_room[3];
             double *const condition_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const condition_lanes = krhpr_poses_out(condition_room, condition_at, row, here);
-            krhpr_planar_rr_a_indices_lanes(
+            const int doubtful = krhpr_planar_rr_a_indices_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes,
                 condition_lanes, &answer);
             krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
             krhpr_poses_done(condition_room, condition_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* index_bounds of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_index_bounds_lanes(
+/* index_bounds of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_index_bounds_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_ints *answer)
@@ -2802,7 +2933,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_index_bounds_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2820,6 +2951,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_index_bounds_lanes(
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
     krhpr_poses_keep(finite, eta_3, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_index_bounds_batch(
@@ -2828,7 +2960,7 @@ KRHPR_API int krhpr_planar_rr_a_index_bounds_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2842,12 +2974,14 @@ KRHPR_API int krhpr_planar_rr_a_index_bounds_batch(
         krhpr_lanes eta_1_lanes[1];
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
-        krhpr_planar_rr_a_index_bounds_lanes(
+        const int doubtful = krhpr_planar_rr_a_index_bounds_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_index_bounds(
@@ -2895,12 +3029,14 @@ KRHPR_API int krhpr_planar_rr_a_index_bounds_soa(
             krhpr_lanes eta_3_room[1];
             double *const eta_3_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const eta_3_lanes = krhpr_poses_out(eta_3_room, eta_3_at, row, here);
-            krhpr_planar_rr_a_index_bounds_lanes(
+            const int doubtful = krhpr_planar_rr_a_index_bounds_lanes(
                 g, p_lanes, phi_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes, &answer);
             krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
@@ -3026,8 +3162,8 @@ KRHPR_API int krhpr_planar_rr_a_forward_soa(
 }
 #endif
 
-/* forward_newton of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_forward_newton_lanes(
+/* forward_newton of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_forward_newton_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at p_near[2],
     const krhpr_lanes_at phi_near[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT kantorovich, krhpr_ints *answer)
@@ -3092,7 +3228,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_forward_newton_lanes(
     fine &= krhpr_at_most(misfit[0], krhpr_all(1e-12));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3109,6 +3245,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_forward_newton_lanes(
     krhpr_poses_keep(finite, phi, 1);
     krhpr_poses_keep(finite, redundant, 3);
     krhpr_poses_keep(finite, kantorovich, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_forward_newton_batch(
@@ -3117,7 +3254,7 @@ KRHPR_API int krhpr_planar_rr_a_forward_newton_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -3130,14 +3267,16 @@ KRHPR_API int krhpr_planar_rr_a_forward_newton_batch(
         krhpr_lanes phi_lanes[1];
         krhpr_lanes redundant_lanes[3];
         krhpr_lanes kantorovich_lanes[1];
-        krhpr_planar_rr_a_forward_newton_lanes(
+        const int doubtful = krhpr_planar_rr_a_forward_newton_lanes(
             g, s_lanes, p_near_lanes, phi_near_lanes, p_lanes, phi_lanes, redundant_lanes,
             kantorovich_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], kantorovich_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_forward_newton(
@@ -3186,22 +3325,24 @@ KRHPR_API int krhpr_planar_rr_a_forward_newton_soa(
             krhpr_lanes kantorovich_room[1];
             double *const kantorovich_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const kantorovich_lanes = krhpr_poses_out(kantorovich_room, kantorovich_at, row, here);
-            krhpr_planar_rr_a_forward_newton_lanes(
+            const int doubtful = krhpr_planar_rr_a_forward_newton_lanes(
                 g, s_lanes, p_near_lanes, phi_near_lanes, p_lanes, phi_lanes, redundant_lanes,
                 kantorovich_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
             krhpr_poses_done(kantorovich_room, kantorovich_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_encoders_1 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_forward_encoders_1_lanes(
+/* forward_encoders_1 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_forward_encoders_1_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at measured[1],
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
@@ -3236,7 +3377,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_forward_encoders_1_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3251,6 +3392,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_forward_encoders_1_lanes(
     krhpr_poses_keep(finite, p, 4);
     krhpr_poses_keep(finite, phi, 2);
     krhpr_poses_keep(finite, mismatch, 2);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_forward_encoders_1_batch(
@@ -3259,7 +3401,7 @@ KRHPR_API int krhpr_planar_rr_a_forward_encoders_1_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -3271,12 +3413,14 @@ KRHPR_API int krhpr_planar_rr_a_forward_encoders_1_batch(
         krhpr_lanes p_lanes[4];
         krhpr_lanes phi_lanes[2];
         krhpr_lanes mismatch_lanes[2];
-        krhpr_planar_rr_a_forward_encoders_1_lanes(
+        const int doubtful = krhpr_planar_rr_a_forward_encoders_1_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, mismatch_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 4, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 2, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], mismatch_lanes, 2, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_forward_encoders_1(
@@ -3321,12 +3465,14 @@ KRHPR_API int krhpr_planar_rr_a_forward_encoders_1_soa(
             krhpr_lanes mismatch_room[2];
             double *const mismatch_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_planar_rr_a_forward_encoders_1_lanes(
+            const int doubtful = krhpr_planar_rr_a_forward_encoders_1_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 4, here);
             krhpr_poses_done(phi_room, phi_at, row, 2, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 2, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
@@ -3394,8 +3540,8 @@ KRHPR_API int krhpr_planar_rr_a_passive_joints_of_theta_soa(
 }
 #endif
 
-/* forward_encoders_2 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_forward_encoders_2_lanes(
+/* forward_encoders_2 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_forward_encoders_2_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at measured[2],
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
@@ -3435,7 +3581,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3453,6 +3599,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_forward_encoders_2_lanes(
     krhpr_poses_keep(finite, phi, 1);
     krhpr_poses_keep(finite, raw, 4);
     krhpr_poses_keep(finite, mismatch, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_forward_encoders_2_batch(
@@ -3461,7 +3608,7 @@ KRHPR_API int krhpr_planar_rr_a_forward_encoders_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -3474,14 +3621,16 @@ KRHPR_API int krhpr_planar_rr_a_forward_encoders_2_batch(
         krhpr_lanes phi_lanes[1];
         krhpr_lanes raw_lanes[4];
         krhpr_lanes mismatch_lanes[1];
-        krhpr_planar_rr_a_forward_encoders_2_lanes(
+        const int doubtful = krhpr_planar_rr_a_forward_encoders_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_forward_encoders_2(
@@ -3530,22 +3679,24 @@ KRHPR_API int krhpr_planar_rr_a_forward_encoders_2_soa(
             krhpr_lanes mismatch_room[1];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_planar_rr_a_forward_encoders_2_lanes(
+            const int doubtful = krhpr_planar_rr_a_forward_encoders_2_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
                 &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_encoders_3 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_forward_encoders_3_lanes(
+/* forward_encoders_3 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_forward_encoders_3_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at measured[3],
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
@@ -3585,7 +3736,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3603,6 +3754,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_forward_encoders_3_lanes(
     krhpr_poses_keep(finite, phi, 1);
     krhpr_poses_keep(finite, raw, 4);
     krhpr_poses_keep(finite, mismatch, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_forward_encoders_3_batch(
@@ -3611,7 +3763,7 @@ KRHPR_API int krhpr_planar_rr_a_forward_encoders_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -3624,14 +3776,16 @@ KRHPR_API int krhpr_planar_rr_a_forward_encoders_3_batch(
         krhpr_lanes phi_lanes[1];
         krhpr_lanes raw_lanes[4];
         krhpr_lanes mismatch_lanes[3];
-        krhpr_planar_rr_a_forward_encoders_3_lanes(
+        const int doubtful = krhpr_planar_rr_a_forward_encoders_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_forward_encoders_3(
@@ -3680,22 +3834,24 @@ KRHPR_API int krhpr_planar_rr_a_forward_encoders_3_soa(
             krhpr_lanes mismatch_room[3];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_planar_rr_a_forward_encoders_3_lanes(
+            const int doubtful = krhpr_planar_rr_a_forward_encoders_3_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
                 &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_gauss_newton_2 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_forward_gauss_newton_2_lanes(
+/* forward_gauss_newton_2 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_forward_gauss_newton_2_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at measured[2],
     const krhpr_lanes_at tolerance[1], const krhpr_lanes_at weights[3], krhpr_lanes_at *KRHPR_RESTRICT p,
     krhpr_lanes_at *KRHPR_RESTRICT phi, krhpr_lanes_at *KRHPR_RESTRICT raw,
@@ -3760,7 +3916,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3779,6 +3935,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_forward_gauss_newton_2_lanes(
     krhpr_poses_keep(finite, phi, 1);
     krhpr_poses_keep(finite, raw, 4);
     krhpr_poses_keep(finite, mismatch, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_forward_gauss_newton_2_batch(
@@ -3787,7 +3944,7 @@ KRHPR_API int krhpr_planar_rr_a_forward_gauss_newton_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -3802,14 +3959,16 @@ KRHPR_API int krhpr_planar_rr_a_forward_gauss_newton_2_batch(
         krhpr_lanes phi_lanes[1];
         krhpr_lanes raw_lanes[4];
         krhpr_lanes mismatch_lanes[1];
-        krhpr_planar_rr_a_forward_gauss_newton_2_lanes(
+        const int doubtful = krhpr_planar_rr_a_forward_gauss_newton_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
             mismatch_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_forward_gauss_newton_2(
@@ -3860,22 +4019,24 @@ KRHPR_API int krhpr_planar_rr_a_forward_gauss_newton_2_soa(
             krhpr_lanes mismatch_room[1];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_planar_rr_a_forward_gauss_newton_2_lanes(
+            const int doubtful = krhpr_planar_rr_a_forward_gauss_newton_2_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
                 mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_gauss_newton_3 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_planar_rr_a_forward_gauss_newton_3_lanes(
+/* forward_gauss_newton_3 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_planar_rr_a_forward_gauss_newton_3_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at measured[3],
     const krhpr_lanes_at tolerance[1], const krhpr_lanes_at weights[3], krhpr_lanes_at *KRHPR_RESTRICT p,
     krhpr_lanes_at *KRHPR_RESTRICT phi, krhpr_lanes_at *KRHPR_RESTRICT raw,
@@ -3939,7 +4100,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3958,6 +4119,7 @@ KRHPR_OUTLINE void krhpr_planar_rr_a_forward_gauss_newton_3_lanes(
     krhpr_poses_keep(finite, phi, 1);
     krhpr_poses_keep(finite, raw, 4);
     krhpr_poses_keep(finite, mismatch, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_planar_rr_a_forward_gauss_newton_3_batch(
@@ -3966,7 +4128,7 @@ KRHPR_API int krhpr_planar_rr_a_forward_gauss_newton_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -3981,14 +4143,16 @@ KRHPR_API int krhpr_planar_rr_a_forward_gauss_newton_3_batch(
         krhpr_lanes phi_lanes[1];
         krhpr_lanes raw_lanes[4];
         krhpr_lanes mismatch_lanes[3];
-        krhpr_planar_rr_a_forward_gauss_newton_3_lanes(
+        const int doubtful = krhpr_planar_rr_a_forward_gauss_newton_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
             mismatch_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rr_a_forward_gauss_newton_3(
@@ -4039,14 +4203,16 @@ KRHPR_API int krhpr_planar_rr_a_forward_gauss_newton_3_soa(
             krhpr_lanes mismatch_room[3];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_planar_rr_a_forward_gauss_newton_3_lanes(
+            const int doubtful = krhpr_planar_rr_a_forward_gauss_newton_3_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
                 mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 2, here);
             krhpr_poses_done(phi_room, phi_at, row, 1, here);
             krhpr_poses_done(raw_room, raw_at, row, 4, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;

@@ -14,8 +14,8 @@
 static const double mode_default[6] = {-1.0, -1.0, -1.0, -1.0, -1.0, -1.0};
 static const double assembly_default[3] = {1.0, 1.0, 1.0};
 
-/* rotation_error of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_rotation_error_lanes(
+/* rotation_error of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_rotation_error_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at Q[9],
     krhpr_lanes_at *KRHPR_RESTRICT error, krhpr_ints *answer)
 {
@@ -25,13 +25,14 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_rotation_error_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, error, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_rotation_error_batch(
@@ -41,15 +42,17 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_rotation_error_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes Q_lanes[9];
         krhpr_poses_load(Q_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
         krhpr_lanes error_lanes[1];
-        krhpr_spatial_p_fivebar_a_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
+        const int doubtful = krhpr_spatial_p_fivebar_a_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], error_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_rotation_error(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
@@ -82,17 +85,20 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_rotation_error_soa(
             krhpr_lanes error_room[1];
             double *const error_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const error_lanes = krhpr_poses_out(error_room, error_at, row, here);
-            krhpr_spatial_p_fivebar_a_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
+            const int doubtful = krhpr_spatial_p_fivebar_a_rotation_error_lanes(
+                g, Q_lanes, error_lanes, &answer);
             krhpr_poses_done(error_room, error_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* end_points of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_end_points_lanes(
+/* end_points of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_end_points_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
@@ -111,13 +117,14 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_end_points_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_end_points_batch(
@@ -127,7 +134,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_end_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -137,9 +144,12 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_end_points_batch(
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
         krhpr_lanes s_lanes[9];
-        krhpr_spatial_p_fivebar_a_end_points_lanes(g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
+        const int doubtful = krhpr_spatial_p_fivebar_a_end_points_lanes(
+            g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_end_points(
@@ -178,18 +188,20 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_end_points_soa(
             krhpr_lanes s_room[9];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_spatial_p_fivebar_a_end_points_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_end_points_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* redundant_coordinates of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_redundant_coordinates_lanes(
+/* redundant_coordinates of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_redundant_coordinates_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
@@ -208,13 +220,14 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_redundant_coordinates_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, redundant, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_redundant_coordinates_batch(
@@ -224,7 +237,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_redundant_coordinates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -234,10 +247,12 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_redundant_coordinates_batch(
         krhpr_lanes s_lanes[9];
         krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_spatial_p_fivebar_a_redundant_coordinates_lanes(
+        const int doubtful = krhpr_spatial_p_fivebar_a_redundant_coordinates_lanes(
             g, p_lanes, Q_lanes, s_lanes, redundant_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_redundant_coordinates(
@@ -276,18 +291,20 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_redundant_coordinates_soa(
             krhpr_lanes redundant_room[3];
             double *const redundant_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const redundant_lanes = krhpr_poses_out(redundant_room, redundant_at, row, here);
-            krhpr_spatial_p_fivebar_a_redundant_coordinates_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_redundant_coordinates_lanes(
                 g, p_lanes, Q_lanes, s_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_forward of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_subleg_forward_lanes(
+/* subleg_forward of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_subleg_forward_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at theta[9],
     const krhpr_lanes_at assembly[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
@@ -311,7 +328,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_subleg_forward_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -323,6 +340,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_subleg_forward_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_forward_batch(
@@ -332,17 +350,25 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_forward_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes assembly_lanes[3];
+    if (in[1] == NULL) {
+        krhpr_poses_load(assembly_lanes, assembly_default, 0, 3, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[9];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
-        krhpr_lanes assembly_lanes[3];
-        krhpr_poses_load(assembly_lanes, in[1] ? in[1] + k * in_step[1] : assembly_default, in[1] ? in_step[1] : 0, 3, here);
+        if (in[1] != NULL) {
+            krhpr_poses_load(assembly_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        }
         krhpr_lanes s_lanes[9];
-        krhpr_spatial_p_fivebar_a_subleg_forward_lanes(g, theta_lanes, assembly_lanes, s_lanes, &answer);
+        const int doubtful = krhpr_spatial_p_fivebar_a_subleg_forward_lanes(
+            g, theta_lanes, assembly_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_subleg_forward(
@@ -360,6 +386,10 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_forward_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes assembly_room[3];
+    if (in[1] == NULL) {
+        krhpr_poses_load(assembly_room, assembly_default, 0, 3, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -373,27 +403,27 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_forward_soa(
             krhpr_ints answer;
             krhpr_lanes theta_room[9];
             const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[0] + b * in_step[0] + k, row, 9, here);
-            krhpr_lanes assembly_room[3];
             const krhpr_lanes_at *assembly_lanes = assembly_room;
             if (in[1] != NULL) {
                 assembly_lanes = krhpr_poses_in(assembly_room, in[1] + b * in_step[1] + k, row, 3, here);
-            } else {
-                krhpr_poses_load(assembly_room, assembly_default, 0, 3, here);
             }
             krhpr_lanes s_room[9];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_spatial_p_fivebar_a_subleg_forward_lanes(g, theta_lanes, assembly_lanes, s_lanes, &answer);
+            const int doubtful = krhpr_spatial_p_fivebar_a_subleg_forward_lanes(
+                g, theta_lanes, assembly_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_forward_all of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_subleg_forward_all_lanes(
+/* subleg_forward_all of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_subleg_forward_all_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at theta[9],
     krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
@@ -416,7 +446,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_subleg_forward_all_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -428,6 +458,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_subleg_forward_all_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 18);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_forward_all_batch(
@@ -437,15 +468,18 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_forward_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[9];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
         krhpr_lanes s_lanes[18];
-        krhpr_spatial_p_fivebar_a_subleg_forward_all_lanes(g, theta_lanes, s_lanes, &answer);
+        const int doubtful = krhpr_spatial_p_fivebar_a_subleg_forward_all_lanes(
+            g, theta_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 18, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_subleg_forward_all(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
@@ -478,17 +512,20 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_forward_all_soa(
             krhpr_lanes s_room[18];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_spatial_p_fivebar_a_subleg_forward_all_lanes(g, theta_lanes, s_lanes, &answer);
+            const int doubtful = krhpr_spatial_p_fivebar_a_subleg_forward_all_lanes(
+                g, theta_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 18, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_inverse of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_subleg_inverse_lanes(
+/* subleg_inverse of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_subleg_inverse_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at s[9],
     krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
@@ -503,7 +540,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_subleg_inverse_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -515,6 +552,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_subleg_inverse_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 36);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_inverse_batch(
@@ -524,15 +562,17 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
         krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
         krhpr_lanes theta_lanes[36];
-        krhpr_spatial_p_fivebar_a_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
+        const int doubtful = krhpr_spatial_p_fivebar_a_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 36, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
@@ -565,17 +605,20 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_inverse_soa(
             krhpr_lanes theta_room[36];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_spatial_p_fivebar_a_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
+            const int doubtful = krhpr_spatial_p_fivebar_a_subleg_inverse_lanes(
+                g, s_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 36, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_jacobian of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_subleg_jacobian_lanes(
+/* subleg_jacobian of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_subleg_jacobian_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9],
     krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_ints *answer)
 {
@@ -602,7 +645,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_subleg_jacobian_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -614,6 +657,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_subleg_jacobian_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, M, 27);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_jacobian_batch(
@@ -623,7 +667,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_jacobian_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -631,9 +675,12 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_jacobian_batch(
         krhpr_lanes theta_lanes[9];
         krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
         krhpr_lanes M_lanes[27];
-        krhpr_spatial_p_fivebar_a_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
+        const int doubtful = krhpr_spatial_p_fivebar_a_subleg_jacobian_lanes(
+            g, s_lanes, theta_lanes, M_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M_lanes, 27, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_subleg_jacobian(
@@ -669,17 +716,20 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_subleg_jacobian_soa(
             krhpr_lanes M_room[27];
             double *const M_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const M_lanes = krhpr_poses_out(M_room, M_at, row, here);
-            krhpr_spatial_p_fivebar_a_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
+            const int doubtful = krhpr_spatial_p_fivebar_a_subleg_jacobian_lanes(
+                g, s_lanes, theta_lanes, M_lanes, &answer);
             krhpr_poses_done(M_room, M_at, row, 27, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* constraints of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_constraints_lanes(
+/* constraints of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_constraints_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], krhpr_lanes_at *KRHPR_RESTRICT residual, krhpr_ints *answer)
 {
@@ -690,13 +740,14 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_constraints_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, residual, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_constraints_batch(
@@ -706,7 +757,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_constraints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -716,9 +767,12 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_constraints_batch(
         krhpr_lanes s_lanes[9];
         krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
         krhpr_lanes residual_lanes[6];
-        krhpr_spatial_p_fivebar_a_constraints_lanes(g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
+        const int doubtful = krhpr_spatial_p_fivebar_a_constraints_lanes(
+            g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], residual_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_constraints(
@@ -757,18 +811,20 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_constraints_soa(
             krhpr_lanes residual_room[6];
             double *const residual_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const residual_lanes = krhpr_poses_out(residual_room, residual_at, row, here);
-            krhpr_spatial_p_fivebar_a_constraints_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_constraints_lanes(
                 g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
             krhpr_poses_done(residual_room, residual_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* jacobians of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_jacobians_lanes(
+/* jacobians of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_jacobians_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
@@ -807,7 +863,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_jacobians_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -821,6 +877,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_jacobians_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 36);
     krhpr_poses_keep(finite, K, 54);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_jacobians_batch(
@@ -830,7 +887,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_jacobians_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -843,11 +900,13 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_jacobians_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
         krhpr_lanes J_lanes[36];
         krhpr_lanes K_lanes[54];
-        krhpr_spatial_p_fivebar_a_jacobians_lanes(
+        const int doubtful = krhpr_spatial_p_fivebar_a_jacobians_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 54, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_jacobians(
@@ -891,19 +950,21 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_jacobians_soa(
             krhpr_lanes K_room[54];
             double *const K_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_spatial_p_fivebar_a_jacobians_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_jacobians_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 36, here);
             krhpr_poses_done(K_room, K_at, row, 54, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* jacobian_blocks of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_jacobian_blocks_lanes(
+/* jacobian_blocks of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_jacobian_blocks_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
@@ -934,7 +995,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_jacobian_blocks_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -947,6 +1008,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_jacobian_blocks_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 36);
     krhpr_poses_keep(finite, K, 18);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_jacobian_blocks_batch(
@@ -956,7 +1018,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_jacobian_blocks_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -969,11 +1031,13 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_jacobian_blocks_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
         krhpr_lanes J_lanes[36];
         krhpr_lanes K_lanes[18];
-        krhpr_spatial_p_fivebar_a_jacobian_blocks_lanes(
+        const int doubtful = krhpr_spatial_p_fivebar_a_jacobian_blocks_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 18, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_jacobian_blocks(
@@ -1017,19 +1081,21 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_jacobian_blocks_soa(
             krhpr_lanes K_room[18];
             double *const K_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_spatial_p_fivebar_a_jacobian_blocks_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_jacobian_blocks_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 36, here);
             krhpr_poses_done(K_room, K_at, row, 18, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_inverse_lanes(
+/* inverse of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_inverse_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
@@ -1055,7 +1121,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_inverse_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1067,6 +1133,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_inverse_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_batch(
@@ -1076,7 +1143,11 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes mode_lanes[6];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_lanes, mode_default, 0, 6, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1085,13 +1156,16 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_batch(
         krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes mode_lanes[6];
-        krhpr_poses_load(mode_lanes, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 6, here);
+        if (in[3] != NULL) {
+            krhpr_poses_load(mode_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        }
         krhpr_lanes theta_lanes[9];
-        krhpr_spatial_p_fivebar_a_inverse_lanes(
+        const int doubtful = krhpr_spatial_p_fivebar_a_inverse_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_inverse(
@@ -1110,6 +1184,10 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes mode_room[6];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_room, mode_default, 0, 6, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -1127,28 +1205,27 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_soa(
             const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            krhpr_lanes mode_room[6];
             const krhpr_lanes_at *mode_lanes = mode_room;
             if (in[3] != NULL) {
                 mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 6, here);
-            } else {
-                krhpr_poses_load(mode_room, mode_default, 0, 6, here);
             }
             krhpr_lanes theta_room[9];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_spatial_p_fivebar_a_inverse_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_inverse_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_all of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_inverse_all_lanes(
+/* inverse_all of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_inverse_all_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
@@ -1172,7 +1249,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_inverse_all_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1184,6 +1261,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_inverse_all_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 36);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_all_batch(
@@ -1193,7 +1271,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1203,10 +1281,12 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_all_batch(
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
         krhpr_lanes theta_lanes[36];
-        krhpr_spatial_p_fivebar_a_inverse_all_lanes(
+        const int doubtful = krhpr_spatial_p_fivebar_a_inverse_all_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 36, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_inverse_all(
@@ -1245,10 +1325,12 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_all_soa(
             krhpr_lanes theta_room[36];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_spatial_p_fivebar_a_inverse_all_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_inverse_all_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 36, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
@@ -1309,8 +1391,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_near_soa(
 }
 #endif
 
-/* inverse_status of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_inverse_status_lanes(
+/* inverse_status of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_inverse_status_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], krhpr_lanes_at *KRHPR_RESTRICT excess,
     krhpr_ints *answer)
@@ -1335,7 +1417,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_inverse_status_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1346,6 +1428,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_inverse_status_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_status_batch(
@@ -1355,7 +1438,11 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_status_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes mode_lanes[6];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_lanes, mode_default, 0, 6, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1364,13 +1451,16 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_status_batch(
         krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes mode_lanes[6];
-        krhpr_poses_load(mode_lanes, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 6, here);
+        if (in[3] != NULL) {
+            krhpr_poses_load(mode_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        }
         krhpr_lanes excess_lanes[3];
-        krhpr_spatial_p_fivebar_a_inverse_status_lanes(
+        const int doubtful = krhpr_spatial_p_fivebar_a_inverse_status_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, excess_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_inverse_status(
@@ -1389,6 +1479,10 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_status_soa(
     const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes mode_room[6];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_room, mode_default, 0, 6, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -1406,28 +1500,27 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_status_soa(
             const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            krhpr_lanes mode_room[6];
             const krhpr_lanes_at *mode_lanes = mode_room;
             if (in[3] != NULL) {
                 mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 6, here);
-            } else {
-                krhpr_poses_load(mode_room, mode_default, 0, 6, here);
             }
             krhpr_lanes excess_room[3];
             double *const excess_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const excess_lanes = krhpr_poses_out(excess_room, excess_at, row, here);
-            krhpr_spatial_p_fivebar_a_inverse_status_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_inverse_status_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, excess_lanes, &answer);
             krhpr_poses_done(excess_room, excess_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* twist of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_twist_lanes(
+/* twist of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_twist_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at theta_dot[9],
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
@@ -1470,7 +1563,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_twist_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1485,6 +1578,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_twist_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_twist_batch(
@@ -1494,7 +1588,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_twist_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1508,10 +1602,12 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_twist_batch(
         krhpr_lanes theta_dot_lanes[9];
         krhpr_poses_load(theta_dot_lanes, in[4] + k * in_step[4], in_step[4], 9, here);
         krhpr_lanes twist_lanes[6];
-        krhpr_spatial_p_fivebar_a_twist_lanes(
+        const int doubtful = krhpr_spatial_p_fivebar_a_twist_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_twist(
@@ -1554,18 +1650,20 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_twist_soa(
             krhpr_lanes twist_room[6];
             double *const twist_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const twist_lanes = krhpr_poses_out(twist_room, twist_at, row, here);
-            krhpr_spatial_p_fivebar_a_twist_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_twist_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
             krhpr_poses_done(twist_room, twist_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* joint_rates of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_joint_rates_lanes(
+/* joint_rates of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_joint_rates_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at twist[6],
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
@@ -1598,7 +1696,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_joint_rates_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1610,6 +1708,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_joint_rates_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_dot, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_joint_rates_batch(
@@ -1619,7 +1718,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_joint_rates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1635,11 +1734,13 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_joint_rates_batch(
         krhpr_lanes redundant_rates_lanes[3];
         krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
         krhpr_lanes theta_dot_lanes[9];
-        krhpr_spatial_p_fivebar_a_joint_rates_lanes(
+        const int doubtful = krhpr_spatial_p_fivebar_a_joint_rates_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes, theta_dot_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_joint_rates(
@@ -1684,19 +1785,21 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_joint_rates_soa(
             krhpr_lanes theta_dot_room[9];
             double *const theta_dot_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_dot_lanes = krhpr_poses_out(theta_dot_room, theta_dot_at, row, here);
-            krhpr_spatial_p_fivebar_a_joint_rates_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_joint_rates_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 theta_dot_lanes, &answer);
             krhpr_poses_done(theta_dot_room, theta_dot_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* platform_acceleration of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_platform_acceleration_lanes(
+/* platform_acceleration of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_platform_acceleration_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at twist[6],
     const krhpr_lanes_at theta_dot[9], const krhpr_lanes_at theta_ddot[9],
@@ -1750,7 +1853,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_platform_acceleration_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1765,6 +1868,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_platform_acceleration_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist_rate, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_platform_acceleration_batch(
@@ -1774,7 +1878,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_platform_acceleration_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1792,11 +1896,13 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_platform_acceleration_batch(
         krhpr_lanes theta_ddot_lanes[9];
         krhpr_poses_load(theta_ddot_lanes, in[6] + k * in_step[6], in_step[6], 9, here);
         krhpr_lanes twist_rate_lanes[6];
-        krhpr_spatial_p_fivebar_a_platform_acceleration_lanes(
+        const int doubtful = krhpr_spatial_p_fivebar_a_platform_acceleration_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
             twist_rate_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_platform_acceleration(
@@ -1844,19 +1950,21 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_platform_acceleration_soa(
             krhpr_lanes twist_rate_room[6];
             double *const twist_rate_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const twist_rate_lanes = krhpr_poses_out(twist_rate_room, twist_rate_at, row, here);
-            krhpr_spatial_p_fivebar_a_platform_acceleration_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_platform_acceleration_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
                 twist_rate_lanes, &answer);
             krhpr_poses_done(twist_rate_room, twist_rate_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* joint_accelerations of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_joint_accelerations_lanes(
+/* joint_accelerations of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_joint_accelerations_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at twist[6],
     const krhpr_lanes_at redundant_rates[3], const krhpr_lanes_at theta_dot[9],
@@ -1903,7 +2011,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_joint_accelerations_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1918,6 +2026,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_joint_accelerations_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_ddot, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_joint_accelerations_batch(
@@ -1927,7 +2036,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_joint_accelerations_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1949,11 +2058,13 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_joint_accelerations_batch(
         krhpr_lanes redundant_accelerations_lanes[3];
         krhpr_poses_load(redundant_accelerations_lanes, in[8] + k * in_step[8], in_step[8], 3, here);
         krhpr_lanes theta_ddot_lanes[9];
-        krhpr_spatial_p_fivebar_a_joint_accelerations_lanes(
+        const int doubtful = krhpr_spatial_p_fivebar_a_joint_accelerations_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes, theta_dot_lanes,
             twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_joint_accelerations(
@@ -2005,19 +2116,21 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_joint_accelerations_soa(
             krhpr_lanes theta_ddot_room[9];
             double *const theta_ddot_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_ddot_lanes = krhpr_poses_out(theta_ddot_room, theta_ddot_at, row, here);
-            krhpr_spatial_p_fivebar_a_joint_accelerations_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_joint_accelerations_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
             krhpr_poses_done(theta_ddot_room, theta_ddot_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_statics of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_inverse_statics_lanes(
+/* inverse_statics of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_inverse_statics_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at wrench[6],
     const krhpr_lanes_at redundant_forces[3], krhpr_lanes_at *KRHPR_RESTRICT actuator_forces,
@@ -2066,7 +2179,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_inverse_statics_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2081,6 +2194,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_inverse_statics_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, actuator_forces, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_statics_batch(
@@ -2090,7 +2204,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2106,11 +2220,13 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_statics_batch(
         krhpr_lanes redundant_forces_lanes[3];
         krhpr_poses_load(redundant_forces_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
         krhpr_lanes actuator_forces_lanes[9];
-        krhpr_spatial_p_fivebar_a_inverse_statics_lanes(
+        const int doubtful = krhpr_spatial_p_fivebar_a_inverse_statics_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
             actuator_forces_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_inverse_statics(
@@ -2155,19 +2271,21 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_inverse_statics_soa(
             krhpr_lanes actuator_forces_room[9];
             double *const actuator_forces_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const actuator_forces_lanes = krhpr_poses_out(actuator_forces_room, actuator_forces_at, row, here);
-            krhpr_spatial_p_fivebar_a_inverse_statics_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_inverse_statics_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
                 actuator_forces_lanes, &answer);
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_statics of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_statics_lanes(
+/* forward_statics of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_forward_statics_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at actuator_forces[9],
     krhpr_lanes_at *KRHPR_RESTRICT wrench, krhpr_lanes_at *KRHPR_RESTRICT redundant_forces,
@@ -2203,7 +2321,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_statics_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2218,6 +2336,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_statics_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, wrench, 6);
     krhpr_poses_keep(finite, redundant_forces, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_forward_statics_batch(
@@ -2227,7 +2346,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2242,12 +2361,14 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_statics_batch(
         krhpr_poses_load(actuator_forces_lanes, in[4] + k * in_step[4], in_step[4], 9, here);
         krhpr_lanes wrench_lanes[6];
         krhpr_lanes redundant_forces_lanes[3];
-        krhpr_spatial_p_fivebar_a_forward_statics_lanes(
+        const int doubtful = krhpr_spatial_p_fivebar_a_forward_statics_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, actuator_forces_lanes, wrench_lanes,
             redundant_forces_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], wrench_lanes, 6, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_forward_statics(
@@ -2294,20 +2415,22 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_statics_soa(
             krhpr_lanes redundant_forces_room[3];
             double *const redundant_forces_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const redundant_forces_lanes = krhpr_poses_out(redundant_forces_room, redundant_forces_at, row, here);
-            krhpr_spatial_p_fivebar_a_forward_statics_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_forward_statics_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, actuator_forces_lanes, wrench_lanes,
                 redundant_forces_lanes, &answer);
             krhpr_poses_done(wrench_room, wrench_at, row, 6, here);
             krhpr_poses_done(redundant_forces_room, redundant_forces_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* passive_joints of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_passive_joints_lanes(
+/* passive_joints of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_passive_joints_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT passive,
     krhpr_lanes_at *KRHPR_RESTRICT spherical, krhpr_lanes_at *KRHPR_RESTRICT platform_joint,
@@ -2349,7 +2472,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_passive_joints_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2358,6 +2481,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_passive_joints_lanes(
     krhpr_poses_keep(finite, passive, 9);
     krhpr_poses_keep(finite, spherical, 27);
     krhpr_poses_keep(finite, platform_joint, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_passive_joints_batch(
@@ -2367,7 +2491,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_passive_joints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2381,13 +2505,15 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_passive_joints_batch(
         krhpr_lanes passive_lanes[9];
         krhpr_lanes spherical_lanes[27];
         krhpr_lanes platform_joint_lanes[3];
-        krhpr_spatial_p_fivebar_a_passive_joints_lanes(
+        const int doubtful = krhpr_spatial_p_fivebar_a_passive_joints_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, passive_lanes, spherical_lanes, platform_joint_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], passive_lanes, 9, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], spherical_lanes, 27, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], platform_joint_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_passive_joints(
@@ -2435,21 +2561,23 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_passive_joints_soa(
             krhpr_lanes platform_joint_room[3];
             double *const platform_joint_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const platform_joint_lanes = krhpr_poses_out(platform_joint_room, platform_joint_at, row, here);
-            krhpr_spatial_p_fivebar_a_passive_joints_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_passive_joints_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, passive_lanes, spherical_lanes,
                 platform_joint_lanes, &answer);
             krhpr_poses_done(passive_room, passive_at, row, 9, here);
             krhpr_poses_done(spherical_room, spherical_at, row, 27, here);
             krhpr_poses_done(platform_joint_room, platform_joint_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* link_points of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_link_points_lanes(
+/* link_points of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_link_points_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT points,
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
@@ -2475,7 +2603,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_link_points_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2483,6 +2611,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_link_points_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, points, 63);
     krhpr_poses_keep(finite, attachment, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_link_points_batch(
@@ -2492,7 +2621,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_link_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2505,11 +2634,13 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_link_points_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
         krhpr_lanes points_lanes[63];
         krhpr_lanes attachment_lanes[9];
-        krhpr_spatial_p_fivebar_a_link_points_lanes(
+        const int doubtful = krhpr_spatial_p_fivebar_a_link_points_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], points_lanes, 63, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], attachment_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_link_points(
@@ -2553,19 +2684,21 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_link_points_soa(
             krhpr_lanes attachment_room[9];
             double *const attachment_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const attachment_lanes = krhpr_poses_out(attachment_room, attachment_at, row, here);
-            krhpr_spatial_p_fivebar_a_link_points_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_link_points_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
             krhpr_poses_done(points_room, points_at, row, 63, here);
             krhpr_poses_done(attachment_room, attachment_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* clearances of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_clearances_lanes(
+/* clearances of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_clearances_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT distances,
     krhpr_ints *answer)
@@ -2645,13 +2778,14 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_clearances_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, distances, 243);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_clearances_batch(
@@ -2661,7 +2795,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_clearances_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2673,10 +2807,12 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_clearances_batch(
         krhpr_lanes theta_lanes[9];
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
         krhpr_lanes distances_lanes[243];
-        krhpr_spatial_p_fivebar_a_clearances_lanes(
+        const int doubtful = krhpr_spatial_p_fivebar_a_clearances_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], distances_lanes, 243, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_clearances(
@@ -2717,18 +2853,20 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_clearances_soa(
             krhpr_lanes distances_room[243];
             double *const distances_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const distances_lanes = krhpr_poses_out(distances_room, distances_at, row, here);
-            krhpr_spatial_p_fivebar_a_clearances_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_clearances_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
             krhpr_poses_done(distances_room, distances_at, row, 243, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* singularity of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_singularity_lanes(
+/* singularity of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_singularity_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT type_1,
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
@@ -2761,7 +2899,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_singularity_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2771,6 +2909,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_singularity_lanes(
     krhpr_poses_keep(finite, factors, 9);
     krhpr_poses_keep(finite, type_2, 2);
     krhpr_poses_keep(finite, margins, 2);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_singularity_batch(
@@ -2780,7 +2919,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_singularity_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2795,14 +2934,16 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_singularity_batch(
         krhpr_lanes factors_lanes[9];
         krhpr_lanes type_2_lanes[2];
         krhpr_lanes margins_lanes[2];
-        krhpr_spatial_p_fivebar_a_singularity_lanes(
+        const int doubtful = krhpr_spatial_p_fivebar_a_singularity_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
             margins_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_1_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], factors_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], type_2_lanes, 2, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], margins_lanes, 2, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_singularity(
@@ -2853,22 +2994,24 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_singularity_soa(
             krhpr_lanes margins_room[2];
             double *const margins_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const margins_lanes = krhpr_poses_out(margins_room, margins_at, row, here);
-            krhpr_spatial_p_fivebar_a_singularity_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_singularity_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
                 margins_lanes, &answer);
             krhpr_poses_done(type_1_room, type_1_at, row, 3, here);
             krhpr_poses_done(factors_room, factors_at, row, 9, here);
             krhpr_poses_done(type_2_room, type_2_at, row, 2, here);
             krhpr_poses_done(margins_room, margins_at, row, 2, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* type_2_of_redundant of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_type_2_of_redundant_lanes(
+/* type_2_of_redundant of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_type_2_of_redundant_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at redundant[3],
     krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
@@ -2891,7 +3034,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_type_2_of_redundant_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2899,6 +3042,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_type_2_of_redundant_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_2, 2);
     krhpr_poses_keep(finite, margins, 2);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_type_2_of_redundant_batch(
@@ -2908,18 +3052,20 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_type_2_of_redundant_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
         krhpr_lanes type_2_lanes[2];
         krhpr_lanes margins_lanes[2];
-        krhpr_spatial_p_fivebar_a_type_2_of_redundant_lanes(
+        const int doubtful = krhpr_spatial_p_fivebar_a_type_2_of_redundant_lanes(
             g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_2_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], margins_lanes, 2, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_type_2_of_redundant(
@@ -2956,19 +3102,21 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_type_2_of_redundant_soa(
             krhpr_lanes margins_room[2];
             double *const margins_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const margins_lanes = krhpr_poses_out(margins_room, margins_at, row, here);
-            krhpr_spatial_p_fivebar_a_type_2_of_redundant_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_type_2_of_redundant_lanes(
                 g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
             krhpr_poses_done(type_2_room, type_2_at, row, 2, here);
             krhpr_poses_done(margins_room, margins_at, row, 2, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* indices of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_indices_lanes(
+/* indices of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_indices_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at characteristic_length[1],
     krhpr_lanes_at *KRHPR_RESTRICT eta_1, krhpr_lanes_at *KRHPR_RESTRICT eta_2,
@@ -3024,7 +3172,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_indices_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3047,6 +3195,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_indices_lanes(
     krhpr_poses_keep(finite, eta_2, 1);
     krhpr_poses_keep(finite, eta_3, 1);
     krhpr_poses_keep(finite, condition, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_indices_batch(
@@ -3056,7 +3205,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_indices_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -3073,14 +3222,16 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_indices_batch(
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
         krhpr_lanes condition_lanes[3];
-        krhpr_spatial_p_fivebar_a_indices_lanes(
+        const int doubtful = krhpr_spatial_p_fivebar_a_indices_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, characteristic_length_lanes, eta_1_lanes,
             eta_2_lanes, eta_3_lanes, condition_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_indices(
@@ -3133,22 +3284,24 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_indices_soa(
             krhpr_lanes condition_room[3];
             double *const condition_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const condition_lanes = krhpr_poses_out(condition_room, condition_at, row, here);
-            krhpr_spatial_p_fivebar_a_indices_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_indices_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, characteristic_length_lanes, eta_1_lanes,
                 eta_2_lanes, eta_3_lanes, condition_lanes, &answer);
             krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
             krhpr_poses_done(condition_room, condition_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* index_bounds of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_index_bounds_lanes(
+/* index_bounds of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_index_bounds_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at characteristic_length[1],
     krhpr_lanes_at *KRHPR_RESTRICT eta_1, krhpr_lanes_at *KRHPR_RESTRICT eta_2,
@@ -3205,7 +3358,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_index_bounds_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3226,6 +3379,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_index_bounds_lanes(
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
     krhpr_poses_keep(finite, eta_3, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_index_bounds_batch(
@@ -3235,7 +3389,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_index_bounds_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -3251,13 +3405,15 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_index_bounds_batch(
         krhpr_lanes eta_1_lanes[1];
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
-        krhpr_spatial_p_fivebar_a_index_bounds_lanes(
+        const int doubtful = krhpr_spatial_p_fivebar_a_index_bounds_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, characteristic_length_lanes, eta_1_lanes,
             eta_2_lanes, eta_3_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_index_bounds(
@@ -3307,13 +3463,15 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_index_bounds_soa(
             krhpr_lanes eta_3_room[1];
             double *const eta_3_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const eta_3_lanes = krhpr_poses_out(eta_3_room, eta_3_at, row, here);
-            krhpr_spatial_p_fivebar_a_index_bounds_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_index_bounds_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, characteristic_length_lanes, eta_1_lanes,
                 eta_2_lanes, eta_3_lanes, &answer);
             krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
@@ -3451,8 +3609,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_soa(
 }
 #endif
 
-/* forward_newton of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_newton_lanes(
+/* forward_newton of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_forward_newton_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at p_near[3],
     const krhpr_lanes_at Q_near[9], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT kantorovich, krhpr_ints *answer)
@@ -3513,7 +3671,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_newton_lanes(
     fine &= krhpr_at_most(misfit[0], krhpr_all(1e-12));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3531,6 +3689,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_newton_lanes(
     krhpr_poses_keep(finite, Q, 9);
     krhpr_poses_keep(finite, redundant, 3);
     krhpr_poses_keep(finite, kantorovich, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_forward_newton_batch(
@@ -3540,7 +3699,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_newton_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -3553,14 +3712,16 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_newton_batch(
         krhpr_lanes Q_lanes[9];
         krhpr_lanes redundant_lanes[3];
         krhpr_lanes kantorovich_lanes[1];
-        krhpr_spatial_p_fivebar_a_forward_newton_lanes(
+        const int doubtful = krhpr_spatial_p_fivebar_a_forward_newton_lanes(
             g, s_lanes, p_near_lanes, Q_near_lanes, p_lanes, Q_lanes, redundant_lanes, kantorovich_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], kantorovich_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_forward_newton(
@@ -3609,22 +3770,24 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_newton_soa(
             krhpr_lanes kantorovich_room[1];
             double *const kantorovich_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const kantorovich_lanes = krhpr_poses_out(kantorovich_room, kantorovich_at, row, here);
-            krhpr_spatial_p_fivebar_a_forward_newton_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_forward_newton_lanes(
                 g, s_lanes, p_near_lanes, Q_near_lanes, p_lanes, Q_lanes, redundant_lanes,
                 kantorovich_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
             krhpr_poses_done(kantorovich_room, kantorovich_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_encoders_1 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_encoders_1_lanes(
+/* forward_encoders_1 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_forward_encoders_1_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at measured[1],
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
@@ -3655,7 +3818,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_encoders_1_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3671,6 +3834,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_encoders_1_lanes(
     krhpr_poses_keep(finite, p, 6);
     krhpr_poses_keep(finite, Q, 18);
     krhpr_poses_keep(finite, mismatch, 2);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_1_batch(
@@ -3680,7 +3844,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_1_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -3692,12 +3856,14 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_1_batch(
         krhpr_lanes p_lanes[6];
         krhpr_lanes Q_lanes[18];
         krhpr_lanes mismatch_lanes[2];
-        krhpr_spatial_p_fivebar_a_forward_encoders_1_lanes(
+        const int doubtful = krhpr_spatial_p_fivebar_a_forward_encoders_1_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, mismatch_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 6, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 18, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], mismatch_lanes, 2, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_forward_encoders_1(
@@ -3742,12 +3908,14 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_1_soa(
             krhpr_lanes mismatch_room[2];
             double *const mismatch_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_spatial_p_fivebar_a_forward_encoders_1_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_forward_encoders_1_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 6, here);
             krhpr_poses_done(Q_room, Q_at, row, 18, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 2, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
@@ -3825,8 +3993,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_passive_joints_of_theta_soa(
 }
 #endif
 
-/* forward_encoders_2 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_encoders_2_lanes(
+/* forward_encoders_2 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_forward_encoders_2_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at measured[2],
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
@@ -3865,7 +4033,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3884,6 +4052,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_encoders_2_lanes(
     krhpr_poses_keep(finite, Q, 9);
     krhpr_poses_keep(finite, raw, 9);
     krhpr_poses_keep(finite, mismatch, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_2_batch(
@@ -3893,7 +4062,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -3906,14 +4075,16 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_2_batch(
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
         krhpr_lanes mismatch_lanes[1];
-        krhpr_spatial_p_fivebar_a_forward_encoders_2_lanes(
+        const int doubtful = krhpr_spatial_p_fivebar_a_forward_encoders_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_forward_encoders_2(
@@ -3962,22 +4133,24 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_2_soa(
             krhpr_lanes mismatch_room[1];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_spatial_p_fivebar_a_forward_encoders_2_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_forward_encoders_2_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
                 &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_encoders_3 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_encoders_3_lanes(
+/* forward_encoders_3 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_forward_encoders_3_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at measured[3],
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
@@ -4016,7 +4189,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -4035,6 +4208,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_encoders_3_lanes(
     krhpr_poses_keep(finite, Q, 9);
     krhpr_poses_keep(finite, raw, 9);
     krhpr_poses_keep(finite, mismatch, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_3_batch(
@@ -4044,7 +4218,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4057,14 +4231,16 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_3_batch(
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
         krhpr_lanes mismatch_lanes[3];
-        krhpr_spatial_p_fivebar_a_forward_encoders_3_lanes(
+        const int doubtful = krhpr_spatial_p_fivebar_a_forward_encoders_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_forward_encoders_3(
@@ -4113,22 +4289,24 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_encoders_3_soa(
             krhpr_lanes mismatch_room[3];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_spatial_p_fivebar_a_forward_encoders_3_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_forward_encoders_3_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
                 &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_gauss_newton_2 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_gauss_newton_2_lanes(
+/* forward_gauss_newton_2 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_forward_gauss_newton_2_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at measured[2],
     const krhpr_lanes_at tolerance[1], const krhpr_lanes_at weights[3], krhpr_lanes_at *KRHPR_RESTRICT p,
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
@@ -4192,7 +4370,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -4212,6 +4390,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_gauss_newton_2_lanes(
     krhpr_poses_keep(finite, Q, 9);
     krhpr_poses_keep(finite, raw, 9);
     krhpr_poses_keep(finite, mismatch, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_forward_gauss_newton_2_batch(
@@ -4221,7 +4400,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_gauss_newton_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4236,14 +4415,16 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_gauss_newton_2_batch(
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
         krhpr_lanes mismatch_lanes[1];
-        krhpr_spatial_p_fivebar_a_forward_gauss_newton_2_lanes(
+        const int doubtful = krhpr_spatial_p_fivebar_a_forward_gauss_newton_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
             mismatch_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_forward_gauss_newton_2(
@@ -4294,22 +4475,24 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_gauss_newton_2_soa(
             krhpr_lanes mismatch_room[1];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_spatial_p_fivebar_a_forward_gauss_newton_2_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_forward_gauss_newton_2_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
                 mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_gauss_newton_3 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_gauss_newton_3_lanes(
+/* forward_gauss_newton_3 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_forward_gauss_newton_3_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at measured[3],
     const krhpr_lanes_at tolerance[1], const krhpr_lanes_at weights[3], krhpr_lanes_at *KRHPR_RESTRICT p,
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
@@ -4372,7 +4555,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -4392,6 +4575,7 @@ KRHPR_OUTLINE void krhpr_spatial_p_fivebar_a_forward_gauss_newton_3_lanes(
     krhpr_poses_keep(finite, Q, 9);
     krhpr_poses_keep(finite, raw, 9);
     krhpr_poses_keep(finite, mismatch, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_p_fivebar_a_forward_gauss_newton_3_batch(
@@ -4401,7 +4585,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_gauss_newton_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4416,14 +4600,16 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_gauss_newton_3_batch(
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
         krhpr_lanes mismatch_lanes[3];
-        krhpr_spatial_p_fivebar_a_forward_gauss_newton_3_lanes(
+        const int doubtful = krhpr_spatial_p_fivebar_a_forward_gauss_newton_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
             mismatch_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_p_fivebar_a_forward_gauss_newton_3(
@@ -4474,14 +4660,16 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_forward_gauss_newton_3_soa(
             krhpr_lanes mismatch_room[3];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_spatial_p_fivebar_a_forward_gauss_newton_3_lanes(
+            const int doubtful = krhpr_spatial_p_fivebar_a_forward_gauss_newton_3_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
                 mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;

@@ -13,8 +13,8 @@
 
 static const double mode_default[3] = {-1.0, -1.0, -1.0};
 
-/* rotation_error of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_rotation_error_lanes(
+/* rotation_error of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_rotation_error_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at Q[9], krhpr_lanes_at *KRHPR_RESTRICT error,
     krhpr_ints *answer)
 {
@@ -24,13 +24,14 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_rotation_error_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, error, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_rotation_error_batch(
@@ -39,15 +40,17 @@ KRHPR_API int krhpr_spatial_prr_b_rotation_error_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes Q_lanes[9];
         krhpr_poses_load(Q_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
         krhpr_lanes error_lanes[1];
-        krhpr_spatial_prr_b_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
+        const int doubtful = krhpr_spatial_prr_b_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], error_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_rotation_error(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
@@ -80,17 +83,19 @@ KRHPR_API int krhpr_spatial_prr_b_rotation_error_soa(
             krhpr_lanes error_room[1];
             double *const error_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const error_lanes = krhpr_poses_out(error_room, error_at, row, here);
-            krhpr_spatial_prr_b_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
+            const int doubtful = krhpr_spatial_prr_b_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
             krhpr_poses_done(error_room, error_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* end_points of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_end_points_lanes(
+/* end_points of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_end_points_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
@@ -101,13 +106,14 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_end_points_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_end_points_batch(
@@ -116,7 +122,7 @@ KRHPR_API int krhpr_spatial_prr_b_end_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -126,9 +132,12 @@ KRHPR_API int krhpr_spatial_prr_b_end_points_batch(
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
         krhpr_lanes s_lanes[9];
-        krhpr_spatial_prr_b_end_points_lanes(g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
+        const int doubtful = krhpr_spatial_prr_b_end_points_lanes(
+            g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_end_points(
@@ -167,17 +176,20 @@ KRHPR_API int krhpr_spatial_prr_b_end_points_soa(
             krhpr_lanes s_room[9];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_spatial_prr_b_end_points_lanes(g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
+            const int doubtful = krhpr_spatial_prr_b_end_points_lanes(
+                g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* redundant_coordinates of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_redundant_coordinates_lanes(
+/* redundant_coordinates of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_redundant_coordinates_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
@@ -188,13 +200,14 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_redundant_coordinates_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, redundant, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_redundant_coordinates_batch(
@@ -203,7 +216,7 @@ KRHPR_API int krhpr_spatial_prr_b_redundant_coordinates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -213,10 +226,12 @@ KRHPR_API int krhpr_spatial_prr_b_redundant_coordinates_batch(
         krhpr_lanes s_lanes[9];
         krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_spatial_prr_b_redundant_coordinates_lanes(
+        const int doubtful = krhpr_spatial_prr_b_redundant_coordinates_lanes(
             g, p_lanes, Q_lanes, s_lanes, redundant_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_redundant_coordinates(
@@ -255,18 +270,20 @@ KRHPR_API int krhpr_spatial_prr_b_redundant_coordinates_soa(
             krhpr_lanes redundant_room[3];
             double *const redundant_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const redundant_lanes = krhpr_poses_out(redundant_room, redundant_at, row, here);
-            krhpr_spatial_prr_b_redundant_coordinates_lanes(
+            const int doubtful = krhpr_spatial_prr_b_redundant_coordinates_lanes(
                 g, p_lanes, Q_lanes, s_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_forward of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_subleg_forward_lanes(
+/* subleg_forward of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_subleg_forward_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT s,
     krhpr_ints *answer)
 {
@@ -284,13 +301,14 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_subleg_forward_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_subleg_forward_batch(
@@ -299,15 +317,17 @@ KRHPR_API int krhpr_spatial_prr_b_subleg_forward_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[9];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_spatial_prr_b_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
+        const int doubtful = krhpr_spatial_prr_b_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_subleg_forward(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
@@ -340,17 +360,19 @@ KRHPR_API int krhpr_spatial_prr_b_subleg_forward_soa(
             krhpr_lanes s_room[9];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_spatial_prr_b_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
+            const int doubtful = krhpr_spatial_prr_b_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_inverse of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_subleg_inverse_lanes(
+/* subleg_inverse of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_subleg_inverse_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at s[9], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
@@ -365,7 +387,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_subleg_inverse_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -377,6 +399,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_subleg_inverse_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 18);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_subleg_inverse_batch(
@@ -385,15 +408,17 @@ KRHPR_API int krhpr_spatial_prr_b_subleg_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
         krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
         krhpr_lanes theta_lanes[18];
-        krhpr_spatial_prr_b_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
+        const int doubtful = krhpr_spatial_prr_b_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 18, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
@@ -426,17 +451,19 @@ KRHPR_API int krhpr_spatial_prr_b_subleg_inverse_soa(
             krhpr_lanes theta_room[18];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_spatial_prr_b_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
+            const int doubtful = krhpr_spatial_prr_b_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 18, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_jacobian of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_subleg_jacobian_lanes(
+/* subleg_jacobian of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_subleg_jacobian_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9],
     krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_ints *answer)
 {
@@ -457,13 +484,14 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_subleg_jacobian_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, M, 27);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_subleg_jacobian_batch(
@@ -472,7 +500,7 @@ KRHPR_API int krhpr_spatial_prr_b_subleg_jacobian_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -480,9 +508,12 @@ KRHPR_API int krhpr_spatial_prr_b_subleg_jacobian_batch(
         krhpr_lanes theta_lanes[9];
         krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
         krhpr_lanes M_lanes[27];
-        krhpr_spatial_prr_b_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
+        const int doubtful = krhpr_spatial_prr_b_subleg_jacobian_lanes(
+            g, s_lanes, theta_lanes, M_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M_lanes, 27, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_subleg_jacobian(
@@ -518,17 +549,20 @@ KRHPR_API int krhpr_spatial_prr_b_subleg_jacobian_soa(
             krhpr_lanes M_room[27];
             double *const M_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const M_lanes = krhpr_poses_out(M_room, M_at, row, here);
-            krhpr_spatial_prr_b_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
+            const int doubtful = krhpr_spatial_prr_b_subleg_jacobian_lanes(
+                g, s_lanes, theta_lanes, M_lanes, &answer);
             krhpr_poses_done(M_room, M_at, row, 27, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* constraints of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_constraints_lanes(
+/* constraints of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_constraints_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], krhpr_lanes_at *KRHPR_RESTRICT residual, krhpr_ints *answer)
 {
@@ -539,13 +573,14 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_constraints_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, residual, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_constraints_batch(
@@ -554,7 +589,7 @@ KRHPR_API int krhpr_spatial_prr_b_constraints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -564,9 +599,12 @@ KRHPR_API int krhpr_spatial_prr_b_constraints_batch(
         krhpr_lanes s_lanes[9];
         krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
         krhpr_lanes residual_lanes[6];
-        krhpr_spatial_prr_b_constraints_lanes(g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
+        const int doubtful = krhpr_spatial_prr_b_constraints_lanes(
+            g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], residual_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_constraints(
@@ -605,17 +643,20 @@ KRHPR_API int krhpr_spatial_prr_b_constraints_soa(
             krhpr_lanes residual_room[6];
             double *const residual_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const residual_lanes = krhpr_poses_out(residual_room, residual_at, row, here);
-            krhpr_spatial_prr_b_constraints_lanes(g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
+            const int doubtful = krhpr_spatial_prr_b_constraints_lanes(
+                g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
             krhpr_poses_done(residual_room, residual_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* jacobians of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_jacobians_lanes(
+/* jacobians of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_jacobians_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
@@ -648,7 +689,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_jacobians_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -656,6 +697,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_jacobians_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 36);
     krhpr_poses_keep(finite, K, 54);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_jacobians_batch(
@@ -664,7 +706,7 @@ KRHPR_API int krhpr_spatial_prr_b_jacobians_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -677,11 +719,13 @@ KRHPR_API int krhpr_spatial_prr_b_jacobians_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
         krhpr_lanes J_lanes[36];
         krhpr_lanes K_lanes[54];
-        krhpr_spatial_prr_b_jacobians_lanes(
+        const int doubtful = krhpr_spatial_prr_b_jacobians_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 54, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_jacobians(
@@ -725,19 +769,21 @@ KRHPR_API int krhpr_spatial_prr_b_jacobians_soa(
             krhpr_lanes K_room[54];
             double *const K_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_spatial_prr_b_jacobians_lanes(
+            const int doubtful = krhpr_spatial_prr_b_jacobians_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 36, here);
             krhpr_poses_done(K_room, K_at, row, 54, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* jacobian_blocks of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_jacobian_blocks_lanes(
+/* jacobian_blocks of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_jacobian_blocks_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
@@ -762,7 +808,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_jacobian_blocks_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -770,6 +816,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_jacobian_blocks_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 36);
     krhpr_poses_keep(finite, K, 18);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_jacobian_blocks_batch(
@@ -778,7 +825,7 @@ KRHPR_API int krhpr_spatial_prr_b_jacobian_blocks_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -791,11 +838,13 @@ KRHPR_API int krhpr_spatial_prr_b_jacobian_blocks_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
         krhpr_lanes J_lanes[36];
         krhpr_lanes K_lanes[18];
-        krhpr_spatial_prr_b_jacobian_blocks_lanes(
+        const int doubtful = krhpr_spatial_prr_b_jacobian_blocks_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 18, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_jacobian_blocks(
@@ -839,19 +888,21 @@ KRHPR_API int krhpr_spatial_prr_b_jacobian_blocks_soa(
             krhpr_lanes K_room[18];
             double *const K_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_spatial_prr_b_jacobian_blocks_lanes(
+            const int doubtful = krhpr_spatial_prr_b_jacobian_blocks_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 36, here);
             krhpr_poses_done(K_room, K_at, row, 18, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_inverse_lanes(
+/* inverse of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_inverse_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[3], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
@@ -870,7 +921,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_inverse_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -882,6 +933,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_inverse_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_inverse_batch(
@@ -890,7 +942,11 @@ KRHPR_API int krhpr_spatial_prr_b_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes mode_lanes[3];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_lanes, mode_default, 0, 3, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -899,13 +955,16 @@ KRHPR_API int krhpr_spatial_prr_b_inverse_batch(
         krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes mode_lanes[3];
-        krhpr_poses_load(mode_lanes, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 3, here);
+        if (in[3] != NULL) {
+            krhpr_poses_load(mode_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        }
         krhpr_lanes theta_lanes[9];
-        krhpr_spatial_prr_b_inverse_lanes(
+        const int doubtful = krhpr_spatial_prr_b_inverse_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_inverse(
@@ -924,6 +983,10 @@ KRHPR_API int krhpr_spatial_prr_b_inverse_soa(
     const krhpr_spatial_prr_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes mode_room[3];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_room, mode_default, 0, 3, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -941,28 +1004,27 @@ KRHPR_API int krhpr_spatial_prr_b_inverse_soa(
             const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            krhpr_lanes mode_room[3];
             const krhpr_lanes_at *mode_lanes = mode_room;
             if (in[3] != NULL) {
                 mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 3, here);
-            } else {
-                krhpr_poses_load(mode_room, mode_default, 0, 3, here);
             }
             krhpr_lanes theta_room[9];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_spatial_prr_b_inverse_lanes(
+            const int doubtful = krhpr_spatial_prr_b_inverse_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_all of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_inverse_all_lanes(
+/* inverse_all of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_inverse_all_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
@@ -979,7 +1041,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_inverse_all_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -991,6 +1053,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_inverse_all_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 18);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_inverse_all_batch(
@@ -999,7 +1062,7 @@ KRHPR_API int krhpr_spatial_prr_b_inverse_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1009,9 +1072,12 @@ KRHPR_API int krhpr_spatial_prr_b_inverse_all_batch(
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
         krhpr_lanes theta_lanes[18];
-        krhpr_spatial_prr_b_inverse_all_lanes(g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
+        const int doubtful = krhpr_spatial_prr_b_inverse_all_lanes(
+            g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 18, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_inverse_all(
@@ -1050,9 +1116,12 @@ KRHPR_API int krhpr_spatial_prr_b_inverse_all_soa(
             krhpr_lanes theta_room[18];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_spatial_prr_b_inverse_all_lanes(g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
+            const int doubtful = krhpr_spatial_prr_b_inverse_all_lanes(
+                g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 18, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
@@ -1111,8 +1180,8 @@ KRHPR_API int krhpr_spatial_prr_b_inverse_near_soa(
 }
 #endif
 
-/* inverse_status of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_inverse_status_lanes(
+/* inverse_status of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_inverse_status_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[3], krhpr_lanes_at *KRHPR_RESTRICT excess,
     krhpr_ints *answer)
@@ -1130,7 +1199,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_inverse_status_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1141,6 +1210,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_inverse_status_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_inverse_status_batch(
@@ -1149,7 +1219,11 @@ KRHPR_API int krhpr_spatial_prr_b_inverse_status_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes mode_lanes[3];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_lanes, mode_default, 0, 3, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1158,13 +1232,16 @@ KRHPR_API int krhpr_spatial_prr_b_inverse_status_batch(
         krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes mode_lanes[3];
-        krhpr_poses_load(mode_lanes, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 3, here);
+        if (in[3] != NULL) {
+            krhpr_poses_load(mode_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        }
         krhpr_lanes excess_lanes[3];
-        krhpr_spatial_prr_b_inverse_status_lanes(
+        const int doubtful = krhpr_spatial_prr_b_inverse_status_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, excess_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_inverse_status(
@@ -1183,6 +1260,10 @@ KRHPR_API int krhpr_spatial_prr_b_inverse_status_soa(
     const krhpr_spatial_prr_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes mode_room[3];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_room, mode_default, 0, 3, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -1200,28 +1281,27 @@ KRHPR_API int krhpr_spatial_prr_b_inverse_status_soa(
             const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            krhpr_lanes mode_room[3];
             const krhpr_lanes_at *mode_lanes = mode_room;
             if (in[3] != NULL) {
                 mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 3, here);
-            } else {
-                krhpr_poses_load(mode_room, mode_default, 0, 3, here);
             }
             krhpr_lanes excess_room[3];
             double *const excess_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const excess_lanes = krhpr_poses_out(excess_room, excess_at, row, here);
-            krhpr_spatial_prr_b_inverse_status_lanes(
+            const int doubtful = krhpr_spatial_prr_b_inverse_status_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, excess_lanes, &answer);
             krhpr_poses_done(excess_room, excess_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* twist of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_twist_lanes(
+/* twist of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_twist_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at theta_dot[9],
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
@@ -1257,7 +1337,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_twist_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1268,6 +1348,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_twist_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_twist_batch(
@@ -1276,7 +1357,7 @@ KRHPR_API int krhpr_spatial_prr_b_twist_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1290,10 +1371,12 @@ KRHPR_API int krhpr_spatial_prr_b_twist_batch(
         krhpr_lanes theta_dot_lanes[9];
         krhpr_poses_load(theta_dot_lanes, in[4] + k * in_step[4], in_step[4], 9, here);
         krhpr_lanes twist_lanes[6];
-        krhpr_spatial_prr_b_twist_lanes(
+        const int doubtful = krhpr_spatial_prr_b_twist_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_twist(
@@ -1336,18 +1419,20 @@ KRHPR_API int krhpr_spatial_prr_b_twist_soa(
             krhpr_lanes twist_room[6];
             double *const twist_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const twist_lanes = krhpr_poses_out(twist_room, twist_at, row, here);
-            krhpr_spatial_prr_b_twist_lanes(
+            const int doubtful = krhpr_spatial_prr_b_twist_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
             krhpr_poses_done(twist_room, twist_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* joint_rates of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_joint_rates_lanes(
+/* joint_rates of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_joint_rates_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at twist[6],
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
@@ -1377,7 +1462,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_joint_rates_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1389,6 +1474,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_joint_rates_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_dot, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_joint_rates_batch(
@@ -1397,7 +1483,7 @@ KRHPR_API int krhpr_spatial_prr_b_joint_rates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1413,11 +1499,13 @@ KRHPR_API int krhpr_spatial_prr_b_joint_rates_batch(
         krhpr_lanes redundant_rates_lanes[3];
         krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
         krhpr_lanes theta_dot_lanes[9];
-        krhpr_spatial_prr_b_joint_rates_lanes(
+        const int doubtful = krhpr_spatial_prr_b_joint_rates_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes, theta_dot_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_joint_rates(
@@ -1462,19 +1550,21 @@ KRHPR_API int krhpr_spatial_prr_b_joint_rates_soa(
             krhpr_lanes theta_dot_room[9];
             double *const theta_dot_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_dot_lanes = krhpr_poses_out(theta_dot_room, theta_dot_at, row, here);
-            krhpr_spatial_prr_b_joint_rates_lanes(
+            const int doubtful = krhpr_spatial_prr_b_joint_rates_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 theta_dot_lanes, &answer);
             krhpr_poses_done(theta_dot_room, theta_dot_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* platform_acceleration of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_platform_acceleration_lanes(
+/* platform_acceleration of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_platform_acceleration_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at twist[6],
     const krhpr_lanes_at theta_dot[9], const krhpr_lanes_at theta_ddot[9],
@@ -1520,7 +1610,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_platform_acceleration_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1531,6 +1621,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_platform_acceleration_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist_rate, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_platform_acceleration_batch(
@@ -1539,7 +1630,7 @@ KRHPR_API int krhpr_spatial_prr_b_platform_acceleration_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1557,11 +1648,13 @@ KRHPR_API int krhpr_spatial_prr_b_platform_acceleration_batch(
         krhpr_lanes theta_ddot_lanes[9];
         krhpr_poses_load(theta_ddot_lanes, in[6] + k * in_step[6], in_step[6], 9, here);
         krhpr_lanes twist_rate_lanes[6];
-        krhpr_spatial_prr_b_platform_acceleration_lanes(
+        const int doubtful = krhpr_spatial_prr_b_platform_acceleration_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
             twist_rate_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_platform_acceleration(
@@ -1609,19 +1702,21 @@ KRHPR_API int krhpr_spatial_prr_b_platform_acceleration_soa(
             krhpr_lanes twist_rate_room[6];
             double *const twist_rate_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const twist_rate_lanes = krhpr_poses_out(twist_rate_room, twist_rate_at, row, here);
-            krhpr_spatial_prr_b_platform_acceleration_lanes(
+            const int doubtful = krhpr_spatial_prr_b_platform_acceleration_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
                 twist_rate_lanes, &answer);
             krhpr_poses_done(twist_rate_room, twist_rate_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* joint_accelerations of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_joint_accelerations_lanes(
+/* joint_accelerations of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_joint_accelerations_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at twist[6],
     const krhpr_lanes_at redundant_rates[3], const krhpr_lanes_at theta_dot[9],
@@ -1662,7 +1757,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_joint_accelerations_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1674,6 +1769,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_joint_accelerations_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_ddot, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_joint_accelerations_batch(
@@ -1682,7 +1778,7 @@ KRHPR_API int krhpr_spatial_prr_b_joint_accelerations_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1704,11 +1800,13 @@ KRHPR_API int krhpr_spatial_prr_b_joint_accelerations_batch(
         krhpr_lanes redundant_accelerations_lanes[3];
         krhpr_poses_load(redundant_accelerations_lanes, in[8] + k * in_step[8], in_step[8], 3, here);
         krhpr_lanes theta_ddot_lanes[9];
-        krhpr_spatial_prr_b_joint_accelerations_lanes(
+        const int doubtful = krhpr_spatial_prr_b_joint_accelerations_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes, theta_dot_lanes,
             twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_joint_accelerations(
@@ -1760,19 +1858,21 @@ KRHPR_API int krhpr_spatial_prr_b_joint_accelerations_soa(
             krhpr_lanes theta_ddot_room[9];
             double *const theta_ddot_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_ddot_lanes = krhpr_poses_out(theta_ddot_room, theta_ddot_at, row, here);
-            krhpr_spatial_prr_b_joint_accelerations_lanes(
+            const int doubtful = krhpr_spatial_prr_b_joint_accelerations_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
             krhpr_poses_done(theta_ddot_room, theta_ddot_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_statics of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_inverse_statics_lanes(
+/* inverse_statics of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_inverse_statics_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at wrench[6],
     const krhpr_lanes_at redundant_forces[3], krhpr_lanes_at *KRHPR_RESTRICT actuator_forces,
@@ -1814,7 +1914,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_inverse_statics_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1825,6 +1925,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_inverse_statics_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, actuator_forces, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_inverse_statics_batch(
@@ -1833,7 +1934,7 @@ KRHPR_API int krhpr_spatial_prr_b_inverse_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1849,11 +1950,13 @@ KRHPR_API int krhpr_spatial_prr_b_inverse_statics_batch(
         krhpr_lanes redundant_forces_lanes[3];
         krhpr_poses_load(redundant_forces_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
         krhpr_lanes actuator_forces_lanes[9];
-        krhpr_spatial_prr_b_inverse_statics_lanes(
+        const int doubtful = krhpr_spatial_prr_b_inverse_statics_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
             actuator_forces_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_inverse_statics(
@@ -1898,19 +2001,21 @@ KRHPR_API int krhpr_spatial_prr_b_inverse_statics_soa(
             krhpr_lanes actuator_forces_room[9];
             double *const actuator_forces_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const actuator_forces_lanes = krhpr_poses_out(actuator_forces_room, actuator_forces_at, row, here);
-            krhpr_spatial_prr_b_inverse_statics_lanes(
+            const int doubtful = krhpr_spatial_prr_b_inverse_statics_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
                 actuator_forces_lanes, &answer);
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_statics of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_forward_statics_lanes(
+/* forward_statics of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_forward_statics_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at actuator_forces[9],
     krhpr_lanes_at *KRHPR_RESTRICT wrench, krhpr_lanes_at *KRHPR_RESTRICT redundant_forces,
@@ -1944,7 +2049,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_forward_statics_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1959,6 +2064,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_forward_statics_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, wrench, 6);
     krhpr_poses_keep(finite, redundant_forces, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_forward_statics_batch(
@@ -1967,7 +2073,7 @@ KRHPR_API int krhpr_spatial_prr_b_forward_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1982,12 +2088,14 @@ KRHPR_API int krhpr_spatial_prr_b_forward_statics_batch(
         krhpr_poses_load(actuator_forces_lanes, in[4] + k * in_step[4], in_step[4], 9, here);
         krhpr_lanes wrench_lanes[6];
         krhpr_lanes redundant_forces_lanes[3];
-        krhpr_spatial_prr_b_forward_statics_lanes(
+        const int doubtful = krhpr_spatial_prr_b_forward_statics_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, actuator_forces_lanes, wrench_lanes,
             redundant_forces_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], wrench_lanes, 6, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_forward_statics(
@@ -2034,20 +2142,22 @@ KRHPR_API int krhpr_spatial_prr_b_forward_statics_soa(
             krhpr_lanes redundant_forces_room[3];
             double *const redundant_forces_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const redundant_forces_lanes = krhpr_poses_out(redundant_forces_room, redundant_forces_at, row, here);
-            krhpr_spatial_prr_b_forward_statics_lanes(
+            const int doubtful = krhpr_spatial_prr_b_forward_statics_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, actuator_forces_lanes, wrench_lanes,
                 redundant_forces_lanes, &answer);
             krhpr_poses_done(wrench_room, wrench_at, row, 6, here);
             krhpr_poses_done(redundant_forces_room, redundant_forces_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* opening of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_opening_lanes(
+/* opening of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_opening_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at redundant[3], const krhpr_lanes_at jaws[3],
     krhpr_lanes_at *KRHPR_RESTRICT opening, krhpr_lanes_at *KRHPR_RESTRICT centre,
     krhpr_lanes_at *KRHPR_RESTRICT shares, krhpr_ints *answer)
@@ -2066,7 +2176,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_opening_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), shares[2]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2082,6 +2192,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_opening_lanes(
     krhpr_poses_keep(finite, opening, 1);
     krhpr_poses_keep(finite, centre, 2);
     krhpr_poses_keep(finite, shares, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_opening_batch(
@@ -2090,7 +2201,7 @@ KRHPR_API int krhpr_spatial_prr_b_opening_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
@@ -2100,12 +2211,14 @@ KRHPR_API int krhpr_spatial_prr_b_opening_batch(
         krhpr_lanes opening_lanes[1];
         krhpr_lanes centre_lanes[2];
         krhpr_lanes shares_lanes[3];
-        krhpr_spatial_prr_b_opening_lanes(
+        const int doubtful = krhpr_spatial_prr_b_opening_lanes(
             g, redundant_lanes, jaws_lanes, opening_lanes, centre_lanes, shares_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], opening_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], centre_lanes, 2, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], shares_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_opening(
@@ -2148,20 +2261,22 @@ KRHPR_API int krhpr_spatial_prr_b_opening_soa(
             krhpr_lanes shares_room[3];
             double *const shares_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const shares_lanes = krhpr_poses_out(shares_room, shares_at, row, here);
-            krhpr_spatial_prr_b_opening_lanes(
+            const int doubtful = krhpr_spatial_prr_b_opening_lanes(
                 g, redundant_lanes, jaws_lanes, opening_lanes, centre_lanes, shares_lanes, &answer);
             krhpr_poses_done(opening_room, opening_at, row, 1, here);
             krhpr_poses_done(centre_room, centre_at, row, 2, here);
             krhpr_poses_done(shares_room, shares_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* redundant_of_opening of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_redundant_of_opening_lanes(
+/* redundant_of_opening of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_redundant_of_opening_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at opening[1], const krhpr_lanes_at centre[2],
     const krhpr_lanes_at jaws[3], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
@@ -2173,13 +2288,14 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_redundant_of_opening_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, redundant, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_redundant_of_opening_batch(
@@ -2188,7 +2304,7 @@ KRHPR_API int krhpr_spatial_prr_b_redundant_of_opening_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes opening_lanes[1];
@@ -2198,10 +2314,12 @@ KRHPR_API int krhpr_spatial_prr_b_redundant_of_opening_batch(
         krhpr_lanes jaws_lanes[3];
         krhpr_poses_load(jaws_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_spatial_prr_b_redundant_of_opening_lanes(
+        const int doubtful = krhpr_spatial_prr_b_redundant_of_opening_lanes(
             g, opening_lanes, centre_lanes, jaws_lanes, redundant_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_redundant_of_opening(
@@ -2240,18 +2358,20 @@ KRHPR_API int krhpr_spatial_prr_b_redundant_of_opening_soa(
             krhpr_lanes redundant_room[3];
             double *const redundant_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const redundant_lanes = krhpr_poses_out(redundant_room, redundant_at, row, here);
-            krhpr_spatial_prr_b_redundant_of_opening_lanes(
+            const int doubtful = krhpr_spatial_prr_b_redundant_of_opening_lanes(
                 g, opening_lanes, centre_lanes, jaws_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* grasp of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_grasp_lanes(
+/* grasp of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_grasp_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at Q[9], const krhpr_lanes_at contacts[9],
     const krhpr_lanes_at mass_centre[3], const krhpr_lanes_at weight[3],
     const krhpr_lanes_at normal_forces[3], const krhpr_lanes_at friction[1],
@@ -2282,7 +2402,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_grasp_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[2]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2305,6 +2425,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_grasp_lanes(
     krhpr_poses_keep(finite, wrench, 6);
     krhpr_poses_keep(finite, redundant_forces, 3);
     krhpr_poses_keep(finite, friction_margins, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_grasp_batch(
@@ -2313,7 +2434,7 @@ KRHPR_API int krhpr_spatial_prr_b_grasp_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes Q_lanes[9];
@@ -2332,7 +2453,7 @@ KRHPR_API int krhpr_spatial_prr_b_grasp_batch(
         krhpr_lanes wrench_lanes[6];
         krhpr_lanes redundant_forces_lanes[3];
         krhpr_lanes friction_margins_lanes[3];
-        krhpr_spatial_prr_b_grasp_lanes(
+        const int doubtful = krhpr_spatial_prr_b_grasp_lanes(
             g, Q_lanes, contacts_lanes, mass_centre_lanes, weight_lanes, normal_forces_lanes,
             friction_lanes, contact_forces_lanes, wrench_lanes, redundant_forces_lanes,
             friction_margins_lanes, &answer);
@@ -2340,7 +2461,9 @@ KRHPR_API int krhpr_spatial_prr_b_grasp_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], wrench_lanes, 6, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_forces_lanes, 3, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], friction_margins_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_grasp(
@@ -2396,7 +2519,7 @@ KRHPR_API int krhpr_spatial_prr_b_grasp_soa(
             krhpr_lanes friction_margins_room[3];
             double *const friction_margins_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const friction_margins_lanes = krhpr_poses_out(friction_margins_room, friction_margins_at, row, here);
-            krhpr_spatial_prr_b_grasp_lanes(
+            const int doubtful = krhpr_spatial_prr_b_grasp_lanes(
                 g, Q_lanes, contacts_lanes, mass_centre_lanes, weight_lanes, normal_forces_lanes,
                 friction_lanes, contact_forces_lanes, wrench_lanes, redundant_forces_lanes,
                 friction_margins_lanes, &answer);
@@ -2404,15 +2527,17 @@ KRHPR_API int krhpr_spatial_prr_b_grasp_soa(
             krhpr_poses_done(wrench_room, wrench_at, row, 6, here);
             krhpr_poses_done(redundant_forces_room, redundant_forces_at, row, 3, here);
             krhpr_poses_done(friction_margins_room, friction_margins_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* passive_joints of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_passive_joints_lanes(
+/* passive_joints of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_passive_joints_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT spherical,
     krhpr_lanes_at *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
@@ -2440,7 +2565,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_passive_joints_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2448,6 +2573,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_passive_joints_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, spherical, 27);
     krhpr_poses_keep(finite, platform_joint, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_passive_joints_batch(
@@ -2456,7 +2582,7 @@ KRHPR_API int krhpr_spatial_prr_b_passive_joints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2469,11 +2595,13 @@ KRHPR_API int krhpr_spatial_prr_b_passive_joints_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
         krhpr_lanes spherical_lanes[27];
         krhpr_lanes platform_joint_lanes[3];
-        krhpr_spatial_prr_b_passive_joints_lanes(
+        const int doubtful = krhpr_spatial_prr_b_passive_joints_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, spherical_lanes, platform_joint_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], spherical_lanes, 27, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], platform_joint_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_passive_joints(
@@ -2517,19 +2645,21 @@ KRHPR_API int krhpr_spatial_prr_b_passive_joints_soa(
             krhpr_lanes platform_joint_room[3];
             double *const platform_joint_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const platform_joint_lanes = krhpr_poses_out(platform_joint_room, platform_joint_at, row, here);
-            krhpr_spatial_prr_b_passive_joints_lanes(
+            const int doubtful = krhpr_spatial_prr_b_passive_joints_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, spherical_lanes, platform_joint_lanes, &answer);
             krhpr_poses_done(spherical_room, spherical_at, row, 27, here);
             krhpr_poses_done(platform_joint_room, platform_joint_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* link_points of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_link_points_lanes(
+/* link_points of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_link_points_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT points,
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
@@ -2553,7 +2683,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_link_points_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2561,6 +2691,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_link_points_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, points, 45);
     krhpr_poses_keep(finite, attachment, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_link_points_batch(
@@ -2569,7 +2700,7 @@ KRHPR_API int krhpr_spatial_prr_b_link_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2582,11 +2713,13 @@ KRHPR_API int krhpr_spatial_prr_b_link_points_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
         krhpr_lanes points_lanes[45];
         krhpr_lanes attachment_lanes[9];
-        krhpr_spatial_prr_b_link_points_lanes(
+        const int doubtful = krhpr_spatial_prr_b_link_points_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], points_lanes, 45, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], attachment_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_link_points(
@@ -2630,19 +2763,21 @@ KRHPR_API int krhpr_spatial_prr_b_link_points_soa(
             krhpr_lanes attachment_room[9];
             double *const attachment_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const attachment_lanes = krhpr_poses_out(attachment_room, attachment_at, row, here);
-            krhpr_spatial_prr_b_link_points_lanes(
+            const int doubtful = krhpr_spatial_prr_b_link_points_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
             krhpr_poses_done(points_room, points_at, row, 45, here);
             krhpr_poses_done(attachment_room, attachment_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* clearances of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_clearances_lanes(
+/* clearances of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_clearances_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT distances,
     krhpr_ints *answer)
@@ -2697,13 +2832,14 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_clearances_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, distances, 93);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_clearances_batch(
@@ -2712,7 +2848,7 @@ KRHPR_API int krhpr_spatial_prr_b_clearances_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2724,10 +2860,12 @@ KRHPR_API int krhpr_spatial_prr_b_clearances_batch(
         krhpr_lanes theta_lanes[9];
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
         krhpr_lanes distances_lanes[93];
-        krhpr_spatial_prr_b_clearances_lanes(
+        const int doubtful = krhpr_spatial_prr_b_clearances_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], distances_lanes, 93, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_clearances(
@@ -2768,18 +2906,20 @@ KRHPR_API int krhpr_spatial_prr_b_clearances_soa(
             krhpr_lanes distances_room[93];
             double *const distances_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const distances_lanes = krhpr_poses_out(distances_room, distances_at, row, here);
-            krhpr_spatial_prr_b_clearances_lanes(
+            const int doubtful = krhpr_spatial_prr_b_clearances_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
             krhpr_poses_done(distances_room, distances_at, row, 93, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* singularity of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_singularity_lanes(
+/* singularity of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_singularity_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT type_1,
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
@@ -2810,7 +2950,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_singularity_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2820,6 +2960,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_singularity_lanes(
     krhpr_poses_keep(finite, factors, 3);
     krhpr_poses_keep(finite, type_2, 2);
     krhpr_poses_keep(finite, margins, 2);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_singularity_batch(
@@ -2828,7 +2969,7 @@ KRHPR_API int krhpr_spatial_prr_b_singularity_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2843,14 +2984,16 @@ KRHPR_API int krhpr_spatial_prr_b_singularity_batch(
         krhpr_lanes factors_lanes[3];
         krhpr_lanes type_2_lanes[2];
         krhpr_lanes margins_lanes[2];
-        krhpr_spatial_prr_b_singularity_lanes(
+        const int doubtful = krhpr_spatial_prr_b_singularity_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
             margins_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_1_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], factors_lanes, 3, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], type_2_lanes, 2, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], margins_lanes, 2, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_singularity(
@@ -2901,22 +3044,24 @@ KRHPR_API int krhpr_spatial_prr_b_singularity_soa(
             krhpr_lanes margins_room[2];
             double *const margins_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const margins_lanes = krhpr_poses_out(margins_room, margins_at, row, here);
-            krhpr_spatial_prr_b_singularity_lanes(
+            const int doubtful = krhpr_spatial_prr_b_singularity_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
                 margins_lanes, &answer);
             krhpr_poses_done(type_1_room, type_1_at, row, 3, here);
             krhpr_poses_done(factors_room, factors_at, row, 3, here);
             krhpr_poses_done(type_2_room, type_2_at, row, 2, here);
             krhpr_poses_done(margins_room, margins_at, row, 2, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* type_2_of_redundant of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_type_2_of_redundant_lanes(
+/* type_2_of_redundant of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_type_2_of_redundant_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at redundant[3],
     krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
@@ -2932,7 +3077,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_type_2_of_redundant_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2940,6 +3085,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_type_2_of_redundant_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_2, 2);
     krhpr_poses_keep(finite, margins, 2);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_type_2_of_redundant_batch(
@@ -2948,18 +3094,20 @@ KRHPR_API int krhpr_spatial_prr_b_type_2_of_redundant_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
         krhpr_lanes type_2_lanes[2];
         krhpr_lanes margins_lanes[2];
-        krhpr_spatial_prr_b_type_2_of_redundant_lanes(
+        const int doubtful = krhpr_spatial_prr_b_type_2_of_redundant_lanes(
             g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_2_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], margins_lanes, 2, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_type_2_of_redundant(
@@ -2996,19 +3144,21 @@ KRHPR_API int krhpr_spatial_prr_b_type_2_of_redundant_soa(
             krhpr_lanes margins_room[2];
             double *const margins_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const margins_lanes = krhpr_poses_out(margins_room, margins_at, row, here);
-            krhpr_spatial_prr_b_type_2_of_redundant_lanes(
+            const int doubtful = krhpr_spatial_prr_b_type_2_of_redundant_lanes(
                 g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
             krhpr_poses_done(type_2_room, type_2_at, row, 2, here);
             krhpr_poses_done(margins_room, margins_at, row, 2, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* indices of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_indices_lanes(
+/* indices of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_indices_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at characteristic_length[1],
     krhpr_lanes_at *KRHPR_RESTRICT eta_1, krhpr_lanes_at *KRHPR_RESTRICT eta_2,
@@ -3059,7 +3209,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_indices_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3080,6 +3230,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_indices_lanes(
     krhpr_poses_keep(finite, eta_2, 1);
     krhpr_poses_keep(finite, eta_3, 1);
     krhpr_poses_keep(finite, condition, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_indices_batch(
@@ -3088,7 +3239,7 @@ KRHPR_API int krhpr_spatial_prr_b_indices_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -3105,14 +3256,16 @@ KRHPR_API int krhpr_spatial_prr_b_indices_batch(
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
         krhpr_lanes condition_lanes[3];
-        krhpr_spatial_prr_b_indices_lanes(
+        const int doubtful = krhpr_spatial_prr_b_indices_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, characteristic_length_lanes, eta_1_lanes,
             eta_2_lanes, eta_3_lanes, condition_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_indices(
@@ -3165,22 +3318,24 @@ KRHPR_API int krhpr_spatial_prr_b_indices_soa(
             krhpr_lanes condition_room[3];
             double *const condition_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const condition_lanes = krhpr_poses_out(condition_room, condition_at, row, here);
-            krhpr_spatial_prr_b_indices_lanes(
+            const int doubtful = krhpr_spatial_prr_b_indices_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, characteristic_length_lanes, eta_1_lanes,
                 eta_2_lanes, eta_3_lanes, condition_lanes, &answer);
             krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
             krhpr_poses_done(condition_room, condition_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* index_bounds of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_index_bounds_lanes(
+/* index_bounds of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_index_bounds_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at characteristic_length[1],
     krhpr_lanes_at *KRHPR_RESTRICT eta_1, krhpr_lanes_at *KRHPR_RESTRICT eta_2,
@@ -3232,7 +3387,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_index_bounds_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3251,6 +3406,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_index_bounds_lanes(
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
     krhpr_poses_keep(finite, eta_3, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_index_bounds_batch(
@@ -3259,7 +3415,7 @@ KRHPR_API int krhpr_spatial_prr_b_index_bounds_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -3275,13 +3431,15 @@ KRHPR_API int krhpr_spatial_prr_b_index_bounds_batch(
         krhpr_lanes eta_1_lanes[1];
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
-        krhpr_spatial_prr_b_index_bounds_lanes(
+        const int doubtful = krhpr_spatial_prr_b_index_bounds_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, characteristic_length_lanes, eta_1_lanes,
             eta_2_lanes, eta_3_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_index_bounds(
@@ -3331,21 +3489,23 @@ KRHPR_API int krhpr_spatial_prr_b_index_bounds_soa(
             krhpr_lanes eta_3_room[1];
             double *const eta_3_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const eta_3_lanes = krhpr_poses_out(eta_3_room, eta_3_at, row, here);
-            krhpr_spatial_prr_b_index_bounds_lanes(
+            const int doubtful = krhpr_spatial_prr_b_index_bounds_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, characteristic_length_lanes, eta_1_lanes,
                 eta_2_lanes, eta_3_lanes, &answer);
             krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_all of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_forward_all_lanes(
+/* forward_all of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_forward_all_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at turned[1],
     krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT det_J,
@@ -3372,7 +3532,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_forward_all_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3394,6 +3554,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_forward_all_lanes(
     krhpr_poses_keep(finite, redundant, 6);
     krhpr_poses_keep(finite, det_J, 2);
     krhpr_poses_keep(finite, count, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_forward_all_batch(
@@ -3402,7 +3563,7 @@ KRHPR_API int krhpr_spatial_prr_b_forward_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -3414,14 +3575,16 @@ KRHPR_API int krhpr_spatial_prr_b_forward_all_batch(
         krhpr_lanes redundant_lanes[6];
         krhpr_lanes det_J_lanes[2];
         krhpr_lanes count_lanes[1];
-        krhpr_spatial_prr_b_forward_all_lanes(
+        const int doubtful = krhpr_spatial_prr_b_forward_all_lanes(
             g, s_lanes, turned_lanes, p_lanes, Q_lanes, redundant_lanes, det_J_lanes, count_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 6, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 18, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 6, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], det_J_lanes, 2, here);
         krhpr_poses_store(out[4] + k * out_step[4], out_step[4], count_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_forward_all(
@@ -3471,7 +3634,7 @@ KRHPR_API int krhpr_spatial_prr_b_forward_all_soa(
             krhpr_lanes count_room[1];
             double *const count_at = out[4] + b * out_step[4] + k;
             krhpr_lanes_at *const count_lanes = krhpr_poses_out(count_room, count_at, row, here);
-            krhpr_spatial_prr_b_forward_all_lanes(
+            const int doubtful = krhpr_spatial_prr_b_forward_all_lanes(
                 g, s_lanes, turned_lanes, p_lanes, Q_lanes, redundant_lanes, det_J_lanes, count_lanes,
                 &answer);
             krhpr_poses_done(p_room, p_at, row, 6, here);
@@ -3479,15 +3642,17 @@ KRHPR_API int krhpr_spatial_prr_b_forward_all_soa(
             krhpr_poses_done(redundant_room, redundant_at, row, 6, here);
             krhpr_poses_done(det_J_room, det_J_at, row, 2, here);
             krhpr_poses_done(count_room, count_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_forward_lanes(
+/* forward of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_forward_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at theta[9], const krhpr_lanes_at side[1],
     krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT count,
@@ -3523,7 +3688,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_forward_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), assembly_radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3544,6 +3709,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_forward_lanes(
     krhpr_poses_keep(finite, redundant, 3);
     krhpr_poses_keep(finite, count, 1);
     krhpr_poses_keep(finite, certified, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_forward_batch(
@@ -3552,7 +3718,7 @@ KRHPR_API int krhpr_spatial_prr_b_forward_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[9];
@@ -3564,7 +3730,7 @@ KRHPR_API int krhpr_spatial_prr_b_forward_batch(
         krhpr_lanes redundant_lanes[3];
         krhpr_lanes count_lanes[1];
         krhpr_lanes certified_lanes[1];
-        krhpr_spatial_prr_b_forward_lanes(
+        const int doubtful = krhpr_spatial_prr_b_forward_lanes(
             g, theta_lanes, side_lanes, p_lanes, Q_lanes, redundant_lanes, count_lanes, certified_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
@@ -3572,7 +3738,9 @@ KRHPR_API int krhpr_spatial_prr_b_forward_batch(
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], count_lanes, 1, here);
         krhpr_poses_store(out[4] + k * out_step[4], out_step[4], certified_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_forward(
@@ -3622,7 +3790,7 @@ KRHPR_API int krhpr_spatial_prr_b_forward_soa(
             krhpr_lanes certified_room[1];
             double *const certified_at = out[4] + b * out_step[4] + k;
             krhpr_lanes_at *const certified_lanes = krhpr_poses_out(certified_room, certified_at, row, here);
-            krhpr_spatial_prr_b_forward_lanes(
+            const int doubtful = krhpr_spatial_prr_b_forward_lanes(
                 g, theta_lanes, side_lanes, p_lanes, Q_lanes, redundant_lanes, count_lanes, certified_lanes,
                 &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
@@ -3630,7 +3798,9 @@ KRHPR_API int krhpr_spatial_prr_b_forward_soa(
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
             krhpr_poses_done(count_room, count_at, row, 1, here);
             krhpr_poses_done(certified_room, certified_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
@@ -3696,8 +3866,8 @@ KRHPR_API int krhpr_spatial_prr_b_passive_joints_of_theta_soa(
 }
 #endif
 
-/* forward_encoders_2 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_forward_encoders_2_lanes(
+/* forward_encoders_2 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_forward_encoders_2_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at measured[2],
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
@@ -3728,7 +3898,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3747,6 +3917,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_forward_encoders_2_lanes(
     krhpr_poses_keep(finite, Q, 9);
     krhpr_poses_keep(finite, raw, 9);
     krhpr_poses_keep(finite, mismatch, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_forward_encoders_2_batch(
@@ -3755,7 +3926,7 @@ KRHPR_API int krhpr_spatial_prr_b_forward_encoders_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -3768,14 +3939,16 @@ KRHPR_API int krhpr_spatial_prr_b_forward_encoders_2_batch(
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
         krhpr_lanes mismatch_lanes[1];
-        krhpr_spatial_prr_b_forward_encoders_2_lanes(
+        const int doubtful = krhpr_spatial_prr_b_forward_encoders_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_forward_encoders_2(
@@ -3824,22 +3997,24 @@ KRHPR_API int krhpr_spatial_prr_b_forward_encoders_2_soa(
             krhpr_lanes mismatch_room[1];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_spatial_prr_b_forward_encoders_2_lanes(
+            const int doubtful = krhpr_spatial_prr_b_forward_encoders_2_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
                 &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_encoders_3 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_forward_encoders_3_lanes(
+/* forward_encoders_3 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_forward_encoders_3_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at measured[3],
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
@@ -3870,7 +4045,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3889,6 +4064,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_forward_encoders_3_lanes(
     krhpr_poses_keep(finite, Q, 9);
     krhpr_poses_keep(finite, raw, 9);
     krhpr_poses_keep(finite, mismatch, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_forward_encoders_3_batch(
@@ -3897,7 +4073,7 @@ KRHPR_API int krhpr_spatial_prr_b_forward_encoders_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -3910,14 +4086,16 @@ KRHPR_API int krhpr_spatial_prr_b_forward_encoders_3_batch(
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
         krhpr_lanes mismatch_lanes[3];
-        krhpr_spatial_prr_b_forward_encoders_3_lanes(
+        const int doubtful = krhpr_spatial_prr_b_forward_encoders_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_forward_encoders_3(
@@ -3966,22 +4144,24 @@ KRHPR_API int krhpr_spatial_prr_b_forward_encoders_3_soa(
             krhpr_lanes mismatch_room[3];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_spatial_prr_b_forward_encoders_3_lanes(
+            const int doubtful = krhpr_spatial_prr_b_forward_encoders_3_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
                 &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_gauss_newton_2 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_forward_gauss_newton_2_lanes(
+/* forward_gauss_newton_2 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_forward_gauss_newton_2_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at measured[2],
     const krhpr_lanes_at tolerance[1], const krhpr_lanes_at weights[3], krhpr_lanes_at *KRHPR_RESTRICT p,
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
@@ -4037,7 +4217,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -4057,6 +4237,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_forward_gauss_newton_2_lanes(
     krhpr_poses_keep(finite, Q, 9);
     krhpr_poses_keep(finite, raw, 9);
     krhpr_poses_keep(finite, mismatch, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_forward_gauss_newton_2_batch(
@@ -4065,7 +4246,7 @@ KRHPR_API int krhpr_spatial_prr_b_forward_gauss_newton_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4080,14 +4261,16 @@ KRHPR_API int krhpr_spatial_prr_b_forward_gauss_newton_2_batch(
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
         krhpr_lanes mismatch_lanes[1];
-        krhpr_spatial_prr_b_forward_gauss_newton_2_lanes(
+        const int doubtful = krhpr_spatial_prr_b_forward_gauss_newton_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
             mismatch_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_forward_gauss_newton_2(
@@ -4138,22 +4321,24 @@ KRHPR_API int krhpr_spatial_prr_b_forward_gauss_newton_2_soa(
             krhpr_lanes mismatch_room[1];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_spatial_prr_b_forward_gauss_newton_2_lanes(
+            const int doubtful = krhpr_spatial_prr_b_forward_gauss_newton_2_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
                 mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_gauss_newton_3 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_prr_b_forward_gauss_newton_3_lanes(
+/* forward_gauss_newton_3 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_forward_gauss_newton_3_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at measured[3],
     const krhpr_lanes_at tolerance[1], const krhpr_lanes_at weights[3], krhpr_lanes_at *KRHPR_RESTRICT p,
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
@@ -4208,7 +4393,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -4228,6 +4413,7 @@ KRHPR_OUTLINE void krhpr_spatial_prr_b_forward_gauss_newton_3_lanes(
     krhpr_poses_keep(finite, Q, 9);
     krhpr_poses_keep(finite, raw, 9);
     krhpr_poses_keep(finite, mismatch, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_prr_b_forward_gauss_newton_3_batch(
@@ -4236,7 +4422,7 @@ KRHPR_API int krhpr_spatial_prr_b_forward_gauss_newton_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4251,14 +4437,16 @@ KRHPR_API int krhpr_spatial_prr_b_forward_gauss_newton_3_batch(
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
         krhpr_lanes mismatch_lanes[3];
-        krhpr_spatial_prr_b_forward_gauss_newton_3_lanes(
+        const int doubtful = krhpr_spatial_prr_b_forward_gauss_newton_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
             mismatch_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_prr_b_forward_gauss_newton_3(
@@ -4309,14 +4497,16 @@ KRHPR_API int krhpr_spatial_prr_b_forward_gauss_newton_3_soa(
             krhpr_lanes mismatch_room[3];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_spatial_prr_b_forward_gauss_newton_3_lanes(
+            const int doubtful = krhpr_spatial_prr_b_forward_gauss_newton_3_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
                 mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;

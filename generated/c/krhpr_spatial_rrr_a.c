@@ -453,7 +453,6 @@ KRHPR_API int krhpr_spatial_rrr_a_inverse_status(
     krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
-        krhpr_lanes mode_legs[2]; krhpr_legs_load(mode_legs, mode, 2, i);
         krhpr_lanes s_legs[3];
         krhpr_lanes excess_legs[1];
         krhpr_lanes angle_legs[1];
@@ -463,7 +462,7 @@ KRHPR_API int krhpr_spatial_rrr_a_inverse_status(
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_a_end_point_lanes(
             &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
-        krhpr_subleg_rrr_reach_lanes(&g->subleg, i, s_legs, mode_legs, excess_legs);
+        krhpr_subleg_rrr_reach_lanes(&g->subleg, i, s_legs, excess_legs);
         krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
     for (int i = 0; i < 3; ++i) {

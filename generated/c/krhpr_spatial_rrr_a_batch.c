@@ -13,8 +13,8 @@
 
 static const double mode_default[6] = {1.0, -1.0, 1.0, -1.0, 1.0, -1.0};
 
-/* rotation_error of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_rotation_error_lanes(
+/* rotation_error of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_rotation_error_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at Q[9], krhpr_lanes_at *KRHPR_RESTRICT error,
     krhpr_ints *answer)
 {
@@ -24,13 +24,14 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_rotation_error_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, error, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_rotation_error_batch(
@@ -39,15 +40,17 @@ KRHPR_API int krhpr_spatial_rrr_a_rotation_error_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes Q_lanes[9];
         krhpr_poses_load(Q_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
         krhpr_lanes error_lanes[1];
-        krhpr_spatial_rrr_a_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
+        const int doubtful = krhpr_spatial_rrr_a_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], error_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_rotation_error(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
@@ -80,17 +83,19 @@ KRHPR_API int krhpr_spatial_rrr_a_rotation_error_soa(
             krhpr_lanes error_room[1];
             double *const error_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const error_lanes = krhpr_poses_out(error_room, error_at, row, here);
-            krhpr_spatial_rrr_a_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
+            const int doubtful = krhpr_spatial_rrr_a_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
             krhpr_poses_done(error_room, error_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* end_points of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_end_points_lanes(
+/* end_points of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_end_points_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
@@ -109,13 +114,14 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_end_points_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_end_points_batch(
@@ -124,7 +130,7 @@ KRHPR_API int krhpr_spatial_rrr_a_end_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -134,9 +140,12 @@ KRHPR_API int krhpr_spatial_rrr_a_end_points_batch(
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
         krhpr_lanes s_lanes[9];
-        krhpr_spatial_rrr_a_end_points_lanes(g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
+        const int doubtful = krhpr_spatial_rrr_a_end_points_lanes(
+            g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_end_points(
@@ -175,17 +184,20 @@ KRHPR_API int krhpr_spatial_rrr_a_end_points_soa(
             krhpr_lanes s_room[9];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_spatial_rrr_a_end_points_lanes(g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
+            const int doubtful = krhpr_spatial_rrr_a_end_points_lanes(
+                g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* redundant_coordinates of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_redundant_coordinates_lanes(
+/* redundant_coordinates of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_redundant_coordinates_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
@@ -204,13 +216,14 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_redundant_coordinates_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, redundant, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_redundant_coordinates_batch(
@@ -219,7 +232,7 @@ KRHPR_API int krhpr_spatial_rrr_a_redundant_coordinates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -229,10 +242,12 @@ KRHPR_API int krhpr_spatial_rrr_a_redundant_coordinates_batch(
         krhpr_lanes s_lanes[9];
         krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_spatial_rrr_a_redundant_coordinates_lanes(
+        const int doubtful = krhpr_spatial_rrr_a_redundant_coordinates_lanes(
             g, p_lanes, Q_lanes, s_lanes, redundant_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_redundant_coordinates(
@@ -271,18 +286,20 @@ KRHPR_API int krhpr_spatial_rrr_a_redundant_coordinates_soa(
             krhpr_lanes redundant_room[3];
             double *const redundant_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const redundant_lanes = krhpr_poses_out(redundant_room, redundant_at, row, here);
-            krhpr_spatial_rrr_a_redundant_coordinates_lanes(
+            const int doubtful = krhpr_spatial_rrr_a_redundant_coordinates_lanes(
                 g, p_lanes, Q_lanes, s_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_forward of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_subleg_forward_lanes(
+/* subleg_forward of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_subleg_forward_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT s,
     krhpr_ints *answer)
 {
@@ -300,13 +317,14 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_subleg_forward_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_subleg_forward_batch(
@@ -315,15 +333,17 @@ KRHPR_API int krhpr_spatial_rrr_a_subleg_forward_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[9];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_spatial_rrr_a_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
+        const int doubtful = krhpr_spatial_rrr_a_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_subleg_forward(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
@@ -356,17 +376,19 @@ KRHPR_API int krhpr_spatial_rrr_a_subleg_forward_soa(
             krhpr_lanes s_room[9];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_spatial_rrr_a_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
+            const int doubtful = krhpr_spatial_rrr_a_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_inverse of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_subleg_inverse_lanes(
+/* subleg_inverse of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_subleg_inverse_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at s[9], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
@@ -400,7 +422,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_subleg_inverse_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -412,6 +434,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_subleg_inverse_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 36);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_subleg_inverse_batch(
@@ -420,15 +443,17 @@ KRHPR_API int krhpr_spatial_rrr_a_subleg_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
         krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
         krhpr_lanes theta_lanes[36];
-        krhpr_spatial_rrr_a_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
+        const int doubtful = krhpr_spatial_rrr_a_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 36, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
@@ -461,17 +486,19 @@ KRHPR_API int krhpr_spatial_rrr_a_subleg_inverse_soa(
             krhpr_lanes theta_room[36];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_spatial_rrr_a_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
+            const int doubtful = krhpr_spatial_rrr_a_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 36, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_jacobian of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_subleg_jacobian_lanes(
+/* subleg_jacobian of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_subleg_jacobian_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9],
     krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_ints *answer)
 {
@@ -495,13 +522,14 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_subleg_jacobian_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, M, 27);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_subleg_jacobian_batch(
@@ -510,7 +538,7 @@ KRHPR_API int krhpr_spatial_rrr_a_subleg_jacobian_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -518,9 +546,12 @@ KRHPR_API int krhpr_spatial_rrr_a_subleg_jacobian_batch(
         krhpr_lanes theta_lanes[9];
         krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
         krhpr_lanes M_lanes[27];
-        krhpr_spatial_rrr_a_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
+        const int doubtful = krhpr_spatial_rrr_a_subleg_jacobian_lanes(
+            g, s_lanes, theta_lanes, M_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M_lanes, 27, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_subleg_jacobian(
@@ -556,17 +587,20 @@ KRHPR_API int krhpr_spatial_rrr_a_subleg_jacobian_soa(
             krhpr_lanes M_room[27];
             double *const M_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const M_lanes = krhpr_poses_out(M_room, M_at, row, here);
-            krhpr_spatial_rrr_a_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
+            const int doubtful = krhpr_spatial_rrr_a_subleg_jacobian_lanes(
+                g, s_lanes, theta_lanes, M_lanes, &answer);
             krhpr_poses_done(M_room, M_at, row, 27, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* constraints of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_constraints_lanes(
+/* constraints of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_constraints_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], krhpr_lanes_at *KRHPR_RESTRICT residual, krhpr_ints *answer)
 {
@@ -577,13 +611,14 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_constraints_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, residual, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_constraints_batch(
@@ -592,7 +627,7 @@ KRHPR_API int krhpr_spatial_rrr_a_constraints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -602,9 +637,12 @@ KRHPR_API int krhpr_spatial_rrr_a_constraints_batch(
         krhpr_lanes s_lanes[9];
         krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
         krhpr_lanes residual_lanes[6];
-        krhpr_spatial_rrr_a_constraints_lanes(g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
+        const int doubtful = krhpr_spatial_rrr_a_constraints_lanes(
+            g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], residual_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_constraints(
@@ -643,17 +681,20 @@ KRHPR_API int krhpr_spatial_rrr_a_constraints_soa(
             krhpr_lanes residual_room[6];
             double *const residual_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const residual_lanes = krhpr_poses_out(residual_room, residual_at, row, here);
-            krhpr_spatial_rrr_a_constraints_lanes(g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
+            const int doubtful = krhpr_spatial_rrr_a_constraints_lanes(
+                g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
             krhpr_poses_done(residual_room, residual_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* jacobians of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_jacobians_lanes(
+/* jacobians of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_jacobians_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
@@ -689,7 +730,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_jacobians_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -697,6 +738,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_jacobians_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 36);
     krhpr_poses_keep(finite, K, 54);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_jacobians_batch(
@@ -705,7 +747,7 @@ KRHPR_API int krhpr_spatial_rrr_a_jacobians_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -718,11 +760,13 @@ KRHPR_API int krhpr_spatial_rrr_a_jacobians_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
         krhpr_lanes J_lanes[36];
         krhpr_lanes K_lanes[54];
-        krhpr_spatial_rrr_a_jacobians_lanes(
+        const int doubtful = krhpr_spatial_rrr_a_jacobians_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 54, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_jacobians(
@@ -766,19 +810,21 @@ KRHPR_API int krhpr_spatial_rrr_a_jacobians_soa(
             krhpr_lanes K_room[54];
             double *const K_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_spatial_rrr_a_jacobians_lanes(
+            const int doubtful = krhpr_spatial_rrr_a_jacobians_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 36, here);
             krhpr_poses_done(K_room, K_at, row, 54, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* jacobian_blocks of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_jacobian_blocks_lanes(
+/* jacobian_blocks of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_jacobian_blocks_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
@@ -806,7 +852,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_jacobian_blocks_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -814,6 +860,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_jacobian_blocks_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 36);
     krhpr_poses_keep(finite, K, 18);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_jacobian_blocks_batch(
@@ -822,7 +869,7 @@ KRHPR_API int krhpr_spatial_rrr_a_jacobian_blocks_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -835,11 +882,13 @@ KRHPR_API int krhpr_spatial_rrr_a_jacobian_blocks_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
         krhpr_lanes J_lanes[36];
         krhpr_lanes K_lanes[18];
-        krhpr_spatial_rrr_a_jacobian_blocks_lanes(
+        const int doubtful = krhpr_spatial_rrr_a_jacobian_blocks_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 18, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_jacobian_blocks(
@@ -883,19 +932,21 @@ KRHPR_API int krhpr_spatial_rrr_a_jacobian_blocks_soa(
             krhpr_lanes K_room[18];
             double *const K_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_spatial_rrr_a_jacobian_blocks_lanes(
+            const int doubtful = krhpr_spatial_rrr_a_jacobian_blocks_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 36, here);
             krhpr_poses_done(K_room, K_at, row, 18, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_inverse_lanes(
+/* inverse of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_inverse_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
@@ -931,7 +982,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_inverse_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -943,6 +994,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_inverse_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_inverse_batch(
@@ -951,7 +1003,11 @@ KRHPR_API int krhpr_spatial_rrr_a_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes mode_lanes[6];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_lanes, mode_default, 0, 6, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -960,13 +1016,16 @@ KRHPR_API int krhpr_spatial_rrr_a_inverse_batch(
         krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes mode_lanes[6];
-        krhpr_poses_load(mode_lanes, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 6, here);
+        if (in[3] != NULL) {
+            krhpr_poses_load(mode_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        }
         krhpr_lanes theta_lanes[9];
-        krhpr_spatial_rrr_a_inverse_lanes(
+        const int doubtful = krhpr_spatial_rrr_a_inverse_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_inverse(
@@ -985,6 +1044,10 @@ KRHPR_API int krhpr_spatial_rrr_a_inverse_soa(
     const krhpr_spatial_rrr_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes mode_room[6];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_room, mode_default, 0, 6, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -1002,28 +1065,27 @@ KRHPR_API int krhpr_spatial_rrr_a_inverse_soa(
             const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            krhpr_lanes mode_room[6];
             const krhpr_lanes_at *mode_lanes = mode_room;
             if (in[3] != NULL) {
                 mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 6, here);
-            } else {
-                krhpr_poses_load(mode_room, mode_default, 0, 6, here);
             }
             krhpr_lanes theta_room[9];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_spatial_rrr_a_inverse_lanes(
+            const int doubtful = krhpr_spatial_rrr_a_inverse_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_all of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_inverse_all_lanes(
+/* inverse_all of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_inverse_all_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
@@ -1065,7 +1127,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_inverse_all_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1077,6 +1139,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_inverse_all_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 36);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_inverse_all_batch(
@@ -1085,7 +1148,7 @@ KRHPR_API int krhpr_spatial_rrr_a_inverse_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1095,9 +1158,12 @@ KRHPR_API int krhpr_spatial_rrr_a_inverse_all_batch(
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
         krhpr_lanes theta_lanes[36];
-        krhpr_spatial_rrr_a_inverse_all_lanes(g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
+        const int doubtful = krhpr_spatial_rrr_a_inverse_all_lanes(
+            g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 36, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_inverse_all(
@@ -1136,9 +1202,12 @@ KRHPR_API int krhpr_spatial_rrr_a_inverse_all_soa(
             krhpr_lanes theta_room[36];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_spatial_rrr_a_inverse_all_lanes(g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
+            const int doubtful = krhpr_spatial_rrr_a_inverse_all_lanes(
+                g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 36, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
@@ -1197,8 +1266,8 @@ KRHPR_API int krhpr_spatial_rrr_a_inverse_near_soa(
 }
 #endif
 
-/* inverse_status of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_inverse_status_lanes(
+/* inverse_status of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_inverse_status_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], krhpr_lanes_at *KRHPR_RESTRICT excess,
     krhpr_ints *answer)
@@ -1215,7 +1284,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_inverse_status_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[3];
         krhpr_platform_spatial_a_end_point_lanes(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
-        krhpr_subleg_rrr_reach_lanes(&g->subleg, i, s, mode + 2 * i, &excess[i]);
+        krhpr_subleg_rrr_reach_lanes(&g->subleg, i, s, &excess[i]);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
@@ -1223,7 +1292,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_inverse_status_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1234,6 +1303,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_inverse_status_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_inverse_status_batch(
@@ -1242,7 +1312,11 @@ KRHPR_API int krhpr_spatial_rrr_a_inverse_status_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes mode_lanes[6];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_lanes, mode_default, 0, 6, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1251,13 +1325,16 @@ KRHPR_API int krhpr_spatial_rrr_a_inverse_status_batch(
         krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes mode_lanes[6];
-        krhpr_poses_load(mode_lanes, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 6, here);
+        if (in[3] != NULL) {
+            krhpr_poses_load(mode_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        }
         krhpr_lanes excess_lanes[3];
-        krhpr_spatial_rrr_a_inverse_status_lanes(
+        const int doubtful = krhpr_spatial_rrr_a_inverse_status_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, excess_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_inverse_status(
@@ -1276,6 +1353,10 @@ KRHPR_API int krhpr_spatial_rrr_a_inverse_status_soa(
     const krhpr_spatial_rrr_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes mode_room[6];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_room, mode_default, 0, 6, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -1293,28 +1374,27 @@ KRHPR_API int krhpr_spatial_rrr_a_inverse_status_soa(
             const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            krhpr_lanes mode_room[6];
             const krhpr_lanes_at *mode_lanes = mode_room;
             if (in[3] != NULL) {
                 mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 6, here);
-            } else {
-                krhpr_poses_load(mode_room, mode_default, 0, 6, here);
             }
             krhpr_lanes excess_room[3];
             double *const excess_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const excess_lanes = krhpr_poses_out(excess_room, excess_at, row, here);
-            krhpr_spatial_rrr_a_inverse_status_lanes(
+            const int doubtful = krhpr_spatial_rrr_a_inverse_status_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, excess_lanes, &answer);
             krhpr_poses_done(excess_room, excess_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* twist of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_twist_lanes(
+/* twist of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_twist_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at theta_dot[9],
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
@@ -1353,7 +1433,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_twist_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1364,6 +1444,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_twist_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_twist_batch(
@@ -1372,7 +1453,7 @@ KRHPR_API int krhpr_spatial_rrr_a_twist_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1386,10 +1467,12 @@ KRHPR_API int krhpr_spatial_rrr_a_twist_batch(
         krhpr_lanes theta_dot_lanes[9];
         krhpr_poses_load(theta_dot_lanes, in[4] + k * in_step[4], in_step[4], 9, here);
         krhpr_lanes twist_lanes[6];
-        krhpr_spatial_rrr_a_twist_lanes(
+        const int doubtful = krhpr_spatial_rrr_a_twist_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_twist(
@@ -1432,18 +1515,20 @@ KRHPR_API int krhpr_spatial_rrr_a_twist_soa(
             krhpr_lanes twist_room[6];
             double *const twist_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const twist_lanes = krhpr_poses_out(twist_room, twist_at, row, here);
-            krhpr_spatial_rrr_a_twist_lanes(
+            const int doubtful = krhpr_spatial_rrr_a_twist_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
             krhpr_poses_done(twist_room, twist_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* joint_rates of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_joint_rates_lanes(
+/* joint_rates of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_joint_rates_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at twist[6],
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
@@ -1476,7 +1561,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_joint_rates_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1488,6 +1573,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_joint_rates_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_dot, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_joint_rates_batch(
@@ -1496,7 +1582,7 @@ KRHPR_API int krhpr_spatial_rrr_a_joint_rates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1512,11 +1598,13 @@ KRHPR_API int krhpr_spatial_rrr_a_joint_rates_batch(
         krhpr_lanes redundant_rates_lanes[3];
         krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
         krhpr_lanes theta_dot_lanes[9];
-        krhpr_spatial_rrr_a_joint_rates_lanes(
+        const int doubtful = krhpr_spatial_rrr_a_joint_rates_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes, theta_dot_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_joint_rates(
@@ -1561,19 +1649,21 @@ KRHPR_API int krhpr_spatial_rrr_a_joint_rates_soa(
             krhpr_lanes theta_dot_room[9];
             double *const theta_dot_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_dot_lanes = krhpr_poses_out(theta_dot_room, theta_dot_at, row, here);
-            krhpr_spatial_rrr_a_joint_rates_lanes(
+            const int doubtful = krhpr_spatial_rrr_a_joint_rates_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 theta_dot_lanes, &answer);
             krhpr_poses_done(theta_dot_room, theta_dot_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* platform_acceleration of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_platform_acceleration_lanes(
+/* platform_acceleration of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_platform_acceleration_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at twist[6],
     const krhpr_lanes_at theta_dot[9], const krhpr_lanes_at theta_ddot[9],
@@ -1622,7 +1712,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_platform_acceleration_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1633,6 +1723,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_platform_acceleration_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist_rate, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_platform_acceleration_batch(
@@ -1641,7 +1732,7 @@ KRHPR_API int krhpr_spatial_rrr_a_platform_acceleration_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1659,11 +1750,13 @@ KRHPR_API int krhpr_spatial_rrr_a_platform_acceleration_batch(
         krhpr_lanes theta_ddot_lanes[9];
         krhpr_poses_load(theta_ddot_lanes, in[6] + k * in_step[6], in_step[6], 9, here);
         krhpr_lanes twist_rate_lanes[6];
-        krhpr_spatial_rrr_a_platform_acceleration_lanes(
+        const int doubtful = krhpr_spatial_rrr_a_platform_acceleration_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
             twist_rate_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_platform_acceleration(
@@ -1711,19 +1804,21 @@ KRHPR_API int krhpr_spatial_rrr_a_platform_acceleration_soa(
             krhpr_lanes twist_rate_room[6];
             double *const twist_rate_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const twist_rate_lanes = krhpr_poses_out(twist_rate_room, twist_rate_at, row, here);
-            krhpr_spatial_rrr_a_platform_acceleration_lanes(
+            const int doubtful = krhpr_spatial_rrr_a_platform_acceleration_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
                 twist_rate_lanes, &answer);
             krhpr_poses_done(twist_rate_room, twist_rate_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* joint_accelerations of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_joint_accelerations_lanes(
+/* joint_accelerations of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_joint_accelerations_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at twist[6],
     const krhpr_lanes_at redundant_rates[3], const krhpr_lanes_at theta_dot[9],
@@ -1768,7 +1863,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_joint_accelerations_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1780,6 +1875,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_joint_accelerations_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_ddot, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_joint_accelerations_batch(
@@ -1788,7 +1884,7 @@ KRHPR_API int krhpr_spatial_rrr_a_joint_accelerations_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1810,11 +1906,13 @@ KRHPR_API int krhpr_spatial_rrr_a_joint_accelerations_batch(
         krhpr_lanes redundant_accelerations_lanes[3];
         krhpr_poses_load(redundant_accelerations_lanes, in[8] + k * in_step[8], in_step[8], 3, here);
         krhpr_lanes theta_ddot_lanes[9];
-        krhpr_spatial_rrr_a_joint_accelerations_lanes(
+        const int doubtful = krhpr_spatial_rrr_a_joint_accelerations_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes, theta_dot_lanes,
             twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_joint_accelerations(
@@ -1866,19 +1964,21 @@ KRHPR_API int krhpr_spatial_rrr_a_joint_accelerations_soa(
             krhpr_lanes theta_ddot_room[9];
             double *const theta_ddot_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_ddot_lanes = krhpr_poses_out(theta_ddot_room, theta_ddot_at, row, here);
-            krhpr_spatial_rrr_a_joint_accelerations_lanes(
+            const int doubtful = krhpr_spatial_rrr_a_joint_accelerations_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
             krhpr_poses_done(theta_ddot_room, theta_ddot_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_statics of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_inverse_statics_lanes(
+/* inverse_statics of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_inverse_statics_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at wrench[6],
     const krhpr_lanes_at redundant_forces[3], krhpr_lanes_at *KRHPR_RESTRICT actuator_forces,
@@ -1923,7 +2023,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_inverse_statics_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1934,6 +2034,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_inverse_statics_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, actuator_forces, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_inverse_statics_batch(
@@ -1942,7 +2043,7 @@ KRHPR_API int krhpr_spatial_rrr_a_inverse_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1958,11 +2059,13 @@ KRHPR_API int krhpr_spatial_rrr_a_inverse_statics_batch(
         krhpr_lanes redundant_forces_lanes[3];
         krhpr_poses_load(redundant_forces_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
         krhpr_lanes actuator_forces_lanes[9];
-        krhpr_spatial_rrr_a_inverse_statics_lanes(
+        const int doubtful = krhpr_spatial_rrr_a_inverse_statics_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
             actuator_forces_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_inverse_statics(
@@ -2007,19 +2110,21 @@ KRHPR_API int krhpr_spatial_rrr_a_inverse_statics_soa(
             krhpr_lanes actuator_forces_room[9];
             double *const actuator_forces_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const actuator_forces_lanes = krhpr_poses_out(actuator_forces_room, actuator_forces_at, row, here);
-            krhpr_spatial_rrr_a_inverse_statics_lanes(
+            const int doubtful = krhpr_spatial_rrr_a_inverse_statics_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
                 actuator_forces_lanes, &answer);
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_statics of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_forward_statics_lanes(
+/* forward_statics of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_forward_statics_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at actuator_forces[9],
     krhpr_lanes_at *KRHPR_RESTRICT wrench, krhpr_lanes_at *KRHPR_RESTRICT redundant_forces,
@@ -2056,7 +2161,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_forward_statics_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2071,6 +2176,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_forward_statics_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, wrench, 6);
     krhpr_poses_keep(finite, redundant_forces, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_forward_statics_batch(
@@ -2079,7 +2185,7 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2094,12 +2200,14 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_statics_batch(
         krhpr_poses_load(actuator_forces_lanes, in[4] + k * in_step[4], in_step[4], 9, here);
         krhpr_lanes wrench_lanes[6];
         krhpr_lanes redundant_forces_lanes[3];
-        krhpr_spatial_rrr_a_forward_statics_lanes(
+        const int doubtful = krhpr_spatial_rrr_a_forward_statics_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, actuator_forces_lanes, wrench_lanes,
             redundant_forces_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], wrench_lanes, 6, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_forward_statics(
@@ -2146,20 +2254,22 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_statics_soa(
             krhpr_lanes redundant_forces_room[3];
             double *const redundant_forces_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const redundant_forces_lanes = krhpr_poses_out(redundant_forces_room, redundant_forces_at, row, here);
-            krhpr_spatial_rrr_a_forward_statics_lanes(
+            const int doubtful = krhpr_spatial_rrr_a_forward_statics_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, actuator_forces_lanes, wrench_lanes,
                 redundant_forces_lanes, &answer);
             krhpr_poses_done(wrench_room, wrench_at, row, 6, here);
             krhpr_poses_done(redundant_forces_room, redundant_forces_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* passive_joints of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_passive_joints_lanes(
+/* passive_joints of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_passive_joints_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT spherical,
     krhpr_lanes_at *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
@@ -2197,7 +2307,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_passive_joints_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2205,6 +2315,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_passive_joints_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, spherical, 27);
     krhpr_poses_keep(finite, platform_joint, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_passive_joints_batch(
@@ -2213,7 +2324,7 @@ KRHPR_API int krhpr_spatial_rrr_a_passive_joints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2226,11 +2337,13 @@ KRHPR_API int krhpr_spatial_rrr_a_passive_joints_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
         krhpr_lanes spherical_lanes[27];
         krhpr_lanes platform_joint_lanes[3];
-        krhpr_spatial_rrr_a_passive_joints_lanes(
+        const int doubtful = krhpr_spatial_rrr_a_passive_joints_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, spherical_lanes, platform_joint_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], spherical_lanes, 27, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], platform_joint_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_passive_joints(
@@ -2274,19 +2387,21 @@ KRHPR_API int krhpr_spatial_rrr_a_passive_joints_soa(
             krhpr_lanes platform_joint_room[3];
             double *const platform_joint_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const platform_joint_lanes = krhpr_poses_out(platform_joint_room, platform_joint_at, row, here);
-            krhpr_spatial_rrr_a_passive_joints_lanes(
+            const int doubtful = krhpr_spatial_rrr_a_passive_joints_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, spherical_lanes, platform_joint_lanes, &answer);
             krhpr_poses_done(spherical_room, spherical_at, row, 27, here);
             krhpr_poses_done(platform_joint_room, platform_joint_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* link_points of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_link_points_lanes(
+/* link_points of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_link_points_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT points,
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
@@ -2313,7 +2428,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_link_points_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2321,6 +2436,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_link_points_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, points, 36);
     krhpr_poses_keep(finite, attachment, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_link_points_batch(
@@ -2329,7 +2445,7 @@ KRHPR_API int krhpr_spatial_rrr_a_link_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2342,11 +2458,13 @@ KRHPR_API int krhpr_spatial_rrr_a_link_points_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
         krhpr_lanes points_lanes[36];
         krhpr_lanes attachment_lanes[9];
-        krhpr_spatial_rrr_a_link_points_lanes(
+        const int doubtful = krhpr_spatial_rrr_a_link_points_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], points_lanes, 36, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], attachment_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_link_points(
@@ -2390,19 +2508,21 @@ KRHPR_API int krhpr_spatial_rrr_a_link_points_soa(
             krhpr_lanes attachment_room[9];
             double *const attachment_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const attachment_lanes = krhpr_poses_out(attachment_room, attachment_at, row, here);
-            krhpr_spatial_rrr_a_link_points_lanes(
+            const int doubtful = krhpr_spatial_rrr_a_link_points_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
             krhpr_poses_done(points_room, points_at, row, 36, here);
             krhpr_poses_done(attachment_room, attachment_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* clearances of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_clearances_lanes(
+/* clearances of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_clearances_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT distances,
     krhpr_ints *answer)
@@ -2459,13 +2579,14 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_clearances_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, distances, 87);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_clearances_batch(
@@ -2474,7 +2595,7 @@ KRHPR_API int krhpr_spatial_rrr_a_clearances_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2486,10 +2607,12 @@ KRHPR_API int krhpr_spatial_rrr_a_clearances_batch(
         krhpr_lanes theta_lanes[9];
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
         krhpr_lanes distances_lanes[87];
-        krhpr_spatial_rrr_a_clearances_lanes(
+        const int doubtful = krhpr_spatial_rrr_a_clearances_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], distances_lanes, 87, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_clearances(
@@ -2530,18 +2653,20 @@ KRHPR_API int krhpr_spatial_rrr_a_clearances_soa(
             krhpr_lanes distances_room[87];
             double *const distances_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const distances_lanes = krhpr_poses_out(distances_room, distances_at, row, here);
-            krhpr_spatial_rrr_a_clearances_lanes(
+            const int doubtful = krhpr_spatial_rrr_a_clearances_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
             krhpr_poses_done(distances_room, distances_at, row, 87, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* singularity of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_singularity_lanes(
+/* singularity of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_singularity_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT type_1,
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
@@ -2575,7 +2700,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_singularity_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2585,6 +2710,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_singularity_lanes(
     krhpr_poses_keep(finite, factors, 6);
     krhpr_poses_keep(finite, type_2, 2);
     krhpr_poses_keep(finite, margins, 2);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_singularity_batch(
@@ -2593,7 +2719,7 @@ KRHPR_API int krhpr_spatial_rrr_a_singularity_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2608,14 +2734,16 @@ KRHPR_API int krhpr_spatial_rrr_a_singularity_batch(
         krhpr_lanes factors_lanes[6];
         krhpr_lanes type_2_lanes[2];
         krhpr_lanes margins_lanes[2];
-        krhpr_spatial_rrr_a_singularity_lanes(
+        const int doubtful = krhpr_spatial_rrr_a_singularity_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
             margins_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_1_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], factors_lanes, 6, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], type_2_lanes, 2, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], margins_lanes, 2, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_singularity(
@@ -2666,22 +2794,24 @@ KRHPR_API int krhpr_spatial_rrr_a_singularity_soa(
             krhpr_lanes margins_room[2];
             double *const margins_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const margins_lanes = krhpr_poses_out(margins_room, margins_at, row, here);
-            krhpr_spatial_rrr_a_singularity_lanes(
+            const int doubtful = krhpr_spatial_rrr_a_singularity_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
                 margins_lanes, &answer);
             krhpr_poses_done(type_1_room, type_1_at, row, 3, here);
             krhpr_poses_done(factors_room, factors_at, row, 6, here);
             krhpr_poses_done(type_2_room, type_2_at, row, 2, here);
             krhpr_poses_done(margins_room, margins_at, row, 2, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* type_2_of_redundant of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_type_2_of_redundant_lanes(
+/* type_2_of_redundant of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_type_2_of_redundant_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at redundant[3],
     krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
@@ -2704,7 +2834,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_type_2_of_redundant_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2712,6 +2842,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_type_2_of_redundant_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_2, 2);
     krhpr_poses_keep(finite, margins, 2);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_type_2_of_redundant_batch(
@@ -2720,18 +2851,20 @@ KRHPR_API int krhpr_spatial_rrr_a_type_2_of_redundant_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
         krhpr_lanes type_2_lanes[2];
         krhpr_lanes margins_lanes[2];
-        krhpr_spatial_rrr_a_type_2_of_redundant_lanes(
+        const int doubtful = krhpr_spatial_rrr_a_type_2_of_redundant_lanes(
             g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_2_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], margins_lanes, 2, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_type_2_of_redundant(
@@ -2768,19 +2901,21 @@ KRHPR_API int krhpr_spatial_rrr_a_type_2_of_redundant_soa(
             krhpr_lanes margins_room[2];
             double *const margins_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const margins_lanes = krhpr_poses_out(margins_room, margins_at, row, here);
-            krhpr_spatial_rrr_a_type_2_of_redundant_lanes(
+            const int doubtful = krhpr_spatial_rrr_a_type_2_of_redundant_lanes(
                 g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
             krhpr_poses_done(type_2_room, type_2_at, row, 2, here);
             krhpr_poses_done(margins_room, margins_at, row, 2, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* indices of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_indices_lanes(
+/* indices of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_indices_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3,
@@ -2834,7 +2969,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_indices_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2855,6 +2990,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_indices_lanes(
     krhpr_poses_keep(finite, eta_2, 1);
     krhpr_poses_keep(finite, eta_3, 1);
     krhpr_poses_keep(finite, condition, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_indices_batch(
@@ -2863,7 +2999,7 @@ KRHPR_API int krhpr_spatial_rrr_a_indices_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2878,14 +3014,16 @@ KRHPR_API int krhpr_spatial_rrr_a_indices_batch(
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
         krhpr_lanes condition_lanes[3];
-        krhpr_spatial_rrr_a_indices_lanes(
+        const int doubtful = krhpr_spatial_rrr_a_indices_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes,
             condition_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_indices(
@@ -2936,22 +3074,24 @@ KRHPR_API int krhpr_spatial_rrr_a_indices_soa(
             krhpr_lanes condition_room[3];
             double *const condition_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const condition_lanes = krhpr_poses_out(condition_room, condition_at, row, here);
-            krhpr_spatial_rrr_a_indices_lanes(
+            const int doubtful = krhpr_spatial_rrr_a_indices_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes,
                 condition_lanes, &answer);
             krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
             krhpr_poses_done(condition_room, condition_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* index_bounds of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_index_bounds_lanes(
+/* index_bounds of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_index_bounds_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_ints *answer)
@@ -3005,7 +3145,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_index_bounds_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3024,6 +3164,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_index_bounds_lanes(
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
     krhpr_poses_keep(finite, eta_3, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_index_bounds_batch(
@@ -3032,7 +3173,7 @@ KRHPR_API int krhpr_spatial_rrr_a_index_bounds_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -3046,12 +3187,14 @@ KRHPR_API int krhpr_spatial_rrr_a_index_bounds_batch(
         krhpr_lanes eta_1_lanes[1];
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
-        krhpr_spatial_rrr_a_index_bounds_lanes(
+        const int doubtful = krhpr_spatial_rrr_a_index_bounds_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_index_bounds(
@@ -3099,12 +3242,14 @@ KRHPR_API int krhpr_spatial_rrr_a_index_bounds_soa(
             krhpr_lanes eta_3_room[1];
             double *const eta_3_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const eta_3_lanes = krhpr_poses_out(eta_3_room, eta_3_at, row, here);
-            krhpr_spatial_rrr_a_index_bounds_lanes(
+            const int doubtful = krhpr_spatial_rrr_a_index_bounds_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes, &answer);
             krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
@@ -3235,8 +3380,8 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_soa(
 }
 #endif
 
-/* forward_newton of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_forward_newton_lanes(
+/* forward_newton of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_forward_newton_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at p_near[3],
     const krhpr_lanes_at Q_near[9], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT kantorovich, krhpr_ints *answer)
@@ -3297,7 +3442,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_forward_newton_lanes(
     fine &= krhpr_at_most(misfit[0], krhpr_all(1e-12));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3315,6 +3460,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_forward_newton_lanes(
     krhpr_poses_keep(finite, Q, 9);
     krhpr_poses_keep(finite, redundant, 3);
     krhpr_poses_keep(finite, kantorovich, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_forward_newton_batch(
@@ -3323,7 +3469,7 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_newton_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -3336,14 +3482,16 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_newton_batch(
         krhpr_lanes Q_lanes[9];
         krhpr_lanes redundant_lanes[3];
         krhpr_lanes kantorovich_lanes[1];
-        krhpr_spatial_rrr_a_forward_newton_lanes(
+        const int doubtful = krhpr_spatial_rrr_a_forward_newton_lanes(
             g, s_lanes, p_near_lanes, Q_near_lanes, p_lanes, Q_lanes, redundant_lanes, kantorovich_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], kantorovich_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_forward_newton(
@@ -3392,22 +3540,24 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_newton_soa(
             krhpr_lanes kantorovich_room[1];
             double *const kantorovich_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const kantorovich_lanes = krhpr_poses_out(kantorovich_room, kantorovich_at, row, here);
-            krhpr_spatial_rrr_a_forward_newton_lanes(
+            const int doubtful = krhpr_spatial_rrr_a_forward_newton_lanes(
                 g, s_lanes, p_near_lanes, Q_near_lanes, p_lanes, Q_lanes, redundant_lanes,
                 kantorovich_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
             krhpr_poses_done(kantorovich_room, kantorovich_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_encoders_1 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_forward_encoders_1_lanes(
+/* forward_encoders_1 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_forward_encoders_1_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at measured[1],
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
@@ -3438,7 +3588,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_forward_encoders_1_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3454,6 +3604,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_forward_encoders_1_lanes(
     krhpr_poses_keep(finite, p, 6);
     krhpr_poses_keep(finite, Q, 18);
     krhpr_poses_keep(finite, mismatch, 2);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_forward_encoders_1_batch(
@@ -3462,7 +3613,7 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_encoders_1_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -3474,12 +3625,14 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_encoders_1_batch(
         krhpr_lanes p_lanes[6];
         krhpr_lanes Q_lanes[18];
         krhpr_lanes mismatch_lanes[2];
-        krhpr_spatial_rrr_a_forward_encoders_1_lanes(
+        const int doubtful = krhpr_spatial_rrr_a_forward_encoders_1_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, mismatch_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 6, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 18, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], mismatch_lanes, 2, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_forward_encoders_1(
@@ -3524,12 +3677,14 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_encoders_1_soa(
             krhpr_lanes mismatch_room[2];
             double *const mismatch_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_spatial_rrr_a_forward_encoders_1_lanes(
+            const int doubtful = krhpr_spatial_rrr_a_forward_encoders_1_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 6, here);
             krhpr_poses_done(Q_room, Q_at, row, 18, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 2, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
@@ -3599,8 +3754,8 @@ KRHPR_API int krhpr_spatial_rrr_a_passive_joints_of_theta_soa(
 }
 #endif
 
-/* forward_encoders_2 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_forward_encoders_2_lanes(
+/* forward_encoders_2 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_forward_encoders_2_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at measured[2],
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
@@ -3639,7 +3794,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3658,6 +3813,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_forward_encoders_2_lanes(
     krhpr_poses_keep(finite, Q, 9);
     krhpr_poses_keep(finite, raw, 9);
     krhpr_poses_keep(finite, mismatch, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_forward_encoders_2_batch(
@@ -3666,7 +3822,7 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_encoders_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -3679,14 +3835,16 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_encoders_2_batch(
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
         krhpr_lanes mismatch_lanes[1];
-        krhpr_spatial_rrr_a_forward_encoders_2_lanes(
+        const int doubtful = krhpr_spatial_rrr_a_forward_encoders_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_forward_encoders_2(
@@ -3735,22 +3893,24 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_encoders_2_soa(
             krhpr_lanes mismatch_room[1];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_spatial_rrr_a_forward_encoders_2_lanes(
+            const int doubtful = krhpr_spatial_rrr_a_forward_encoders_2_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
                 &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_encoders_3 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_forward_encoders_3_lanes(
+/* forward_encoders_3 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_forward_encoders_3_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at measured[3],
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
@@ -3789,7 +3949,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3808,6 +3968,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_forward_encoders_3_lanes(
     krhpr_poses_keep(finite, Q, 9);
     krhpr_poses_keep(finite, raw, 9);
     krhpr_poses_keep(finite, mismatch, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_forward_encoders_3_batch(
@@ -3816,7 +3977,7 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_encoders_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -3829,14 +3990,16 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_encoders_3_batch(
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
         krhpr_lanes mismatch_lanes[3];
-        krhpr_spatial_rrr_a_forward_encoders_3_lanes(
+        const int doubtful = krhpr_spatial_rrr_a_forward_encoders_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_forward_encoders_3(
@@ -3885,22 +4048,24 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_encoders_3_soa(
             krhpr_lanes mismatch_room[3];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_spatial_rrr_a_forward_encoders_3_lanes(
+            const int doubtful = krhpr_spatial_rrr_a_forward_encoders_3_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
                 &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_gauss_newton_2 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_forward_gauss_newton_2_lanes(
+/* forward_gauss_newton_2 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_forward_gauss_newton_2_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at measured[2],
     const krhpr_lanes_at tolerance[1], const krhpr_lanes_at weights[3], krhpr_lanes_at *KRHPR_RESTRICT p,
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
@@ -3964,7 +4129,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3984,6 +4149,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_forward_gauss_newton_2_lanes(
     krhpr_poses_keep(finite, Q, 9);
     krhpr_poses_keep(finite, raw, 9);
     krhpr_poses_keep(finite, mismatch, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_forward_gauss_newton_2_batch(
@@ -3992,7 +4158,7 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_gauss_newton_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4007,14 +4173,16 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_gauss_newton_2_batch(
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
         krhpr_lanes mismatch_lanes[1];
-        krhpr_spatial_rrr_a_forward_gauss_newton_2_lanes(
+        const int doubtful = krhpr_spatial_rrr_a_forward_gauss_newton_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
             mismatch_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_forward_gauss_newton_2(
@@ -4065,22 +4233,24 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_gauss_newton_2_soa(
             krhpr_lanes mismatch_room[1];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_spatial_rrr_a_forward_gauss_newton_2_lanes(
+            const int doubtful = krhpr_spatial_rrr_a_forward_gauss_newton_2_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
                 mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_gauss_newton_3 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_a_forward_gauss_newton_3_lanes(
+/* forward_gauss_newton_3 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_a_forward_gauss_newton_3_lanes(
     const krhpr_spatial_rrr_a_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at measured[3],
     const krhpr_lanes_at tolerance[1], const krhpr_lanes_at weights[3], krhpr_lanes_at *KRHPR_RESTRICT p,
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
@@ -4143,7 +4313,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -4163,6 +4333,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_a_forward_gauss_newton_3_lanes(
     krhpr_poses_keep(finite, Q, 9);
     krhpr_poses_keep(finite, raw, 9);
     krhpr_poses_keep(finite, mismatch, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_a_forward_gauss_newton_3_batch(
@@ -4171,7 +4342,7 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_gauss_newton_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4186,14 +4357,16 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_gauss_newton_3_batch(
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
         krhpr_lanes mismatch_lanes[3];
-        krhpr_spatial_rrr_a_forward_gauss_newton_3_lanes(
+        const int doubtful = krhpr_spatial_rrr_a_forward_gauss_newton_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
             mismatch_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_a_forward_gauss_newton_3(
@@ -4244,14 +4417,16 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_gauss_newton_3_soa(
             krhpr_lanes mismatch_room[3];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_spatial_rrr_a_forward_gauss_newton_3_lanes(
+            const int doubtful = krhpr_spatial_rrr_a_forward_gauss_newton_3_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
                 mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;

@@ -13,8 +13,8 @@
 
 static const double mode_default[6] = {1.0, -1.0, 1.0, -1.0, 1.0, -1.0};
 
-/* rotation_error of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_rotation_error_lanes(
+/* rotation_error of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_rotation_error_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at Q[9], krhpr_lanes_at *KRHPR_RESTRICT error,
     krhpr_ints *answer)
 {
@@ -24,13 +24,14 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_rotation_error_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, error, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_rotation_error_batch(
@@ -39,15 +40,17 @@ KRHPR_API int krhpr_spatial_rrr_b_rotation_error_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes Q_lanes[9];
         krhpr_poses_load(Q_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
         krhpr_lanes error_lanes[1];
-        krhpr_spatial_rrr_b_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
+        const int doubtful = krhpr_spatial_rrr_b_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], error_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_rotation_error(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
@@ -80,17 +83,19 @@ KRHPR_API int krhpr_spatial_rrr_b_rotation_error_soa(
             krhpr_lanes error_room[1];
             double *const error_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const error_lanes = krhpr_poses_out(error_room, error_at, row, here);
-            krhpr_spatial_rrr_b_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
+            const int doubtful = krhpr_spatial_rrr_b_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
             krhpr_poses_done(error_room, error_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* end_points of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_end_points_lanes(
+/* end_points of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_end_points_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
@@ -101,13 +106,14 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_end_points_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_end_points_batch(
@@ -116,7 +122,7 @@ KRHPR_API int krhpr_spatial_rrr_b_end_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -126,9 +132,12 @@ KRHPR_API int krhpr_spatial_rrr_b_end_points_batch(
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
         krhpr_lanes s_lanes[9];
-        krhpr_spatial_rrr_b_end_points_lanes(g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
+        const int doubtful = krhpr_spatial_rrr_b_end_points_lanes(
+            g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_end_points(
@@ -167,17 +176,20 @@ KRHPR_API int krhpr_spatial_rrr_b_end_points_soa(
             krhpr_lanes s_room[9];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_spatial_rrr_b_end_points_lanes(g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
+            const int doubtful = krhpr_spatial_rrr_b_end_points_lanes(
+                g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* redundant_coordinates of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_redundant_coordinates_lanes(
+/* redundant_coordinates of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_redundant_coordinates_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
@@ -188,13 +200,14 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_redundant_coordinates_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, redundant, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_redundant_coordinates_batch(
@@ -203,7 +216,7 @@ KRHPR_API int krhpr_spatial_rrr_b_redundant_coordinates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -213,10 +226,12 @@ KRHPR_API int krhpr_spatial_rrr_b_redundant_coordinates_batch(
         krhpr_lanes s_lanes[9];
         krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_spatial_rrr_b_redundant_coordinates_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_redundant_coordinates_lanes(
             g, p_lanes, Q_lanes, s_lanes, redundant_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_redundant_coordinates(
@@ -255,18 +270,20 @@ KRHPR_API int krhpr_spatial_rrr_b_redundant_coordinates_soa(
             krhpr_lanes redundant_room[3];
             double *const redundant_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const redundant_lanes = krhpr_poses_out(redundant_room, redundant_at, row, here);
-            krhpr_spatial_rrr_b_redundant_coordinates_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_redundant_coordinates_lanes(
                 g, p_lanes, Q_lanes, s_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_forward of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_subleg_forward_lanes(
+/* subleg_forward of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_subleg_forward_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT s,
     krhpr_ints *answer)
 {
@@ -284,13 +301,14 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_subleg_forward_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_subleg_forward_batch(
@@ -299,15 +317,17 @@ KRHPR_API int krhpr_spatial_rrr_b_subleg_forward_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[9];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
         krhpr_lanes s_lanes[9];
-        krhpr_spatial_rrr_b_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
+        const int doubtful = krhpr_spatial_rrr_b_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_subleg_forward(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
@@ -340,17 +360,19 @@ KRHPR_API int krhpr_spatial_rrr_b_subleg_forward_soa(
             krhpr_lanes s_room[9];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_spatial_rrr_b_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
+            const int doubtful = krhpr_spatial_rrr_b_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_inverse of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_subleg_inverse_lanes(
+/* subleg_inverse of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_subleg_inverse_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at s[9], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
@@ -384,7 +406,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_subleg_inverse_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -396,6 +418,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_subleg_inverse_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 36);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_subleg_inverse_batch(
@@ -404,15 +427,17 @@ KRHPR_API int krhpr_spatial_rrr_b_subleg_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
         krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
         krhpr_lanes theta_lanes[36];
-        krhpr_spatial_rrr_b_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
+        const int doubtful = krhpr_spatial_rrr_b_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 36, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
@@ -445,17 +470,19 @@ KRHPR_API int krhpr_spatial_rrr_b_subleg_inverse_soa(
             krhpr_lanes theta_room[36];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_spatial_rrr_b_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
+            const int doubtful = krhpr_spatial_rrr_b_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 36, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_jacobian of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_subleg_jacobian_lanes(
+/* subleg_jacobian of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_subleg_jacobian_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9],
     krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_ints *answer)
 {
@@ -479,13 +506,14 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_subleg_jacobian_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, M, 27);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_subleg_jacobian_batch(
@@ -494,7 +522,7 @@ KRHPR_API int krhpr_spatial_rrr_b_subleg_jacobian_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -502,9 +530,12 @@ KRHPR_API int krhpr_spatial_rrr_b_subleg_jacobian_batch(
         krhpr_lanes theta_lanes[9];
         krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
         krhpr_lanes M_lanes[27];
-        krhpr_spatial_rrr_b_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
+        const int doubtful = krhpr_spatial_rrr_b_subleg_jacobian_lanes(
+            g, s_lanes, theta_lanes, M_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M_lanes, 27, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_subleg_jacobian(
@@ -540,17 +571,20 @@ KRHPR_API int krhpr_spatial_rrr_b_subleg_jacobian_soa(
             krhpr_lanes M_room[27];
             double *const M_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const M_lanes = krhpr_poses_out(M_room, M_at, row, here);
-            krhpr_spatial_rrr_b_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
+            const int doubtful = krhpr_spatial_rrr_b_subleg_jacobian_lanes(
+                g, s_lanes, theta_lanes, M_lanes, &answer);
             krhpr_poses_done(M_room, M_at, row, 27, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* constraints of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_constraints_lanes(
+/* constraints of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_constraints_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], krhpr_lanes_at *KRHPR_RESTRICT residual, krhpr_ints *answer)
 {
@@ -561,13 +595,14 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_constraints_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, residual, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_constraints_batch(
@@ -576,7 +611,7 @@ KRHPR_API int krhpr_spatial_rrr_b_constraints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -586,9 +621,12 @@ KRHPR_API int krhpr_spatial_rrr_b_constraints_batch(
         krhpr_lanes s_lanes[9];
         krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
         krhpr_lanes residual_lanes[6];
-        krhpr_spatial_rrr_b_constraints_lanes(g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
+        const int doubtful = krhpr_spatial_rrr_b_constraints_lanes(
+            g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], residual_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_constraints(
@@ -627,17 +665,20 @@ KRHPR_API int krhpr_spatial_rrr_b_constraints_soa(
             krhpr_lanes residual_room[6];
             double *const residual_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const residual_lanes = krhpr_poses_out(residual_room, residual_at, row, here);
-            krhpr_spatial_rrr_b_constraints_lanes(g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
+            const int doubtful = krhpr_spatial_rrr_b_constraints_lanes(
+                g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
             krhpr_poses_done(residual_room, residual_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* jacobians of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_jacobians_lanes(
+/* jacobians of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_jacobians_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
@@ -673,7 +714,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_jacobians_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -681,6 +722,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_jacobians_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 36);
     krhpr_poses_keep(finite, K, 54);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_jacobians_batch(
@@ -689,7 +731,7 @@ KRHPR_API int krhpr_spatial_rrr_b_jacobians_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -702,11 +744,13 @@ KRHPR_API int krhpr_spatial_rrr_b_jacobians_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
         krhpr_lanes J_lanes[36];
         krhpr_lanes K_lanes[54];
-        krhpr_spatial_rrr_b_jacobians_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_jacobians_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 54, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_jacobians(
@@ -750,19 +794,21 @@ KRHPR_API int krhpr_spatial_rrr_b_jacobians_soa(
             krhpr_lanes K_room[54];
             double *const K_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_spatial_rrr_b_jacobians_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_jacobians_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 36, here);
             krhpr_poses_done(K_room, K_at, row, 54, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* jacobian_blocks of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_jacobian_blocks_lanes(
+/* jacobian_blocks of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_jacobian_blocks_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
@@ -790,7 +836,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_jacobian_blocks_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -798,6 +844,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_jacobian_blocks_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 36);
     krhpr_poses_keep(finite, K, 18);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_jacobian_blocks_batch(
@@ -806,7 +853,7 @@ KRHPR_API int krhpr_spatial_rrr_b_jacobian_blocks_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -819,11 +866,13 @@ KRHPR_API int krhpr_spatial_rrr_b_jacobian_blocks_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
         krhpr_lanes J_lanes[36];
         krhpr_lanes K_lanes[18];
-        krhpr_spatial_rrr_b_jacobian_blocks_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_jacobian_blocks_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 18, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_jacobian_blocks(
@@ -867,19 +916,21 @@ KRHPR_API int krhpr_spatial_rrr_b_jacobian_blocks_soa(
             krhpr_lanes K_room[18];
             double *const K_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_spatial_rrr_b_jacobian_blocks_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_jacobian_blocks_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 36, here);
             krhpr_poses_done(K_room, K_at, row, 18, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_inverse_lanes(
+/* inverse of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_inverse_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
@@ -908,7 +959,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_inverse_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -920,6 +971,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_inverse_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_inverse_batch(
@@ -928,7 +980,11 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes mode_lanes[6];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_lanes, mode_default, 0, 6, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -937,13 +993,16 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse_batch(
         krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes mode_lanes[6];
-        krhpr_poses_load(mode_lanes, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 6, here);
+        if (in[3] != NULL) {
+            krhpr_poses_load(mode_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        }
         krhpr_lanes theta_lanes[9];
-        krhpr_spatial_rrr_b_inverse_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_inverse_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_inverse(
@@ -962,6 +1021,10 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse_soa(
     const krhpr_spatial_rrr_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes mode_room[6];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_room, mode_default, 0, 6, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -979,28 +1042,27 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse_soa(
             const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            krhpr_lanes mode_room[6];
             const krhpr_lanes_at *mode_lanes = mode_room;
             if (in[3] != NULL) {
                 mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 6, here);
-            } else {
-                krhpr_poses_load(mode_room, mode_default, 0, 6, here);
             }
             krhpr_lanes theta_room[9];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_spatial_rrr_b_inverse_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_inverse_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_all of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_inverse_all_lanes(
+/* inverse_all of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_inverse_all_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
@@ -1035,7 +1097,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_inverse_all_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1047,6 +1109,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_inverse_all_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 36);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_inverse_all_batch(
@@ -1055,7 +1118,7 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1065,9 +1128,12 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse_all_batch(
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
         krhpr_lanes theta_lanes[36];
-        krhpr_spatial_rrr_b_inverse_all_lanes(g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
+        const int doubtful = krhpr_spatial_rrr_b_inverse_all_lanes(
+            g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 36, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_inverse_all(
@@ -1106,9 +1172,12 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse_all_soa(
             krhpr_lanes theta_room[36];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_spatial_rrr_b_inverse_all_lanes(g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
+            const int doubtful = krhpr_spatial_rrr_b_inverse_all_lanes(
+                g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 36, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
@@ -1167,8 +1236,8 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse_near_soa(
 }
 #endif
 
-/* inverse_status of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_inverse_status_lanes(
+/* inverse_status of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_inverse_status_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], krhpr_lanes_at *KRHPR_RESTRICT excess,
     krhpr_ints *answer)
@@ -1178,7 +1247,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_inverse_status_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[3];
         krhpr_platform_spatial_b_end_point_lanes(&g->platform, i, p, Q, redundant[i], s);
-        krhpr_subleg_rrr_reach_lanes(&g->subleg, i, s, mode + 2 * i, &excess[i]);
+        krhpr_subleg_rrr_reach_lanes(&g->subleg, i, s, &excess[i]);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
@@ -1186,7 +1255,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_inverse_status_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1197,6 +1266,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_inverse_status_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_inverse_status_batch(
@@ -1205,7 +1275,11 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse_status_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes mode_lanes[6];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_lanes, mode_default, 0, 6, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1214,13 +1288,16 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse_status_batch(
         krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes mode_lanes[6];
-        krhpr_poses_load(mode_lanes, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 6, here);
+        if (in[3] != NULL) {
+            krhpr_poses_load(mode_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        }
         krhpr_lanes excess_lanes[3];
-        krhpr_spatial_rrr_b_inverse_status_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_inverse_status_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, excess_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_inverse_status(
@@ -1239,6 +1316,10 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse_status_soa(
     const krhpr_spatial_rrr_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes mode_room[6];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_room, mode_default, 0, 6, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -1256,28 +1337,27 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse_status_soa(
             const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            krhpr_lanes mode_room[6];
             const krhpr_lanes_at *mode_lanes = mode_room;
             if (in[3] != NULL) {
                 mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 6, here);
-            } else {
-                krhpr_poses_load(mode_room, mode_default, 0, 6, here);
             }
             krhpr_lanes excess_room[3];
             double *const excess_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const excess_lanes = krhpr_poses_out(excess_room, excess_at, row, here);
-            krhpr_spatial_rrr_b_inverse_status_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_inverse_status_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, excess_lanes, &answer);
             krhpr_poses_done(excess_room, excess_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* twist of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_twist_lanes(
+/* twist of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_twist_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at theta_dot[9],
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
@@ -1316,7 +1396,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_twist_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1327,6 +1407,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_twist_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_twist_batch(
@@ -1335,7 +1416,7 @@ KRHPR_API int krhpr_spatial_rrr_b_twist_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1349,10 +1430,12 @@ KRHPR_API int krhpr_spatial_rrr_b_twist_batch(
         krhpr_lanes theta_dot_lanes[9];
         krhpr_poses_load(theta_dot_lanes, in[4] + k * in_step[4], in_step[4], 9, here);
         krhpr_lanes twist_lanes[6];
-        krhpr_spatial_rrr_b_twist_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_twist_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_twist(
@@ -1395,18 +1478,20 @@ KRHPR_API int krhpr_spatial_rrr_b_twist_soa(
             krhpr_lanes twist_room[6];
             double *const twist_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const twist_lanes = krhpr_poses_out(twist_room, twist_at, row, here);
-            krhpr_spatial_rrr_b_twist_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_twist_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
             krhpr_poses_done(twist_room, twist_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* joint_rates of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_joint_rates_lanes(
+/* joint_rates of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_joint_rates_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at twist[6],
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
@@ -1439,7 +1524,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_joint_rates_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1451,6 +1536,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_joint_rates_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_dot, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_joint_rates_batch(
@@ -1459,7 +1545,7 @@ KRHPR_API int krhpr_spatial_rrr_b_joint_rates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1475,11 +1561,13 @@ KRHPR_API int krhpr_spatial_rrr_b_joint_rates_batch(
         krhpr_lanes redundant_rates_lanes[3];
         krhpr_poses_load(redundant_rates_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
         krhpr_lanes theta_dot_lanes[9];
-        krhpr_spatial_rrr_b_joint_rates_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_joint_rates_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes, theta_dot_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_joint_rates(
@@ -1524,19 +1612,21 @@ KRHPR_API int krhpr_spatial_rrr_b_joint_rates_soa(
             krhpr_lanes theta_dot_room[9];
             double *const theta_dot_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_dot_lanes = krhpr_poses_out(theta_dot_room, theta_dot_at, row, here);
-            krhpr_spatial_rrr_b_joint_rates_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_joint_rates_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 theta_dot_lanes, &answer);
             krhpr_poses_done(theta_dot_room, theta_dot_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* platform_acceleration of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_platform_acceleration_lanes(
+/* platform_acceleration of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_platform_acceleration_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at twist[6],
     const krhpr_lanes_at theta_dot[9], const krhpr_lanes_at theta_ddot[9],
@@ -1585,7 +1675,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_platform_acceleration_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1596,6 +1686,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_platform_acceleration_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist_rate, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_platform_acceleration_batch(
@@ -1604,7 +1695,7 @@ KRHPR_API int krhpr_spatial_rrr_b_platform_acceleration_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1622,11 +1713,13 @@ KRHPR_API int krhpr_spatial_rrr_b_platform_acceleration_batch(
         krhpr_lanes theta_ddot_lanes[9];
         krhpr_poses_load(theta_ddot_lanes, in[6] + k * in_step[6], in_step[6], 9, here);
         krhpr_lanes twist_rate_lanes[6];
-        krhpr_spatial_rrr_b_platform_acceleration_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_platform_acceleration_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
             twist_rate_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_platform_acceleration(
@@ -1674,19 +1767,21 @@ KRHPR_API int krhpr_spatial_rrr_b_platform_acceleration_soa(
             krhpr_lanes twist_rate_room[6];
             double *const twist_rate_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const twist_rate_lanes = krhpr_poses_out(twist_rate_room, twist_rate_at, row, here);
-            krhpr_spatial_rrr_b_platform_acceleration_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_platform_acceleration_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
                 twist_rate_lanes, &answer);
             krhpr_poses_done(twist_rate_room, twist_rate_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* joint_accelerations of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_joint_accelerations_lanes(
+/* joint_accelerations of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_joint_accelerations_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at twist[6],
     const krhpr_lanes_at redundant_rates[3], const krhpr_lanes_at theta_dot[9],
@@ -1731,7 +1826,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_joint_accelerations_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1743,6 +1838,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_joint_accelerations_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_ddot, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_joint_accelerations_batch(
@@ -1751,7 +1847,7 @@ KRHPR_API int krhpr_spatial_rrr_b_joint_accelerations_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1773,11 +1869,13 @@ KRHPR_API int krhpr_spatial_rrr_b_joint_accelerations_batch(
         krhpr_lanes redundant_accelerations_lanes[3];
         krhpr_poses_load(redundant_accelerations_lanes, in[8] + k * in_step[8], in_step[8], 3, here);
         krhpr_lanes theta_ddot_lanes[9];
-        krhpr_spatial_rrr_b_joint_accelerations_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_joint_accelerations_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes, theta_dot_lanes,
             twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_joint_accelerations(
@@ -1829,19 +1927,21 @@ KRHPR_API int krhpr_spatial_rrr_b_joint_accelerations_soa(
             krhpr_lanes theta_ddot_room[9];
             double *const theta_ddot_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_ddot_lanes = krhpr_poses_out(theta_ddot_room, theta_ddot_at, row, here);
-            krhpr_spatial_rrr_b_joint_accelerations_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_joint_accelerations_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
             krhpr_poses_done(theta_ddot_room, theta_ddot_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_statics of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_inverse_statics_lanes(
+/* inverse_statics of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_inverse_statics_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at wrench[6],
     const krhpr_lanes_at redundant_forces[3], krhpr_lanes_at *KRHPR_RESTRICT actuator_forces,
@@ -1886,7 +1986,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_inverse_statics_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1897,6 +1997,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_inverse_statics_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, actuator_forces, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_inverse_statics_batch(
@@ -1905,7 +2006,7 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1921,11 +2022,13 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse_statics_batch(
         krhpr_lanes redundant_forces_lanes[3];
         krhpr_poses_load(redundant_forces_lanes, in[5] + k * in_step[5], in_step[5], 3, here);
         krhpr_lanes actuator_forces_lanes[9];
-        krhpr_spatial_rrr_b_inverse_statics_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_inverse_statics_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
             actuator_forces_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_inverse_statics(
@@ -1970,19 +2073,21 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse_statics_soa(
             krhpr_lanes actuator_forces_room[9];
             double *const actuator_forces_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const actuator_forces_lanes = krhpr_poses_out(actuator_forces_room, actuator_forces_at, row, here);
-            krhpr_spatial_rrr_b_inverse_statics_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_inverse_statics_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
                 actuator_forces_lanes, &answer);
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_statics of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_forward_statics_lanes(
+/* forward_statics of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_forward_statics_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], const krhpr_lanes_at actuator_forces[9],
     krhpr_lanes_at *KRHPR_RESTRICT wrench, krhpr_lanes_at *KRHPR_RESTRICT redundant_forces,
@@ -2019,7 +2124,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_forward_statics_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2034,6 +2139,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_forward_statics_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, wrench, 6);
     krhpr_poses_keep(finite, redundant_forces, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_forward_statics_batch(
@@ -2042,7 +2148,7 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2057,12 +2163,14 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_statics_batch(
         krhpr_poses_load(actuator_forces_lanes, in[4] + k * in_step[4], in_step[4], 9, here);
         krhpr_lanes wrench_lanes[6];
         krhpr_lanes redundant_forces_lanes[3];
-        krhpr_spatial_rrr_b_forward_statics_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_forward_statics_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, actuator_forces_lanes, wrench_lanes,
             redundant_forces_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], wrench_lanes, 6, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_forward_statics(
@@ -2109,20 +2217,22 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_statics_soa(
             krhpr_lanes redundant_forces_room[3];
             double *const redundant_forces_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const redundant_forces_lanes = krhpr_poses_out(redundant_forces_room, redundant_forces_at, row, here);
-            krhpr_spatial_rrr_b_forward_statics_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_forward_statics_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, actuator_forces_lanes, wrench_lanes,
                 redundant_forces_lanes, &answer);
             krhpr_poses_done(wrench_room, wrench_at, row, 6, here);
             krhpr_poses_done(redundant_forces_room, redundant_forces_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* opening of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_opening_lanes(
+/* opening of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_opening_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at redundant[3], const krhpr_lanes_at jaws[3],
     krhpr_lanes_at *KRHPR_RESTRICT opening, krhpr_lanes_at *KRHPR_RESTRICT centre,
     krhpr_lanes_at *KRHPR_RESTRICT shares, krhpr_ints *answer)
@@ -2141,7 +2251,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_opening_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), shares[2]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2157,6 +2267,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_opening_lanes(
     krhpr_poses_keep(finite, opening, 1);
     krhpr_poses_keep(finite, centre, 2);
     krhpr_poses_keep(finite, shares, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_opening_batch(
@@ -2165,7 +2276,7 @@ KRHPR_API int krhpr_spatial_rrr_b_opening_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
@@ -2175,12 +2286,14 @@ KRHPR_API int krhpr_spatial_rrr_b_opening_batch(
         krhpr_lanes opening_lanes[1];
         krhpr_lanes centre_lanes[2];
         krhpr_lanes shares_lanes[3];
-        krhpr_spatial_rrr_b_opening_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_opening_lanes(
             g, redundant_lanes, jaws_lanes, opening_lanes, centre_lanes, shares_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], opening_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], centre_lanes, 2, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], shares_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_opening(
@@ -2223,20 +2336,22 @@ KRHPR_API int krhpr_spatial_rrr_b_opening_soa(
             krhpr_lanes shares_room[3];
             double *const shares_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const shares_lanes = krhpr_poses_out(shares_room, shares_at, row, here);
-            krhpr_spatial_rrr_b_opening_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_opening_lanes(
                 g, redundant_lanes, jaws_lanes, opening_lanes, centre_lanes, shares_lanes, &answer);
             krhpr_poses_done(opening_room, opening_at, row, 1, here);
             krhpr_poses_done(centre_room, centre_at, row, 2, here);
             krhpr_poses_done(shares_room, shares_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* redundant_of_opening of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_redundant_of_opening_lanes(
+/* redundant_of_opening of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_redundant_of_opening_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at opening[1], const krhpr_lanes_at centre[2],
     const krhpr_lanes_at jaws[3], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
@@ -2248,13 +2363,14 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_redundant_of_opening_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, redundant, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_redundant_of_opening_batch(
@@ -2263,7 +2379,7 @@ KRHPR_API int krhpr_spatial_rrr_b_redundant_of_opening_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes opening_lanes[1];
@@ -2273,10 +2389,12 @@ KRHPR_API int krhpr_spatial_rrr_b_redundant_of_opening_batch(
         krhpr_lanes jaws_lanes[3];
         krhpr_poses_load(jaws_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_spatial_rrr_b_redundant_of_opening_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_redundant_of_opening_lanes(
             g, opening_lanes, centre_lanes, jaws_lanes, redundant_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_redundant_of_opening(
@@ -2315,18 +2433,20 @@ KRHPR_API int krhpr_spatial_rrr_b_redundant_of_opening_soa(
             krhpr_lanes redundant_room[3];
             double *const redundant_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const redundant_lanes = krhpr_poses_out(redundant_room, redundant_at, row, here);
-            krhpr_spatial_rrr_b_redundant_of_opening_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_redundant_of_opening_lanes(
                 g, opening_lanes, centre_lanes, jaws_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* grasp of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_grasp_lanes(
+/* grasp of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_grasp_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at Q[9], const krhpr_lanes_at contacts[9],
     const krhpr_lanes_at mass_centre[3], const krhpr_lanes_at weight[3],
     const krhpr_lanes_at normal_forces[3], const krhpr_lanes_at friction[1],
@@ -2357,7 +2477,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_grasp_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[2]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2380,6 +2500,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_grasp_lanes(
     krhpr_poses_keep(finite, wrench, 6);
     krhpr_poses_keep(finite, redundant_forces, 3);
     krhpr_poses_keep(finite, friction_margins, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_grasp_batch(
@@ -2388,7 +2509,7 @@ KRHPR_API int krhpr_spatial_rrr_b_grasp_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes Q_lanes[9];
@@ -2407,7 +2528,7 @@ KRHPR_API int krhpr_spatial_rrr_b_grasp_batch(
         krhpr_lanes wrench_lanes[6];
         krhpr_lanes redundant_forces_lanes[3];
         krhpr_lanes friction_margins_lanes[3];
-        krhpr_spatial_rrr_b_grasp_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_grasp_lanes(
             g, Q_lanes, contacts_lanes, mass_centre_lanes, weight_lanes, normal_forces_lanes,
             friction_lanes, contact_forces_lanes, wrench_lanes, redundant_forces_lanes,
             friction_margins_lanes, &answer);
@@ -2415,7 +2536,9 @@ KRHPR_API int krhpr_spatial_rrr_b_grasp_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], wrench_lanes, 6, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_forces_lanes, 3, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], friction_margins_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_grasp(
@@ -2471,7 +2594,7 @@ KRHPR_API int krhpr_spatial_rrr_b_grasp_soa(
             krhpr_lanes friction_margins_room[3];
             double *const friction_margins_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const friction_margins_lanes = krhpr_poses_out(friction_margins_room, friction_margins_at, row, here);
-            krhpr_spatial_rrr_b_grasp_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_grasp_lanes(
                 g, Q_lanes, contacts_lanes, mass_centre_lanes, weight_lanes, normal_forces_lanes,
                 friction_lanes, contact_forces_lanes, wrench_lanes, redundant_forces_lanes,
                 friction_margins_lanes, &answer);
@@ -2479,15 +2602,17 @@ KRHPR_API int krhpr_spatial_rrr_b_grasp_soa(
             krhpr_poses_done(wrench_room, wrench_at, row, 6, here);
             krhpr_poses_done(redundant_forces_room, redundant_forces_at, row, 3, here);
             krhpr_poses_done(friction_margins_room, friction_margins_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* passive_joints of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_passive_joints_lanes(
+/* passive_joints of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_passive_joints_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT spherical,
     krhpr_lanes_at *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
@@ -2518,7 +2643,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_passive_joints_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2526,6 +2651,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_passive_joints_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, spherical, 27);
     krhpr_poses_keep(finite, platform_joint, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_passive_joints_batch(
@@ -2534,7 +2660,7 @@ KRHPR_API int krhpr_spatial_rrr_b_passive_joints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2547,11 +2673,13 @@ KRHPR_API int krhpr_spatial_rrr_b_passive_joints_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
         krhpr_lanes spherical_lanes[27];
         krhpr_lanes platform_joint_lanes[3];
-        krhpr_spatial_rrr_b_passive_joints_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_passive_joints_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, spherical_lanes, platform_joint_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], spherical_lanes, 27, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], platform_joint_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_passive_joints(
@@ -2595,19 +2723,21 @@ KRHPR_API int krhpr_spatial_rrr_b_passive_joints_soa(
             krhpr_lanes platform_joint_room[3];
             double *const platform_joint_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const platform_joint_lanes = krhpr_poses_out(platform_joint_room, platform_joint_at, row, here);
-            krhpr_spatial_rrr_b_passive_joints_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_passive_joints_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, spherical_lanes, platform_joint_lanes, &answer);
             krhpr_poses_done(spherical_room, spherical_at, row, 27, here);
             krhpr_poses_done(platform_joint_room, platform_joint_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* link_points of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_link_points_lanes(
+/* link_points of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_link_points_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT points,
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
@@ -2634,7 +2764,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_link_points_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2642,6 +2772,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_link_points_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, points, 36);
     krhpr_poses_keep(finite, attachment, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_link_points_batch(
@@ -2650,7 +2781,7 @@ KRHPR_API int krhpr_spatial_rrr_b_link_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2663,11 +2794,13 @@ KRHPR_API int krhpr_spatial_rrr_b_link_points_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
         krhpr_lanes points_lanes[36];
         krhpr_lanes attachment_lanes[9];
-        krhpr_spatial_rrr_b_link_points_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_link_points_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], points_lanes, 36, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], attachment_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_link_points(
@@ -2711,19 +2844,21 @@ KRHPR_API int krhpr_spatial_rrr_b_link_points_soa(
             krhpr_lanes attachment_room[9];
             double *const attachment_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const attachment_lanes = krhpr_poses_out(attachment_room, attachment_at, row, here);
-            krhpr_spatial_rrr_b_link_points_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_link_points_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
             krhpr_poses_done(points_room, points_at, row, 36, here);
             krhpr_poses_done(attachment_room, attachment_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* clearances of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_clearances_lanes(
+/* clearances of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_clearances_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT distances,
     krhpr_ints *answer)
@@ -2775,13 +2910,14 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_clearances_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, distances, 57);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_clearances_batch(
@@ -2790,7 +2926,7 @@ KRHPR_API int krhpr_spatial_rrr_b_clearances_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2802,10 +2938,12 @@ KRHPR_API int krhpr_spatial_rrr_b_clearances_batch(
         krhpr_lanes theta_lanes[9];
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
         krhpr_lanes distances_lanes[57];
-        krhpr_spatial_rrr_b_clearances_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_clearances_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], distances_lanes, 57, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_clearances(
@@ -2846,18 +2984,20 @@ KRHPR_API int krhpr_spatial_rrr_b_clearances_soa(
             krhpr_lanes distances_room[57];
             double *const distances_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const distances_lanes = krhpr_poses_out(distances_room, distances_at, row, here);
-            krhpr_spatial_rrr_b_clearances_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_clearances_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
             krhpr_poses_done(distances_room, distances_at, row, 57, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* singularity of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_singularity_lanes(
+/* singularity of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_singularity_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT type_1,
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
@@ -2891,7 +3031,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_singularity_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2901,6 +3041,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_singularity_lanes(
     krhpr_poses_keep(finite, factors, 6);
     krhpr_poses_keep(finite, type_2, 2);
     krhpr_poses_keep(finite, margins, 2);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_singularity_batch(
@@ -2909,7 +3050,7 @@ KRHPR_API int krhpr_spatial_rrr_b_singularity_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2924,14 +3065,16 @@ KRHPR_API int krhpr_spatial_rrr_b_singularity_batch(
         krhpr_lanes factors_lanes[6];
         krhpr_lanes type_2_lanes[2];
         krhpr_lanes margins_lanes[2];
-        krhpr_spatial_rrr_b_singularity_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_singularity_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
             margins_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_1_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], factors_lanes, 6, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], type_2_lanes, 2, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], margins_lanes, 2, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_singularity(
@@ -2982,22 +3125,24 @@ KRHPR_API int krhpr_spatial_rrr_b_singularity_soa(
             krhpr_lanes margins_room[2];
             double *const margins_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const margins_lanes = krhpr_poses_out(margins_room, margins_at, row, here);
-            krhpr_spatial_rrr_b_singularity_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_singularity_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
                 margins_lanes, &answer);
             krhpr_poses_done(type_1_room, type_1_at, row, 3, here);
             krhpr_poses_done(factors_room, factors_at, row, 6, here);
             krhpr_poses_done(type_2_room, type_2_at, row, 2, here);
             krhpr_poses_done(margins_room, margins_at, row, 2, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* type_2_of_redundant of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_type_2_of_redundant_lanes(
+/* type_2_of_redundant of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_type_2_of_redundant_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at redundant[3],
     krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
@@ -3013,7 +3158,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_type_2_of_redundant_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3021,6 +3166,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_type_2_of_redundant_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_2, 2);
     krhpr_poses_keep(finite, margins, 2);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_type_2_of_redundant_batch(
@@ -3029,18 +3175,20 @@ KRHPR_API int krhpr_spatial_rrr_b_type_2_of_redundant_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
         krhpr_lanes type_2_lanes[2];
         krhpr_lanes margins_lanes[2];
-        krhpr_spatial_rrr_b_type_2_of_redundant_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_type_2_of_redundant_lanes(
             g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_2_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], margins_lanes, 2, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_type_2_of_redundant(
@@ -3077,19 +3225,21 @@ KRHPR_API int krhpr_spatial_rrr_b_type_2_of_redundant_soa(
             krhpr_lanes margins_room[2];
             double *const margins_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const margins_lanes = krhpr_poses_out(margins_room, margins_at, row, here);
-            krhpr_spatial_rrr_b_type_2_of_redundant_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_type_2_of_redundant_lanes(
                 g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
             krhpr_poses_done(type_2_room, type_2_at, row, 2, here);
             krhpr_poses_done(margins_room, margins_at, row, 2, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* indices of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_indices_lanes(
+/* indices of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_indices_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3,
@@ -3143,7 +3293,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_indices_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3164,6 +3314,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_indices_lanes(
     krhpr_poses_keep(finite, eta_2, 1);
     krhpr_poses_keep(finite, eta_3, 1);
     krhpr_poses_keep(finite, condition, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_indices_batch(
@@ -3172,7 +3323,7 @@ KRHPR_API int krhpr_spatial_rrr_b_indices_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -3187,14 +3338,16 @@ KRHPR_API int krhpr_spatial_rrr_b_indices_batch(
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
         krhpr_lanes condition_lanes[3];
-        krhpr_spatial_rrr_b_indices_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_indices_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes,
             condition_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_indices(
@@ -3245,22 +3398,24 @@ KRHPR_API int krhpr_spatial_rrr_b_indices_soa(
             krhpr_lanes condition_room[3];
             double *const condition_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const condition_lanes = krhpr_poses_out(condition_room, condition_at, row, here);
-            krhpr_spatial_rrr_b_indices_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_indices_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes,
                 condition_lanes, &answer);
             krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
             krhpr_poses_done(condition_room, condition_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* index_bounds of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_index_bounds_lanes(
+/* index_bounds of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_index_bounds_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_ints *answer)
@@ -3314,7 +3469,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_index_bounds_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3333,6 +3488,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_index_bounds_lanes(
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
     krhpr_poses_keep(finite, eta_3, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_index_bounds_batch(
@@ -3341,7 +3497,7 @@ KRHPR_API int krhpr_spatial_rrr_b_index_bounds_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -3355,12 +3511,14 @@ KRHPR_API int krhpr_spatial_rrr_b_index_bounds_batch(
         krhpr_lanes eta_1_lanes[1];
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
-        krhpr_spatial_rrr_b_index_bounds_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_index_bounds_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_index_bounds(
@@ -3408,20 +3566,22 @@ KRHPR_API int krhpr_spatial_rrr_b_index_bounds_soa(
             krhpr_lanes eta_3_room[1];
             double *const eta_3_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const eta_3_lanes = krhpr_poses_out(eta_3_room, eta_3_at, row, here);
-            krhpr_spatial_rrr_b_index_bounds_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_index_bounds_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes, &answer);
             krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_all of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_forward_all_lanes(
+/* forward_all of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_forward_all_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at turned[1],
     krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT det_J,
@@ -3448,7 +3608,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_forward_all_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3470,6 +3630,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_forward_all_lanes(
     krhpr_poses_keep(finite, redundant, 6);
     krhpr_poses_keep(finite, det_J, 2);
     krhpr_poses_keep(finite, count, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_forward_all_batch(
@@ -3478,7 +3639,7 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -3490,14 +3651,16 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_all_batch(
         krhpr_lanes redundant_lanes[6];
         krhpr_lanes det_J_lanes[2];
         krhpr_lanes count_lanes[1];
-        krhpr_spatial_rrr_b_forward_all_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_forward_all_lanes(
             g, s_lanes, turned_lanes, p_lanes, Q_lanes, redundant_lanes, det_J_lanes, count_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 6, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 18, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 6, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], det_J_lanes, 2, here);
         krhpr_poses_store(out[4] + k * out_step[4], out_step[4], count_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_forward_all(
@@ -3547,7 +3710,7 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_all_soa(
             krhpr_lanes count_room[1];
             double *const count_at = out[4] + b * out_step[4] + k;
             krhpr_lanes_at *const count_lanes = krhpr_poses_out(count_room, count_at, row, here);
-            krhpr_spatial_rrr_b_forward_all_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_forward_all_lanes(
                 g, s_lanes, turned_lanes, p_lanes, Q_lanes, redundant_lanes, det_J_lanes, count_lanes,
                 &answer);
             krhpr_poses_done(p_room, p_at, row, 6, here);
@@ -3555,15 +3718,17 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_all_soa(
             krhpr_poses_done(redundant_room, redundant_at, row, 6, here);
             krhpr_poses_done(det_J_room, det_J_at, row, 2, here);
             krhpr_poses_done(count_room, count_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_forward_lanes(
+/* forward of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_forward_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at theta[9], const krhpr_lanes_at side[1],
     krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT count,
@@ -3599,7 +3764,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_forward_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), assembly_radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3620,6 +3785,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_forward_lanes(
     krhpr_poses_keep(finite, redundant, 3);
     krhpr_poses_keep(finite, count, 1);
     krhpr_poses_keep(finite, certified, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_forward_batch(
@@ -3628,7 +3794,7 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[9];
@@ -3640,7 +3806,7 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_batch(
         krhpr_lanes redundant_lanes[3];
         krhpr_lanes count_lanes[1];
         krhpr_lanes certified_lanes[1];
-        krhpr_spatial_rrr_b_forward_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_forward_lanes(
             g, theta_lanes, side_lanes, p_lanes, Q_lanes, redundant_lanes, count_lanes, certified_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
@@ -3648,7 +3814,9 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_batch(
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], count_lanes, 1, here);
         krhpr_poses_store(out[4] + k * out_step[4], out_step[4], certified_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_forward(
@@ -3698,7 +3866,7 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_soa(
             krhpr_lanes certified_room[1];
             double *const certified_at = out[4] + b * out_step[4] + k;
             krhpr_lanes_at *const certified_lanes = krhpr_poses_out(certified_room, certified_at, row, here);
-            krhpr_spatial_rrr_b_forward_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_forward_lanes(
                 g, theta_lanes, side_lanes, p_lanes, Q_lanes, redundant_lanes, count_lanes, certified_lanes,
                 &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
@@ -3706,7 +3874,9 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_soa(
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
             krhpr_poses_done(count_room, count_at, row, 1, here);
             krhpr_poses_done(certified_room, certified_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
@@ -3772,8 +3942,8 @@ KRHPR_API int krhpr_spatial_rrr_b_passive_joints_of_theta_soa(
 }
 #endif
 
-/* forward_encoders_2 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_forward_encoders_2_lanes(
+/* forward_encoders_2 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_forward_encoders_2_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at measured[2],
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
@@ -3804,7 +3974,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3823,6 +3993,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_forward_encoders_2_lanes(
     krhpr_poses_keep(finite, Q, 9);
     krhpr_poses_keep(finite, raw, 9);
     krhpr_poses_keep(finite, mismatch, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_forward_encoders_2_batch(
@@ -3831,7 +4002,7 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_encoders_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -3844,14 +4015,16 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_encoders_2_batch(
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
         krhpr_lanes mismatch_lanes[1];
-        krhpr_spatial_rrr_b_forward_encoders_2_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_forward_encoders_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_forward_encoders_2(
@@ -3900,22 +4073,24 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_encoders_2_soa(
             krhpr_lanes mismatch_room[1];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_spatial_rrr_b_forward_encoders_2_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_forward_encoders_2_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
                 &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_encoders_3 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_forward_encoders_3_lanes(
+/* forward_encoders_3 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_forward_encoders_3_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at measured[3],
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
@@ -3946,7 +4121,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3965,6 +4140,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_forward_encoders_3_lanes(
     krhpr_poses_keep(finite, Q, 9);
     krhpr_poses_keep(finite, raw, 9);
     krhpr_poses_keep(finite, mismatch, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_forward_encoders_3_batch(
@@ -3973,7 +4149,7 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_encoders_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -3986,14 +4162,16 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_encoders_3_batch(
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
         krhpr_lanes mismatch_lanes[3];
-        krhpr_spatial_rrr_b_forward_encoders_3_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_forward_encoders_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_forward_encoders_3(
@@ -4042,22 +4220,24 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_encoders_3_soa(
             krhpr_lanes mismatch_room[3];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_spatial_rrr_b_forward_encoders_3_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_forward_encoders_3_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
                 &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_gauss_newton_2 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_forward_gauss_newton_2_lanes(
+/* forward_gauss_newton_2 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_forward_gauss_newton_2_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at measured[2],
     const krhpr_lanes_at tolerance[1], const krhpr_lanes_at weights[3], krhpr_lanes_at *KRHPR_RESTRICT p,
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
@@ -4113,7 +4293,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -4133,6 +4313,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_forward_gauss_newton_2_lanes(
     krhpr_poses_keep(finite, Q, 9);
     krhpr_poses_keep(finite, raw, 9);
     krhpr_poses_keep(finite, mismatch, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_forward_gauss_newton_2_batch(
@@ -4141,7 +4322,7 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_gauss_newton_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4156,14 +4337,16 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_gauss_newton_2_batch(
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
         krhpr_lanes mismatch_lanes[1];
-        krhpr_spatial_rrr_b_forward_gauss_newton_2_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_forward_gauss_newton_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
             mismatch_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_forward_gauss_newton_2(
@@ -4214,22 +4397,24 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_gauss_newton_2_soa(
             krhpr_lanes mismatch_room[1];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_spatial_rrr_b_forward_gauss_newton_2_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_forward_gauss_newton_2_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
                 mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_gauss_newton_3 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrr_b_forward_gauss_newton_3_lanes(
+/* forward_gauss_newton_3 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrr_b_forward_gauss_newton_3_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at measured[3],
     const krhpr_lanes_at tolerance[1], const krhpr_lanes_at weights[3], krhpr_lanes_at *KRHPR_RESTRICT p,
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
@@ -4284,7 +4469,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -4304,6 +4489,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrr_b_forward_gauss_newton_3_lanes(
     krhpr_poses_keep(finite, Q, 9);
     krhpr_poses_keep(finite, raw, 9);
     krhpr_poses_keep(finite, mismatch, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrr_b_forward_gauss_newton_3_batch(
@@ -4312,7 +4498,7 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_gauss_newton_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4327,14 +4513,16 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_gauss_newton_3_batch(
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
         krhpr_lanes mismatch_lanes[3];
-        krhpr_spatial_rrr_b_forward_gauss_newton_3_lanes(
+        const int doubtful = krhpr_spatial_rrr_b_forward_gauss_newton_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
             mismatch_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_forward_gauss_newton_3(
@@ -4385,14 +4573,16 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_gauss_newton_3_soa(
             krhpr_lanes mismatch_room[3];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_spatial_rrr_b_forward_gauss_newton_3_lanes(
+            const int doubtful = krhpr_spatial_rrr_b_forward_gauss_newton_3_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
                 mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;

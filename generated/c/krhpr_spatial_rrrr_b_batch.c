@@ -14,8 +14,8 @@
 static const double mode_default[6] = {-1.0, -1.0, -1.0, -1.0, -1.0, -1.0};
 static const double swivel_default[3] = {0.0, 0.0, 0.0};
 
-/* rotation_error of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_rotation_error_lanes(
+/* rotation_error of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_rotation_error_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at Q[9], krhpr_lanes_at *KRHPR_RESTRICT error,
     krhpr_ints *answer)
 {
@@ -25,13 +25,14 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_rotation_error_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, error, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_rotation_error_batch(
@@ -41,15 +42,17 @@ KRHPR_API int krhpr_spatial_rrrr_b_rotation_error_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes Q_lanes[9];
         krhpr_poses_load(Q_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
         krhpr_lanes error_lanes[1];
-        krhpr_spatial_rrrr_b_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
+        const int doubtful = krhpr_spatial_rrrr_b_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], error_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_rotation_error(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
@@ -82,17 +85,19 @@ KRHPR_API int krhpr_spatial_rrrr_b_rotation_error_soa(
             krhpr_lanes error_room[1];
             double *const error_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const error_lanes = krhpr_poses_out(error_room, error_at, row, here);
-            krhpr_spatial_rrrr_b_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
+            const int doubtful = krhpr_spatial_rrrr_b_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
             krhpr_poses_done(error_room, error_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* end_points of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_end_points_lanes(
+/* end_points of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_end_points_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
@@ -103,13 +108,14 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_end_points_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_end_points_batch(
@@ -119,7 +125,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_end_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -129,9 +135,12 @@ KRHPR_API int krhpr_spatial_rrrr_b_end_points_batch(
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
         krhpr_lanes s_lanes[9];
-        krhpr_spatial_rrrr_b_end_points_lanes(g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
+        const int doubtful = krhpr_spatial_rrrr_b_end_points_lanes(
+            g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_end_points(
@@ -170,17 +179,20 @@ KRHPR_API int krhpr_spatial_rrrr_b_end_points_soa(
             krhpr_lanes s_room[9];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_spatial_rrrr_b_end_points_lanes(g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
+            const int doubtful = krhpr_spatial_rrrr_b_end_points_lanes(
+                g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* redundant_coordinates of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_redundant_coordinates_lanes(
+/* redundant_coordinates of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_redundant_coordinates_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
@@ -191,13 +203,14 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_redundant_coordinates_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, redundant, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_redundant_coordinates_batch(
@@ -207,7 +220,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_redundant_coordinates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -217,10 +230,12 @@ KRHPR_API int krhpr_spatial_rrrr_b_redundant_coordinates_batch(
         krhpr_lanes s_lanes[9];
         krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_spatial_rrrr_b_redundant_coordinates_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_redundant_coordinates_lanes(
             g, p_lanes, Q_lanes, s_lanes, redundant_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_redundant_coordinates(
@@ -259,18 +274,20 @@ KRHPR_API int krhpr_spatial_rrrr_b_redundant_coordinates_soa(
             krhpr_lanes redundant_room[3];
             double *const redundant_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const redundant_lanes = krhpr_poses_out(redundant_room, redundant_at, row, here);
-            krhpr_spatial_rrrr_b_redundant_coordinates_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_redundant_coordinates_lanes(
                 g, p_lanes, Q_lanes, s_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_forward of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_subleg_forward_lanes(
+/* subleg_forward of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_subleg_forward_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at theta[12], krhpr_lanes_at *KRHPR_RESTRICT s,
     krhpr_ints *answer)
 {
@@ -288,13 +305,14 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_subleg_forward_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_subleg_forward_batch(
@@ -304,15 +322,17 @@ KRHPR_API int krhpr_spatial_rrrr_b_subleg_forward_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[12];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 12, here);
         krhpr_lanes s_lanes[9];
-        krhpr_spatial_rrrr_b_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
+        const int doubtful = krhpr_spatial_rrrr_b_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_subleg_forward(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
@@ -345,17 +365,19 @@ KRHPR_API int krhpr_spatial_rrrr_b_subleg_forward_soa(
             krhpr_lanes s_room[9];
             double *const s_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const s_lanes = krhpr_poses_out(s_room, s_at, row, here);
-            krhpr_spatial_rrrr_b_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
+            const int doubtful = krhpr_spatial_rrrr_b_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
             krhpr_poses_done(s_room, s_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_inverse of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_subleg_inverse_lanes(
+/* subleg_inverse of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_subleg_inverse_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at swivel[3],
     krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
@@ -401,7 +423,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_subleg_inverse_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -413,6 +435,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_subleg_inverse_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 48);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_subleg_inverse_batch(
@@ -422,17 +445,25 @@ KRHPR_API int krhpr_spatial_rrrr_b_subleg_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes swivel_lanes[3];
+    if (in[1] == NULL) {
+        krhpr_poses_load(swivel_lanes, swivel_default, 0, 3, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
         krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
-        krhpr_lanes swivel_lanes[3];
-        krhpr_poses_load(swivel_lanes, in[1] ? in[1] + k * in_step[1] : swivel_default, in[1] ? in_step[1] : 0, 3, here);
+        if (in[1] != NULL) {
+            krhpr_poses_load(swivel_lanes, in[1] + k * in_step[1], in_step[1], 3, here);
+        }
         krhpr_lanes theta_lanes[48];
-        krhpr_spatial_rrrr_b_subleg_inverse_lanes(g, s_lanes, swivel_lanes, theta_lanes, &answer);
+        const int doubtful = krhpr_spatial_rrrr_b_subleg_inverse_lanes(
+            g, s_lanes, swivel_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 48, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_subleg_inverse(
@@ -450,6 +481,10 @@ KRHPR_API int krhpr_spatial_rrrr_b_subleg_inverse_soa(
     const krhpr_spatial_rrrr_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes swivel_room[3];
+    if (in[1] == NULL) {
+        krhpr_poses_load(swivel_room, swivel_default, 0, 3, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -463,27 +498,27 @@ KRHPR_API int krhpr_spatial_rrrr_b_subleg_inverse_soa(
             krhpr_ints answer;
             krhpr_lanes s_room[9];
             const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[0] + b * in_step[0] + k, row, 9, here);
-            krhpr_lanes swivel_room[3];
             const krhpr_lanes_at *swivel_lanes = swivel_room;
             if (in[1] != NULL) {
                 swivel_lanes = krhpr_poses_in(swivel_room, in[1] + b * in_step[1] + k, row, 3, here);
-            } else {
-                krhpr_poses_load(swivel_room, swivel_default, 0, 3, here);
             }
             krhpr_lanes theta_room[48];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_spatial_rrrr_b_subleg_inverse_lanes(g, s_lanes, swivel_lanes, theta_lanes, &answer);
+            const int doubtful = krhpr_spatial_rrrr_b_subleg_inverse_lanes(
+                g, s_lanes, swivel_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 48, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* swivel of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_swivel_lanes(
+/* swivel of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_swivel_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at theta[12],
     krhpr_lanes_at *KRHPR_RESTRICT swivel, krhpr_ints *answer)
 {
@@ -515,13 +550,14 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_swivel_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, swivel, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_swivel_batch(
@@ -531,7 +567,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_swivel_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -539,9 +575,12 @@ KRHPR_API int krhpr_spatial_rrrr_b_swivel_batch(
         krhpr_lanes theta_lanes[12];
         krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 12, here);
         krhpr_lanes swivel_lanes[3];
-        krhpr_spatial_rrrr_b_swivel_lanes(g, s_lanes, theta_lanes, swivel_lanes, &answer);
+        const int doubtful = krhpr_spatial_rrrr_b_swivel_lanes(
+            g, s_lanes, theta_lanes, swivel_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], swivel_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_swivel(
@@ -577,17 +616,20 @@ KRHPR_API int krhpr_spatial_rrrr_b_swivel_soa(
             krhpr_lanes swivel_room[3];
             double *const swivel_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const swivel_lanes = krhpr_poses_out(swivel_room, swivel_at, row, here);
-            krhpr_spatial_rrrr_b_swivel_lanes(g, s_lanes, theta_lanes, swivel_lanes, &answer);
+            const int doubtful = krhpr_spatial_rrrr_b_swivel_lanes(
+                g, s_lanes, theta_lanes, swivel_lanes, &answer);
             krhpr_poses_done(swivel_room, swivel_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* subleg_jacobian of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_subleg_jacobian_lanes(
+/* subleg_jacobian of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_subleg_jacobian_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at theta[12],
     krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_ints *answer)
 {
@@ -612,13 +654,14 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_subleg_jacobian_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, M, 36);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_subleg_jacobian_batch(
@@ -628,7 +671,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_subleg_jacobian_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -636,9 +679,12 @@ KRHPR_API int krhpr_spatial_rrrr_b_subleg_jacobian_batch(
         krhpr_lanes theta_lanes[12];
         krhpr_poses_load(theta_lanes, in[1] + k * in_step[1], in_step[1], 12, here);
         krhpr_lanes M_lanes[36];
-        krhpr_spatial_rrrr_b_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
+        const int doubtful = krhpr_spatial_rrrr_b_subleg_jacobian_lanes(
+            g, s_lanes, theta_lanes, M_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M_lanes, 36, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_subleg_jacobian(
@@ -674,17 +720,20 @@ KRHPR_API int krhpr_spatial_rrrr_b_subleg_jacobian_soa(
             krhpr_lanes M_room[36];
             double *const M_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const M_lanes = krhpr_poses_out(M_room, M_at, row, here);
-            krhpr_spatial_rrrr_b_subleg_jacobian_lanes(g, s_lanes, theta_lanes, M_lanes, &answer);
+            const int doubtful = krhpr_spatial_rrrr_b_subleg_jacobian_lanes(
+                g, s_lanes, theta_lanes, M_lanes, &answer);
             krhpr_poses_done(M_room, M_at, row, 36, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* constraints of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_constraints_lanes(
+/* constraints of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_constraints_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], krhpr_lanes_at *KRHPR_RESTRICT residual, krhpr_ints *answer)
 {
@@ -695,13 +744,14 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_constraints_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, residual, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_constraints_batch(
@@ -711,7 +761,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_constraints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -721,9 +771,12 @@ KRHPR_API int krhpr_spatial_rrrr_b_constraints_batch(
         krhpr_lanes s_lanes[9];
         krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
         krhpr_lanes residual_lanes[6];
-        krhpr_spatial_rrrr_b_constraints_lanes(g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
+        const int doubtful = krhpr_spatial_rrrr_b_constraints_lanes(
+            g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], residual_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_constraints(
@@ -762,17 +815,20 @@ KRHPR_API int krhpr_spatial_rrrr_b_constraints_soa(
             krhpr_lanes residual_room[6];
             double *const residual_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const residual_lanes = krhpr_poses_out(residual_room, residual_at, row, here);
-            krhpr_spatial_rrrr_b_constraints_lanes(g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
+            const int doubtful = krhpr_spatial_rrrr_b_constraints_lanes(
+                g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
             krhpr_poses_done(residual_room, residual_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* jacobians of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_jacobians_lanes(
+/* jacobians of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_jacobians_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[12], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
@@ -809,7 +865,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_jacobians_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -817,6 +873,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_jacobians_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 36);
     krhpr_poses_keep(finite, K, 72);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_jacobians_batch(
@@ -826,7 +883,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_jacobians_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -839,11 +896,13 @@ KRHPR_API int krhpr_spatial_rrrr_b_jacobians_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 12, here);
         krhpr_lanes J_lanes[36];
         krhpr_lanes K_lanes[72];
-        krhpr_spatial_rrrr_b_jacobians_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_jacobians_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 72, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_jacobians(
@@ -887,19 +946,21 @@ KRHPR_API int krhpr_spatial_rrrr_b_jacobians_soa(
             krhpr_lanes K_room[72];
             double *const K_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_spatial_rrrr_b_jacobians_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_jacobians_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 36, here);
             krhpr_poses_done(K_room, K_at, row, 72, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* jacobian_blocks of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_jacobian_blocks_lanes(
+/* jacobian_blocks of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_jacobian_blocks_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[12], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
@@ -928,7 +989,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_jacobian_blocks_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -936,6 +997,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_jacobian_blocks_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 36);
     krhpr_poses_keep(finite, K, 24);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_jacobian_blocks_batch(
@@ -945,7 +1007,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_jacobian_blocks_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -958,11 +1020,13 @@ KRHPR_API int krhpr_spatial_rrrr_b_jacobian_blocks_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 12, here);
         krhpr_lanes J_lanes[36];
         krhpr_lanes K_lanes[24];
-        krhpr_spatial_rrrr_b_jacobian_blocks_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_jacobian_blocks_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 24, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_jacobian_blocks(
@@ -1006,19 +1070,21 @@ KRHPR_API int krhpr_spatial_rrrr_b_jacobian_blocks_soa(
             krhpr_lanes K_room[24];
             double *const K_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
-            krhpr_spatial_rrrr_b_jacobian_blocks_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_jacobian_blocks_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
             krhpr_poses_done(J_room, J_at, row, 36, here);
             krhpr_poses_done(K_room, K_at, row, 24, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_inverse_lanes(
+/* inverse of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_inverse_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], const krhpr_lanes_at swivel[3],
     krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
@@ -1056,7 +1122,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_inverse_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1068,6 +1134,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_inverse_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 12);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_inverse_batch(
@@ -1077,7 +1144,15 @@ KRHPR_API int krhpr_spatial_rrrr_b_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes mode_lanes[6];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_lanes, mode_default, 0, 6, KRHPR_LANES);
+    }
+    krhpr_lanes swivel_lanes[3];
+    if (in[4] == NULL) {
+        krhpr_poses_load(swivel_lanes, swivel_default, 0, 3, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1086,15 +1161,19 @@ KRHPR_API int krhpr_spatial_rrrr_b_inverse_batch(
         krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes mode_lanes[6];
-        krhpr_poses_load(mode_lanes, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 6, here);
-        krhpr_lanes swivel_lanes[3];
-        krhpr_poses_load(swivel_lanes, in[4] ? in[4] + k * in_step[4] : swivel_default, in[4] ? in_step[4] : 0, 3, here);
+        if (in[3] != NULL) {
+            krhpr_poses_load(mode_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        }
+        if (in[4] != NULL) {
+            krhpr_poses_load(swivel_lanes, in[4] + k * in_step[4], in_step[4], 3, here);
+        }
         krhpr_lanes theta_lanes[12];
-        krhpr_spatial_rrrr_b_inverse_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_inverse_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, swivel_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 12, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_inverse(
@@ -1114,6 +1193,14 @@ KRHPR_API int krhpr_spatial_rrrr_b_inverse_soa(
     const krhpr_spatial_rrrr_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes mode_room[6];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_room, mode_default, 0, 6, KRHPR_LANES);
+    }
+    krhpr_lanes swivel_room[3];
+    if (in[4] == NULL) {
+        krhpr_poses_load(swivel_room, swivel_default, 0, 3, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -1131,35 +1218,31 @@ KRHPR_API int krhpr_spatial_rrrr_b_inverse_soa(
             const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            krhpr_lanes mode_room[6];
             const krhpr_lanes_at *mode_lanes = mode_room;
             if (in[3] != NULL) {
                 mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 6, here);
-            } else {
-                krhpr_poses_load(mode_room, mode_default, 0, 6, here);
             }
-            krhpr_lanes swivel_room[3];
             const krhpr_lanes_at *swivel_lanes = swivel_room;
             if (in[4] != NULL) {
                 swivel_lanes = krhpr_poses_in(swivel_room, in[4] + b * in_step[4] + k, row, 3, here);
-            } else {
-                krhpr_poses_load(swivel_room, swivel_default, 0, 3, here);
             }
             krhpr_lanes theta_room[12];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_spatial_rrrr_b_inverse_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_inverse_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, swivel_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 12, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_all of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_inverse_all_lanes(
+/* inverse_all of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_inverse_all_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at swivel[3], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
@@ -1208,7 +1291,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_inverse_all_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1220,6 +1303,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_inverse_all_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 48);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_inverse_all_batch(
@@ -1229,7 +1313,11 @@ KRHPR_API int krhpr_spatial_rrrr_b_inverse_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes swivel_lanes[3];
+    if (in[3] == NULL) {
+        krhpr_poses_load(swivel_lanes, swivel_default, 0, 3, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1238,13 +1326,16 @@ KRHPR_API int krhpr_spatial_rrrr_b_inverse_all_batch(
         krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes swivel_lanes[3];
-        krhpr_poses_load(swivel_lanes, in[3] ? in[3] + k * in_step[3] : swivel_default, in[3] ? in_step[3] : 0, 3, here);
+        if (in[3] != NULL) {
+            krhpr_poses_load(swivel_lanes, in[3] + k * in_step[3], in_step[3], 3, here);
+        }
         krhpr_lanes theta_lanes[48];
-        krhpr_spatial_rrrr_b_inverse_all_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_inverse_all_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, swivel_lanes, theta_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 48, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_inverse_all(
@@ -1263,6 +1354,10 @@ KRHPR_API int krhpr_spatial_rrrr_b_inverse_all_soa(
     const krhpr_spatial_rrrr_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes swivel_room[3];
+    if (in[3] == NULL) {
+        krhpr_poses_load(swivel_room, swivel_default, 0, 3, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -1280,20 +1375,19 @@ KRHPR_API int krhpr_spatial_rrrr_b_inverse_all_soa(
             const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            krhpr_lanes swivel_room[3];
             const krhpr_lanes_at *swivel_lanes = swivel_room;
             if (in[3] != NULL) {
                 swivel_lanes = krhpr_poses_in(swivel_room, in[3] + b * in_step[3] + k, row, 3, here);
-            } else {
-                krhpr_poses_load(swivel_room, swivel_default, 0, 3, here);
             }
             krhpr_lanes theta_room[48];
             double *const theta_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_lanes = krhpr_poses_out(theta_room, theta_at, row, here);
-            krhpr_spatial_rrrr_b_inverse_all_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_inverse_all_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, swivel_lanes, theta_lanes, &answer);
             krhpr_poses_done(theta_room, theta_at, row, 48, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
@@ -1358,8 +1452,8 @@ KRHPR_API int krhpr_spatial_rrrr_b_inverse_near_soa(
 }
 #endif
 
-/* inverse_status of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_inverse_status_lanes(
+/* inverse_status of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_inverse_status_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], const krhpr_lanes_at swivel[3],
     krhpr_lanes_at *KRHPR_RESTRICT excess, krhpr_ints *answer)
@@ -1377,7 +1471,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_inverse_status_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1388,6 +1482,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_inverse_status_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_inverse_status_batch(
@@ -1397,7 +1492,15 @@ KRHPR_API int krhpr_spatial_rrrr_b_inverse_status_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes mode_lanes[6];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_lanes, mode_default, 0, 6, KRHPR_LANES);
+    }
+    krhpr_lanes swivel_lanes[3];
+    if (in[4] == NULL) {
+        krhpr_poses_load(swivel_lanes, swivel_default, 0, 3, KRHPR_LANES);
+    }
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1406,15 +1509,19 @@ KRHPR_API int krhpr_spatial_rrrr_b_inverse_status_batch(
         krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
-        krhpr_lanes mode_lanes[6];
-        krhpr_poses_load(mode_lanes, in[3] ? in[3] + k * in_step[3] : mode_default, in[3] ? in_step[3] : 0, 6, here);
-        krhpr_lanes swivel_lanes[3];
-        krhpr_poses_load(swivel_lanes, in[4] ? in[4] + k * in_step[4] : swivel_default, in[4] ? in_step[4] : 0, 3, here);
+        if (in[3] != NULL) {
+            krhpr_poses_load(mode_lanes, in[3] + k * in_step[3], in_step[3], 6, here);
+        }
+        if (in[4] != NULL) {
+            krhpr_poses_load(swivel_lanes, in[4] + k * in_step[4], in_step[4], 3, here);
+        }
         krhpr_lanes excess_lanes[3];
-        krhpr_spatial_rrrr_b_inverse_status_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_inverse_status_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, swivel_lanes, excess_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_inverse_status(
@@ -1434,6 +1541,14 @@ KRHPR_API int krhpr_spatial_rrrr_b_inverse_status_soa(
     const krhpr_spatial_rrrr_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
 {
+    krhpr_lanes mode_room[6];
+    if (in[3] == NULL) {
+        krhpr_poses_load(mode_room, mode_default, 0, 6, KRHPR_LANES);
+    }
+    krhpr_lanes swivel_room[3];
+    if (in[4] == NULL) {
+        krhpr_poses_load(swivel_room, swivel_default, 0, 3, KRHPR_LANES);
+    }
     int first = KRHPR_OK;
     const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
     const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
@@ -1451,35 +1566,31 @@ KRHPR_API int krhpr_spatial_rrrr_b_inverse_status_soa(
             const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
             krhpr_lanes redundant_room[3];
             const krhpr_lanes_at *const redundant_lanes = krhpr_poses_in(redundant_room, in[2] + b * in_step[2] + k, row, 3, here);
-            krhpr_lanes mode_room[6];
             const krhpr_lanes_at *mode_lanes = mode_room;
             if (in[3] != NULL) {
                 mode_lanes = krhpr_poses_in(mode_room, in[3] + b * in_step[3] + k, row, 6, here);
-            } else {
-                krhpr_poses_load(mode_room, mode_default, 0, 6, here);
             }
-            krhpr_lanes swivel_room[3];
             const krhpr_lanes_at *swivel_lanes = swivel_room;
             if (in[4] != NULL) {
                 swivel_lanes = krhpr_poses_in(swivel_room, in[4] + b * in_step[4] + k, row, 3, here);
-            } else {
-                krhpr_poses_load(swivel_room, swivel_default, 0, 3, here);
             }
             krhpr_lanes excess_room[3];
             double *const excess_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const excess_lanes = krhpr_poses_out(excess_room, excess_at, row, here);
-            krhpr_spatial_rrrr_b_inverse_status_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_inverse_status_lanes(
                 g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, swivel_lanes, excess_lanes, &answer);
             krhpr_poses_done(excess_room, excess_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* twist of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_twist_lanes(
+/* twist of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_twist_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[12], const krhpr_lanes_at theta_dot[12],
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
@@ -1519,7 +1630,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_twist_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1530,6 +1641,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_twist_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_twist_batch(
@@ -1539,7 +1651,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_twist_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1553,10 +1665,12 @@ KRHPR_API int krhpr_spatial_rrrr_b_twist_batch(
         krhpr_lanes theta_dot_lanes[12];
         krhpr_poses_load(theta_dot_lanes, in[4] + k * in_step[4], in_step[4], 12, here);
         krhpr_lanes twist_lanes[6];
-        krhpr_spatial_rrrr_b_twist_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_twist_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_twist(
@@ -1599,18 +1713,20 @@ KRHPR_API int krhpr_spatial_rrrr_b_twist_soa(
             krhpr_lanes twist_room[6];
             double *const twist_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const twist_lanes = krhpr_poses_out(twist_room, twist_at, row, here);
-            krhpr_spatial_rrrr_b_twist_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_twist_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
             krhpr_poses_done(twist_room, twist_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* joint_rates of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_joint_rates_lanes(
+/* joint_rates of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_joint_rates_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[12], const krhpr_lanes_at twist[6],
     const krhpr_lanes_at redundant_rates[3], const krhpr_lanes_at swivel_rates[3],
@@ -1647,7 +1763,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_joint_rates_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1659,6 +1775,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_joint_rates_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_dot, 12);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_joint_rates_batch(
@@ -1668,7 +1785,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_joint_rates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1686,11 +1803,13 @@ KRHPR_API int krhpr_spatial_rrrr_b_joint_rates_batch(
         krhpr_lanes swivel_rates_lanes[3];
         krhpr_poses_load(swivel_rates_lanes, in[6] + k * in_step[6], in_step[6], 3, here);
         krhpr_lanes theta_dot_lanes[12];
-        krhpr_spatial_rrrr_b_joint_rates_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_joint_rates_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
             swivel_rates_lanes, theta_dot_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 12, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_joint_rates(
@@ -1738,19 +1857,21 @@ KRHPR_API int krhpr_spatial_rrrr_b_joint_rates_soa(
             krhpr_lanes theta_dot_room[12];
             double *const theta_dot_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_dot_lanes = krhpr_poses_out(theta_dot_room, theta_dot_at, row, here);
-            krhpr_spatial_rrrr_b_joint_rates_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_joint_rates_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 swivel_rates_lanes, theta_dot_lanes, &answer);
             krhpr_poses_done(theta_dot_room, theta_dot_at, row, 12, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* platform_acceleration of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_platform_acceleration_lanes(
+/* platform_acceleration of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_platform_acceleration_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[12], const krhpr_lanes_at twist[6],
     const krhpr_lanes_at theta_dot[12], const krhpr_lanes_at theta_ddot[12],
@@ -1802,7 +1923,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_platform_acceleration_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1813,6 +1934,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_platform_acceleration_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist_rate, 6);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_platform_acceleration_batch(
@@ -1822,7 +1944,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_platform_acceleration_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1840,11 +1962,13 @@ KRHPR_API int krhpr_spatial_rrrr_b_platform_acceleration_batch(
         krhpr_lanes theta_ddot_lanes[12];
         krhpr_poses_load(theta_ddot_lanes, in[6] + k * in_step[6], in_step[6], 12, here);
         krhpr_lanes twist_rate_lanes[6];
-        krhpr_spatial_rrrr_b_platform_acceleration_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_platform_acceleration_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
             twist_rate_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 6, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_platform_acceleration(
@@ -1892,19 +2016,21 @@ KRHPR_API int krhpr_spatial_rrrr_b_platform_acceleration_soa(
             krhpr_lanes twist_rate_room[6];
             double *const twist_rate_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const twist_rate_lanes = krhpr_poses_out(twist_rate_room, twist_rate_at, row, here);
-            krhpr_spatial_rrrr_b_platform_acceleration_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_platform_acceleration_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
                 twist_rate_lanes, &answer);
             krhpr_poses_done(twist_rate_room, twist_rate_at, row, 6, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* joint_accelerations of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_joint_accelerations_lanes(
+/* joint_accelerations of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_joint_accelerations_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[12], const krhpr_lanes_at twist[6],
     const krhpr_lanes_at redundant_rates[3], const krhpr_lanes_at theta_dot[12],
@@ -1956,7 +2082,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_joint_accelerations_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -1968,6 +2094,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_joint_accelerations_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_ddot, 12);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_joint_accelerations_batch(
@@ -1977,7 +2104,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_joint_accelerations_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2001,12 +2128,14 @@ KRHPR_API int krhpr_spatial_rrrr_b_joint_accelerations_batch(
         krhpr_lanes swivel_accelerations_lanes[3];
         krhpr_poses_load(swivel_accelerations_lanes, in[9] + k * in_step[9], in_step[9], 3, here);
         krhpr_lanes theta_ddot_lanes[12];
-        krhpr_spatial_rrrr_b_joint_accelerations_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_joint_accelerations_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes, theta_dot_lanes,
             twist_rate_lanes, redundant_accelerations_lanes, swivel_accelerations_lanes, theta_ddot_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 12, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_joint_accelerations(
@@ -2060,20 +2189,22 @@ KRHPR_API int krhpr_spatial_rrrr_b_joint_accelerations_soa(
             krhpr_lanes theta_ddot_room[12];
             double *const theta_ddot_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const theta_ddot_lanes = krhpr_poses_out(theta_ddot_room, theta_ddot_at, row, here);
-            krhpr_spatial_rrrr_b_joint_accelerations_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_joint_accelerations_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
                 theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes,
                 swivel_accelerations_lanes, theta_ddot_lanes, &answer);
             krhpr_poses_done(theta_ddot_room, theta_ddot_at, row, 12, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* inverse_statics of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_inverse_statics_lanes(
+/* inverse_statics of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_inverse_statics_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[12], const krhpr_lanes_at wrench[6],
     const krhpr_lanes_at redundant_forces[3], const krhpr_lanes_at swivel_forces[3],
@@ -2125,7 +2256,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_inverse_statics_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2140,6 +2271,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_inverse_statics_lanes(
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, actuator_forces, 12);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_inverse_statics_batch(
@@ -2149,7 +2281,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_inverse_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2167,11 +2299,13 @@ KRHPR_API int krhpr_spatial_rrrr_b_inverse_statics_batch(
         krhpr_lanes swivel_forces_lanes[3];
         krhpr_poses_load(swivel_forces_lanes, in[6] + k * in_step[6], in_step[6], 3, here);
         krhpr_lanes actuator_forces_lanes[12];
-        krhpr_spatial_rrrr_b_inverse_statics_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_inverse_statics_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
             swivel_forces_lanes, actuator_forces_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 12, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_inverse_statics(
@@ -2219,19 +2353,21 @@ KRHPR_API int krhpr_spatial_rrrr_b_inverse_statics_soa(
             krhpr_lanes actuator_forces_room[12];
             double *const actuator_forces_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const actuator_forces_lanes = krhpr_poses_out(actuator_forces_room, actuator_forces_at, row, here);
-            krhpr_spatial_rrrr_b_inverse_statics_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_inverse_statics_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
                 swivel_forces_lanes, actuator_forces_lanes, &answer);
             krhpr_poses_done(actuator_forces_room, actuator_forces_at, row, 12, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_statics of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_forward_statics_lanes(
+/* forward_statics of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_forward_statics_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[12], const krhpr_lanes_at actuator_forces[12],
     krhpr_lanes_at *KRHPR_RESTRICT wrench, krhpr_lanes_at *KRHPR_RESTRICT redundant_forces,
@@ -2270,7 +2406,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_forward_statics_lanes(
     }
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2287,6 +2423,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_forward_statics_lanes(
     krhpr_poses_keep(finite, wrench, 6);
     krhpr_poses_keep(finite, redundant_forces, 3);
     krhpr_poses_keep(finite, swivel_forces, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_forward_statics_batch(
@@ -2296,7 +2433,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2312,13 +2449,15 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_statics_batch(
         krhpr_lanes wrench_lanes[6];
         krhpr_lanes redundant_forces_lanes[3];
         krhpr_lanes swivel_forces_lanes[3];
-        krhpr_spatial_rrrr_b_forward_statics_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_forward_statics_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, actuator_forces_lanes, wrench_lanes,
             redundant_forces_lanes, swivel_forces_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], wrench_lanes, 6, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], swivel_forces_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_forward_statics(
@@ -2368,21 +2507,23 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_statics_soa(
             krhpr_lanes swivel_forces_room[3];
             double *const swivel_forces_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const swivel_forces_lanes = krhpr_poses_out(swivel_forces_room, swivel_forces_at, row, here);
-            krhpr_spatial_rrrr_b_forward_statics_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_forward_statics_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, actuator_forces_lanes, wrench_lanes,
                 redundant_forces_lanes, swivel_forces_lanes, &answer);
             krhpr_poses_done(wrench_room, wrench_at, row, 6, here);
             krhpr_poses_done(redundant_forces_room, redundant_forces_at, row, 3, here);
             krhpr_poses_done(swivel_forces_room, swivel_forces_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* opening of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_opening_lanes(
+/* opening of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_opening_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at redundant[3], const krhpr_lanes_at jaws[3],
     krhpr_lanes_at *KRHPR_RESTRICT opening, krhpr_lanes_at *KRHPR_RESTRICT centre,
     krhpr_lanes_at *KRHPR_RESTRICT shares, krhpr_ints *answer)
@@ -2401,7 +2542,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_opening_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), shares[2]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2417,6 +2558,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_opening_lanes(
     krhpr_poses_keep(finite, opening, 1);
     krhpr_poses_keep(finite, centre, 2);
     krhpr_poses_keep(finite, shares, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_opening_batch(
@@ -2426,7 +2568,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_opening_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
@@ -2436,12 +2578,14 @@ KRHPR_API int krhpr_spatial_rrrr_b_opening_batch(
         krhpr_lanes opening_lanes[1];
         krhpr_lanes centre_lanes[2];
         krhpr_lanes shares_lanes[3];
-        krhpr_spatial_rrrr_b_opening_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_opening_lanes(
             g, redundant_lanes, jaws_lanes, opening_lanes, centre_lanes, shares_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], opening_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], centre_lanes, 2, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], shares_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_opening(
@@ -2484,20 +2628,22 @@ KRHPR_API int krhpr_spatial_rrrr_b_opening_soa(
             krhpr_lanes shares_room[3];
             double *const shares_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const shares_lanes = krhpr_poses_out(shares_room, shares_at, row, here);
-            krhpr_spatial_rrrr_b_opening_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_opening_lanes(
                 g, redundant_lanes, jaws_lanes, opening_lanes, centre_lanes, shares_lanes, &answer);
             krhpr_poses_done(opening_room, opening_at, row, 1, here);
             krhpr_poses_done(centre_room, centre_at, row, 2, here);
             krhpr_poses_done(shares_room, shares_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* redundant_of_opening of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_redundant_of_opening_lanes(
+/* redundant_of_opening of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_redundant_of_opening_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at opening[1], const krhpr_lanes_at centre[2],
     const krhpr_lanes_at jaws[3], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
@@ -2509,13 +2655,14 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_redundant_of_opening_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, redundant, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_redundant_of_opening_batch(
@@ -2525,7 +2672,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_redundant_of_opening_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes opening_lanes[1];
@@ -2535,10 +2682,12 @@ KRHPR_API int krhpr_spatial_rrrr_b_redundant_of_opening_batch(
         krhpr_lanes jaws_lanes[3];
         krhpr_poses_load(jaws_lanes, in[2] + k * in_step[2], in_step[2], 3, here);
         krhpr_lanes redundant_lanes[3];
-        krhpr_spatial_rrrr_b_redundant_of_opening_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_redundant_of_opening_lanes(
             g, opening_lanes, centre_lanes, jaws_lanes, redundant_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_redundant_of_opening(
@@ -2577,18 +2726,20 @@ KRHPR_API int krhpr_spatial_rrrr_b_redundant_of_opening_soa(
             krhpr_lanes redundant_room[3];
             double *const redundant_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const redundant_lanes = krhpr_poses_out(redundant_room, redundant_at, row, here);
-            krhpr_spatial_rrrr_b_redundant_of_opening_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_redundant_of_opening_lanes(
                 g, opening_lanes, centre_lanes, jaws_lanes, redundant_lanes, &answer);
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* grasp of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_grasp_lanes(
+/* grasp of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_grasp_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at Q[9], const krhpr_lanes_at contacts[9],
     const krhpr_lanes_at mass_centre[3], const krhpr_lanes_at weight[3],
     const krhpr_lanes_at normal_forces[3], const krhpr_lanes_at friction[1],
@@ -2619,7 +2770,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_grasp_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[2]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2642,6 +2793,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_grasp_lanes(
     krhpr_poses_keep(finite, wrench, 6);
     krhpr_poses_keep(finite, redundant_forces, 3);
     krhpr_poses_keep(finite, friction_margins, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_grasp_batch(
@@ -2651,7 +2803,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_grasp_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes Q_lanes[9];
@@ -2670,7 +2822,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_grasp_batch(
         krhpr_lanes wrench_lanes[6];
         krhpr_lanes redundant_forces_lanes[3];
         krhpr_lanes friction_margins_lanes[3];
-        krhpr_spatial_rrrr_b_grasp_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_grasp_lanes(
             g, Q_lanes, contacts_lanes, mass_centre_lanes, weight_lanes, normal_forces_lanes,
             friction_lanes, contact_forces_lanes, wrench_lanes, redundant_forces_lanes,
             friction_margins_lanes, &answer);
@@ -2678,7 +2830,9 @@ KRHPR_API int krhpr_spatial_rrrr_b_grasp_batch(
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], wrench_lanes, 6, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_forces_lanes, 3, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], friction_margins_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_grasp(
@@ -2734,7 +2888,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_grasp_soa(
             krhpr_lanes friction_margins_room[3];
             double *const friction_margins_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const friction_margins_lanes = krhpr_poses_out(friction_margins_room, friction_margins_at, row, here);
-            krhpr_spatial_rrrr_b_grasp_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_grasp_lanes(
                 g, Q_lanes, contacts_lanes, mass_centre_lanes, weight_lanes, normal_forces_lanes,
                 friction_lanes, contact_forces_lanes, wrench_lanes, redundant_forces_lanes,
                 friction_margins_lanes, &answer);
@@ -2742,15 +2896,17 @@ KRHPR_API int krhpr_spatial_rrrr_b_grasp_soa(
             krhpr_poses_done(wrench_room, wrench_at, row, 6, here);
             krhpr_poses_done(redundant_forces_room, redundant_forces_at, row, 3, here);
             krhpr_poses_done(friction_margins_room, friction_margins_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* passive_joints of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_passive_joints_lanes(
+/* passive_joints of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_passive_joints_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[12], krhpr_lanes_at *KRHPR_RESTRICT spherical,
     krhpr_lanes_at *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
@@ -2782,7 +2938,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_passive_joints_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2790,6 +2946,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_passive_joints_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, spherical, 27);
     krhpr_poses_keep(finite, platform_joint, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_passive_joints_batch(
@@ -2799,7 +2956,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_passive_joints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2812,11 +2969,13 @@ KRHPR_API int krhpr_spatial_rrrr_b_passive_joints_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 12, here);
         krhpr_lanes spherical_lanes[27];
         krhpr_lanes platform_joint_lanes[3];
-        krhpr_spatial_rrrr_b_passive_joints_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_passive_joints_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, spherical_lanes, platform_joint_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], spherical_lanes, 27, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], platform_joint_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_passive_joints(
@@ -2860,19 +3019,21 @@ KRHPR_API int krhpr_spatial_rrrr_b_passive_joints_soa(
             krhpr_lanes platform_joint_room[3];
             double *const platform_joint_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const platform_joint_lanes = krhpr_poses_out(platform_joint_room, platform_joint_at, row, here);
-            krhpr_spatial_rrrr_b_passive_joints_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_passive_joints_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, spherical_lanes, platform_joint_lanes, &answer);
             krhpr_poses_done(spherical_room, spherical_at, row, 27, here);
             krhpr_poses_done(platform_joint_room, platform_joint_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* link_points of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_link_points_lanes(
+/* link_points of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_link_points_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[12], krhpr_lanes_at *KRHPR_RESTRICT points,
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
@@ -2900,7 +3061,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_link_points_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -2908,6 +3069,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_link_points_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, points, 36);
     krhpr_poses_keep(finite, attachment, 9);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_link_points_batch(
@@ -2917,7 +3079,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_link_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2930,11 +3092,13 @@ KRHPR_API int krhpr_spatial_rrrr_b_link_points_batch(
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 12, here);
         krhpr_lanes points_lanes[36];
         krhpr_lanes attachment_lanes[9];
-        krhpr_spatial_rrrr_b_link_points_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_link_points_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], points_lanes, 36, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], attachment_lanes, 9, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_link_points(
@@ -2978,19 +3142,21 @@ KRHPR_API int krhpr_spatial_rrrr_b_link_points_soa(
             krhpr_lanes attachment_room[9];
             double *const attachment_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const attachment_lanes = krhpr_poses_out(attachment_room, attachment_at, row, here);
-            krhpr_spatial_rrrr_b_link_points_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_link_points_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
             krhpr_poses_done(points_room, points_at, row, 36, here);
             krhpr_poses_done(attachment_room, attachment_at, row, 9, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* clearances of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_clearances_lanes(
+/* clearances of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_clearances_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[12], krhpr_lanes_at *KRHPR_RESTRICT distances,
     krhpr_ints *answer)
@@ -3043,13 +3209,14 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_clearances_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, distances, 57);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_clearances_batch(
@@ -3059,7 +3226,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_clearances_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -3071,10 +3238,12 @@ KRHPR_API int krhpr_spatial_rrrr_b_clearances_batch(
         krhpr_lanes theta_lanes[12];
         krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 12, here);
         krhpr_lanes distances_lanes[57];
-        krhpr_spatial_rrrr_b_clearances_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_clearances_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], distances_lanes, 57, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_clearances(
@@ -3115,18 +3284,20 @@ KRHPR_API int krhpr_spatial_rrrr_b_clearances_soa(
             krhpr_lanes distances_room[57];
             double *const distances_at = out[0] + b * out_step[0] + k;
             krhpr_lanes_at *const distances_lanes = krhpr_poses_out(distances_room, distances_at, row, here);
-            krhpr_spatial_rrrr_b_clearances_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_clearances_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
             krhpr_poses_done(distances_room, distances_at, row, 57, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* singularity of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_singularity_lanes(
+/* singularity of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_singularity_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[12], krhpr_lanes_at *KRHPR_RESTRICT type_1,
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
@@ -3161,7 +3332,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_singularity_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3171,6 +3342,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_singularity_lanes(
     krhpr_poses_keep(finite, factors, 12);
     krhpr_poses_keep(finite, type_2, 2);
     krhpr_poses_keep(finite, margins, 2);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_singularity_batch(
@@ -3180,7 +3352,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_singularity_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -3195,14 +3367,16 @@ KRHPR_API int krhpr_spatial_rrrr_b_singularity_batch(
         krhpr_lanes factors_lanes[12];
         krhpr_lanes type_2_lanes[2];
         krhpr_lanes margins_lanes[2];
-        krhpr_spatial_rrrr_b_singularity_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_singularity_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
             margins_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_1_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], factors_lanes, 12, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], type_2_lanes, 2, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], margins_lanes, 2, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_singularity(
@@ -3253,22 +3427,24 @@ KRHPR_API int krhpr_spatial_rrrr_b_singularity_soa(
             krhpr_lanes margins_room[2];
             double *const margins_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const margins_lanes = krhpr_poses_out(margins_room, margins_at, row, here);
-            krhpr_spatial_rrrr_b_singularity_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_singularity_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
                 margins_lanes, &answer);
             krhpr_poses_done(type_1_room, type_1_at, row, 3, here);
             krhpr_poses_done(factors_room, factors_at, row, 12, here);
             krhpr_poses_done(type_2_room, type_2_at, row, 2, here);
             krhpr_poses_done(margins_room, margins_at, row, 2, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* type_2_of_redundant of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_type_2_of_redundant_lanes(
+/* type_2_of_redundant of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_type_2_of_redundant_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at redundant[3],
     krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
@@ -3284,7 +3460,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_type_2_of_redundant_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3292,6 +3468,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_type_2_of_redundant_lanes(
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_2, 2);
     krhpr_poses_keep(finite, margins, 2);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_type_2_of_redundant_batch(
@@ -3301,18 +3478,20 @@ KRHPR_API int krhpr_spatial_rrrr_b_type_2_of_redundant_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
         krhpr_poses_load(redundant_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
         krhpr_lanes type_2_lanes[2];
         krhpr_lanes margins_lanes[2];
-        krhpr_spatial_rrrr_b_type_2_of_redundant_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_type_2_of_redundant_lanes(
             g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_2_lanes, 2, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], margins_lanes, 2, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_type_2_of_redundant(
@@ -3349,19 +3528,21 @@ KRHPR_API int krhpr_spatial_rrrr_b_type_2_of_redundant_soa(
             krhpr_lanes margins_room[2];
             double *const margins_at = out[1] + b * out_step[1] + k;
             krhpr_lanes_at *const margins_lanes = krhpr_poses_out(margins_room, margins_at, row, here);
-            krhpr_spatial_rrrr_b_type_2_of_redundant_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_type_2_of_redundant_lanes(
                 g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
             krhpr_poses_done(type_2_room, type_2_at, row, 2, here);
             krhpr_poses_done(margins_room, margins_at, row, 2, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* indices of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_indices_lanes(
+/* indices of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_indices_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[12], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3,
@@ -3416,7 +3597,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_indices_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3437,6 +3618,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_indices_lanes(
     krhpr_poses_keep(finite, eta_2, 1);
     krhpr_poses_keep(finite, eta_3, 1);
     krhpr_poses_keep(finite, condition, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_indices_batch(
@@ -3446,7 +3628,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_indices_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -3461,14 +3643,16 @@ KRHPR_API int krhpr_spatial_rrrr_b_indices_batch(
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
         krhpr_lanes condition_lanes[3];
-        krhpr_spatial_rrrr_b_indices_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_indices_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes,
             condition_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_indices(
@@ -3519,22 +3703,24 @@ KRHPR_API int krhpr_spatial_rrrr_b_indices_soa(
             krhpr_lanes condition_room[3];
             double *const condition_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const condition_lanes = krhpr_poses_out(condition_room, condition_at, row, here);
-            krhpr_spatial_rrrr_b_indices_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_indices_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes,
                 condition_lanes, &answer);
             krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
             krhpr_poses_done(condition_room, condition_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* index_bounds of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_index_bounds_lanes(
+/* index_bounds of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_index_bounds_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[12], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_ints *answer)
@@ -3589,7 +3775,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_index_bounds_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3608,6 +3794,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_index_bounds_lanes(
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
     krhpr_poses_keep(finite, eta_3, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_index_bounds_batch(
@@ -3617,7 +3804,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_index_bounds_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -3631,12 +3818,14 @@ KRHPR_API int krhpr_spatial_rrrr_b_index_bounds_batch(
         krhpr_lanes eta_1_lanes[1];
         krhpr_lanes eta_2_lanes[1];
         krhpr_lanes eta_3_lanes[1];
-        krhpr_spatial_rrrr_b_index_bounds_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_index_bounds_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_index_bounds(
@@ -3684,20 +3873,22 @@ KRHPR_API int krhpr_spatial_rrrr_b_index_bounds_soa(
             krhpr_lanes eta_3_room[1];
             double *const eta_3_at = out[2] + b * out_step[2] + k;
             krhpr_lanes_at *const eta_3_lanes = krhpr_poses_out(eta_3_room, eta_3_at, row, here);
-            krhpr_spatial_rrrr_b_index_bounds_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_index_bounds_lanes(
                 g, p_lanes, Q_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes, &answer);
             krhpr_poses_done(eta_1_room, eta_1_at, row, 1, here);
             krhpr_poses_done(eta_2_room, eta_2_at, row, 1, here);
             krhpr_poses_done(eta_3_room, eta_3_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_all of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_forward_all_lanes(
+/* forward_all of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_forward_all_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at turned[1],
     krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT det_J,
@@ -3724,7 +3915,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_forward_all_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3746,6 +3937,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_forward_all_lanes(
     krhpr_poses_keep(finite, redundant, 6);
     krhpr_poses_keep(finite, det_J, 2);
     krhpr_poses_keep(finite, count, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_forward_all_batch(
@@ -3755,7 +3947,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -3767,14 +3959,16 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_all_batch(
         krhpr_lanes redundant_lanes[6];
         krhpr_lanes det_J_lanes[2];
         krhpr_lanes count_lanes[1];
-        krhpr_spatial_rrrr_b_forward_all_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_forward_all_lanes(
             g, s_lanes, turned_lanes, p_lanes, Q_lanes, redundant_lanes, det_J_lanes, count_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 6, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 18, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 6, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], det_J_lanes, 2, here);
         krhpr_poses_store(out[4] + k * out_step[4], out_step[4], count_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_forward_all(
@@ -3824,7 +4018,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_all_soa(
             krhpr_lanes count_room[1];
             double *const count_at = out[4] + b * out_step[4] + k;
             krhpr_lanes_at *const count_lanes = krhpr_poses_out(count_room, count_at, row, here);
-            krhpr_spatial_rrrr_b_forward_all_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_forward_all_lanes(
                 g, s_lanes, turned_lanes, p_lanes, Q_lanes, redundant_lanes, det_J_lanes, count_lanes,
                 &answer);
             krhpr_poses_done(p_room, p_at, row, 6, here);
@@ -3832,15 +4026,17 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_all_soa(
             krhpr_poses_done(redundant_room, redundant_at, row, 6, here);
             krhpr_poses_done(det_J_room, det_J_at, row, 2, here);
             krhpr_poses_done(count_room, count_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_forward_lanes(
+/* forward of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_forward_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at theta[12], const krhpr_lanes_at side[1],
     krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT count,
@@ -3876,7 +4072,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_forward_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), assembly_radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -3897,6 +4093,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_forward_lanes(
     krhpr_poses_keep(finite, redundant, 3);
     krhpr_poses_keep(finite, count, 1);
     krhpr_poses_keep(finite, certified, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_forward_batch(
@@ -3906,7 +4103,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[12];
@@ -3918,7 +4115,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_batch(
         krhpr_lanes redundant_lanes[3];
         krhpr_lanes count_lanes[1];
         krhpr_lanes certified_lanes[1];
-        krhpr_spatial_rrrr_b_forward_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_forward_lanes(
             g, theta_lanes, side_lanes, p_lanes, Q_lanes, redundant_lanes, count_lanes, certified_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
@@ -3926,7 +4123,9 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_batch(
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], count_lanes, 1, here);
         krhpr_poses_store(out[4] + k * out_step[4], out_step[4], certified_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_forward(
@@ -3976,7 +4175,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_soa(
             krhpr_lanes certified_room[1];
             double *const certified_at = out[4] + b * out_step[4] + k;
             krhpr_lanes_at *const certified_lanes = krhpr_poses_out(certified_room, certified_at, row, here);
-            krhpr_spatial_rrrr_b_forward_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_forward_lanes(
                 g, theta_lanes, side_lanes, p_lanes, Q_lanes, redundant_lanes, count_lanes, certified_lanes,
                 &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
@@ -3984,7 +4183,9 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_soa(
             krhpr_poses_done(redundant_room, redundant_at, row, 3, here);
             krhpr_poses_done(count_room, count_at, row, 1, here);
             krhpr_poses_done(certified_room, certified_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
@@ -4051,8 +4252,8 @@ KRHPR_API int krhpr_spatial_rrrr_b_passive_joints_of_theta_soa(
 }
 #endif
 
-/* forward_encoders_2 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_forward_encoders_2_lanes(
+/* forward_encoders_2 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_forward_encoders_2_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at measured[2],
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
@@ -4083,7 +4284,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -4102,6 +4303,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_forward_encoders_2_lanes(
     krhpr_poses_keep(finite, Q, 9);
     krhpr_poses_keep(finite, raw, 9);
     krhpr_poses_keep(finite, mismatch, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_forward_encoders_2_batch(
@@ -4111,7 +4313,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_encoders_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4124,14 +4326,16 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_encoders_2_batch(
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
         krhpr_lanes mismatch_lanes[1];
-        krhpr_spatial_rrrr_b_forward_encoders_2_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_forward_encoders_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_forward_encoders_2(
@@ -4180,22 +4384,24 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_encoders_2_soa(
             krhpr_lanes mismatch_room[1];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_spatial_rrrr_b_forward_encoders_2_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_forward_encoders_2_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
                 &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_encoders_3 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_forward_encoders_3_lanes(
+/* forward_encoders_3 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_forward_encoders_3_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at measured[3],
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
@@ -4226,7 +4432,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -4245,6 +4451,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_forward_encoders_3_lanes(
     krhpr_poses_keep(finite, Q, 9);
     krhpr_poses_keep(finite, raw, 9);
     krhpr_poses_keep(finite, mismatch, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_forward_encoders_3_batch(
@@ -4254,7 +4461,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_encoders_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4267,14 +4474,16 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_encoders_3_batch(
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
         krhpr_lanes mismatch_lanes[3];
-        krhpr_spatial_rrrr_b_forward_encoders_3_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_forward_encoders_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
             &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_forward_encoders_3(
@@ -4323,22 +4532,24 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_encoders_3_soa(
             krhpr_lanes mismatch_room[3];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_spatial_rrrr_b_forward_encoders_3_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_forward_encoders_3_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
                 &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_gauss_newton_2 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_forward_gauss_newton_2_lanes(
+/* forward_gauss_newton_2 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_forward_gauss_newton_2_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at measured[2],
     const krhpr_lanes_at tolerance[1], const krhpr_lanes_at weights[3], krhpr_lanes_at *KRHPR_RESTRICT p,
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
@@ -4394,7 +4605,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -4414,6 +4625,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_forward_gauss_newton_2_lanes(
     krhpr_poses_keep(finite, Q, 9);
     krhpr_poses_keep(finite, raw, 9);
     krhpr_poses_keep(finite, mismatch, 1);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_forward_gauss_newton_2_batch(
@@ -4423,7 +4635,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_gauss_newton_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4438,14 +4650,16 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_gauss_newton_2_batch(
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
         krhpr_lanes mismatch_lanes[1];
-        krhpr_spatial_rrrr_b_forward_gauss_newton_2_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_forward_gauss_newton_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
             mismatch_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_forward_gauss_newton_2(
@@ -4496,22 +4710,24 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_gauss_newton_2_soa(
             krhpr_lanes mismatch_room[1];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_spatial_rrrr_b_forward_gauss_newton_2_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_forward_gauss_newton_2_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
                 mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 1, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;
 }
 #endif
 
-/* forward_gauss_newton_3 of KRHPR_LANES poses side by side. */
-KRHPR_OUTLINE void krhpr_spatial_rrrr_b_forward_gauss_newton_3_lanes(
+/* forward_gauss_newton_3 of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_rrrr_b_forward_gauss_newton_3_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at measured[3],
     const krhpr_lanes_at tolerance[1], const krhpr_lanes_at weights[3], krhpr_lanes_at *KRHPR_RESTRICT p,
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
@@ -4566,7 +4782,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
     if (!krhpr_any(krhpr_not(fine))) {
-        return;
+        return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
@@ -4586,6 +4802,7 @@ KRHPR_OUTLINE void krhpr_spatial_rrrr_b_forward_gauss_newton_3_lanes(
     krhpr_poses_keep(finite, Q, 9);
     krhpr_poses_keep(finite, raw, 9);
     krhpr_poses_keep(finite, mismatch, 3);
+    return 1;
 }
 
 KRHPR_API int krhpr_spatial_rrrr_b_forward_gauss_newton_3_batch(
@@ -4595,7 +4812,7 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_gauss_newton_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4610,14 +4827,16 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_gauss_newton_3_batch(
         krhpr_lanes Q_lanes[9];
         krhpr_lanes raw_lanes[9];
         krhpr_lanes mismatch_lanes[3];
-        krhpr_spatial_rrrr_b_forward_gauss_newton_3_lanes(
+        const int doubtful = krhpr_spatial_rrrr_b_forward_gauss_newton_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
             mismatch_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
-        first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
     }
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_b_forward_gauss_newton_3(
@@ -4668,14 +4887,16 @@ KRHPR_API int krhpr_spatial_rrrr_b_forward_gauss_newton_3_soa(
             krhpr_lanes mismatch_room[3];
             double *const mismatch_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const mismatch_lanes = krhpr_poses_out(mismatch_room, mismatch_at, row, here);
-            krhpr_spatial_rrrr_b_forward_gauss_newton_3_lanes(
+            const int doubtful = krhpr_spatial_rrrr_b_forward_gauss_newton_3_lanes(
                 g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
                 mismatch_lanes, &answer);
             krhpr_poses_done(p_room, p_at, row, 3, here);
             krhpr_poses_done(Q_room, Q_at, row, 9, here);
             krhpr_poses_done(raw_room, raw_at, row, 9, here);
             krhpr_poses_done(mismatch_room, mismatch_at, row, 3, here);
-            first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
         }
     }
     return first;

@@ -237,7 +237,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_forward_all(
 }
 
 /* Actuated joints of the R(RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
- * end point is out of reach.  Thesis: App. B.  (27 add, 35 multiply, 1 divide, 3 square root, 1 select) */
+ * end point is out of reach.  Thesis: App. B.  (27 add, 34 multiply, 1 divide, 3 square root, 1 select) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double s[3], const double mode[3],
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
@@ -248,8 +248,9 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse(
     const double d_x = g->e_x[0][i] * d_0 + g->e_x[1][i] * d_1 + g->e_x[2][i] * d_2;
     const double d_t = g->e_t[0][i] * d_0 + g->e_t[1][i] * d_1;
     const double y = g->e_1[0][i] * d_0 + g->e_1[1][i] * d_1 + g->e_1[2][i] * d_2;
-    const double r = mode[0] * sqrt(d_t * d_t + d_x * d_x);
-    const double d2 = r * r + y * y;
+    const double r2 = d_t * d_t + d_x * d_x;
+    const double r = mode[0] * sqrt(r2);
+    const double d2 = r2 + y * y;
     const double h2 = (d2 - g->k[3][i]) * (g->k[4][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[1] * sqrt(h2); /* 2 a b sin */
     const double A = d2 + g->k[5][i] - g->k[6][i]; /* 2 a (a + b cos) */
@@ -277,7 +278,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse(
 
 /* Every working mode of the R(RR-RRR) sub-leg, in the order front/elbow+/rod+, front/elbow+/rod-,
  * front/elbow-/rod+, front/elbow-/rod-, back/elbow+/rod+, back/elbow+/rod-, back/elbow-/rod+,
- * back/elbow-/rod-; NaN where a mode does not exist.  Thesis: App. B.  (67 add, 59 multiply, 1 divide, 6
+ * back/elbow-/rod-; NaN where a mode does not exist.  Thesis: App. B.  (67 add, 58 multiply, 1 divide, 6
  * square root, 7 select) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_all(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT radicand,
@@ -289,8 +290,9 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_all(
     const double d_x = g->e_x[0][i] * d_0 + g->e_x[1][i] * d_1 + g->e_x[2][i] * d_2;
     const double d_t = g->e_t[0][i] * d_0 + g->e_t[1][i] * d_1;
     const double y = g->e_1[0][i] * d_0 + g->e_1[1][i] * d_1 + g->e_1[2][i] * d_2;
-    const double r = sqrt(d_t * d_t + d_x * d_x);
-    const double d2 = r * r + y * y;
+    const double r2 = d_t * d_t + d_x * d_x;
+    const double r = sqrt(r2);
+    const double d2 = r2 + y * y;
     const double h2 = (d2 - g->k[3][i]) * (g->k[4][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = sqrt(h2); /* 2 a b sin */
     const double A = d2 + g->k[5][i] - g->k[6][i]; /* 2 a (a + b cos) */
@@ -398,7 +400,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_all(
     tail_x[13] = n_2_g;
 }
 
-/* Distance by which the end point lies outside the reach of the R(RR-RRR) sub-leg.  (27 add, 27 multiply, 1
+/* Distance by which the end point lies outside the reach of the R(RR-RRR) sub-leg.  (27 add, 26 multiply, 1
  * divide, 4 square root, 3 select) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_reach(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double s[3], const double mode[3],
@@ -410,8 +412,9 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_reach(
     const double d_x = g->e_x[0][i] * d_0 + g->e_x[1][i] * d_1 + g->e_x[2][i] * d_2;
     const double d_t = g->e_t[0][i] * d_0 + g->e_t[1][i] * d_1;
     const double y = g->e_1[0][i] * d_0 + g->e_1[1][i] * d_1 + g->e_1[2][i] * d_2;
-    const double r = mode[0] * sqrt(d_t * d_t + d_x * d_x);
-    const double d2 = r * r + y * y;
+    const double r2 = d_t * d_t + d_x * d_x;
+    const double r = mode[0] * sqrt(r2);
+    const double d2 = r2 + y * y;
     const double h2 = (d2 - g->k[3][i]) * (g->k[4][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[1] * sqrt(h2); /* 2 a b sin */
     const double A = d2 + g->k[5][i] - g->k[6][i]; /* 2 a (a + b cos) */

@@ -210,7 +210,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_forward_all_lanes(
 }
 
 /* Actuated joints of the R(RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
- * end point is out of reach.  Thesis: App. B.  (27 add, 35 multiply, 1 divide, 3 square root, 1 select) */
+ * end point is out of reach.  Thesis: App. B.  (27 add, 34 multiply, 1 divide, 3 square root, 1 select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_inverse_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at mode[3],
     krhpr_lanes_at *KRHPR_RESTRICT radicand, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
@@ -242,8 +242,9 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_inverse_lanes(
     const krhpr_lanes d_x = g_e_x_0 * d_0 + g_e_x_1 * d_1 + g_e_x_2 * d_2;
     const krhpr_lanes d_t = g_e_t_0 * d_0 + g_e_t_1 * d_1;
     const krhpr_lanes y = g_e_1_0 * d_0 + g_e_1_1 * d_1 + g_e_1_2 * d_2;
-    const krhpr_lanes r = mode[0] * krhpr_lanes_sqrt(d_t * d_t + d_x * d_x);
-    const krhpr_lanes d2 = r * r + y * y;
+    const krhpr_lanes r2 = d_t * d_t + d_x * d_x;
+    const krhpr_lanes r = mode[0] * krhpr_lanes_sqrt(r2);
+    const krhpr_lanes d2 = r2 + y * y;
     const krhpr_lanes h2 = (d2 - g_k_3) * (g_k_4 - d2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S = mode[1] * krhpr_lanes_sqrt(h2); /* 2 a b sin */
     const krhpr_lanes A = d2 + g_k_5 - g_k_6; /* 2 a (a + b cos) */
@@ -271,7 +272,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_inverse_lanes(
 
 /* Every working mode of the R(RR-RRR) sub-leg, in the order front/elbow+/rod+, front/elbow+/rod-,
  * front/elbow-/rod+, front/elbow-/rod-, back/elbow+/rod+, back/elbow+/rod-, back/elbow-/rod+,
- * back/elbow-/rod-; NaN where a mode does not exist.  Thesis: App. B.  (67 add, 59 multiply, 1 divide, 6
+ * back/elbow-/rod-; NaN where a mode does not exist.  Thesis: App. B.  (67 add, 58 multiply, 1 divide, 6
  * square root, 7 select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_inverse_all_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at s[3],
@@ -304,8 +305,9 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_inverse_all_lanes(
     const krhpr_lanes d_x = g_e_x_0 * d_0 + g_e_x_1 * d_1 + g_e_x_2 * d_2;
     const krhpr_lanes d_t = g_e_t_0 * d_0 + g_e_t_1 * d_1;
     const krhpr_lanes y = g_e_1_0 * d_0 + g_e_1_1 * d_1 + g_e_1_2 * d_2;
-    const krhpr_lanes r = krhpr_lanes_sqrt(d_t * d_t + d_x * d_x);
-    const krhpr_lanes d2 = r * r + y * y;
+    const krhpr_lanes r2 = d_t * d_t + d_x * d_x;
+    const krhpr_lanes r = krhpr_lanes_sqrt(r2);
+    const krhpr_lanes d2 = r2 + y * y;
     const krhpr_lanes h2 = (d2 - g_k_3) * (g_k_4 - d2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S = krhpr_lanes_sqrt(h2); /* 2 a b sin */
     const krhpr_lanes A = d2 + g_k_5 - g_k_6; /* 2 a (a + b cos) */
@@ -413,7 +415,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_inverse_all_lanes(
     tail_x[13] = n_2_g;
 }
 
-/* Distance by which the end point lies outside the reach of the R(RR-RRR) sub-leg.  (27 add, 27 multiply, 1
+/* Distance by which the end point lies outside the reach of the R(RR-RRR) sub-leg.  (27 add, 26 multiply, 1
  * divide, 4 square root, 3 select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_reach_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at mode[3],
@@ -447,8 +449,9 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_reach_lanes(
     const krhpr_lanes d_x = g_e_x_0 * d_0 + g_e_x_1 * d_1 + g_e_x_2 * d_2;
     const krhpr_lanes d_t = g_e_t_0 * d_0 + g_e_t_1 * d_1;
     const krhpr_lanes y = g_e_1_0 * d_0 + g_e_1_1 * d_1 + g_e_1_2 * d_2;
-    const krhpr_lanes r = mode[0] * krhpr_lanes_sqrt(d_t * d_t + d_x * d_x);
-    const krhpr_lanes d2 = r * r + y * y;
+    const krhpr_lanes r2 = d_t * d_t + d_x * d_x;
+    const krhpr_lanes r = mode[0] * krhpr_lanes_sqrt(r2);
+    const krhpr_lanes d2 = r2 + y * y;
     const krhpr_lanes h2 = (d2 - g_k_3) * (g_k_4 - d2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S = mode[1] * krhpr_lanes_sqrt(h2); /* 2 a b sin */
     const krhpr_lanes A = d2 + g_k_5 - g_k_6; /* 2 a (a + b cos) */

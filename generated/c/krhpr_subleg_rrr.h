@@ -129,7 +129,7 @@ KRHPR_STATIC void krhpr_subleg_rrr_forward_posture(
 }
 
 /* Actuated joints of the RRR sub-leg in one working mode.  The mode is given by signs; NaN where the end
- * point is out of reach.  Thesis: 1.5, 2.5.  (18 add, 21 multiply, 2 square root) */
+ * point is out of reach.  Thesis: 1.5, 2.5.  (18 add, 20 multiply, 2 square root) */
 KRHPR_STATIC void krhpr_subleg_rrr_inverse(
     const krhpr_subleg_rrr_geometry *g, int i, const double s[3], const double mode[2],
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
@@ -140,8 +140,9 @@ KRHPR_STATIC void krhpr_subleg_rrr_inverse(
     const double d_x = g->e_x[0][i] * d_0 + g->e_x[1][i] * d_1 + g->e_x[2][i] * d_2;
     const double d_t = g->e_t[0][i] * d_0 + g->e_t[1][i] * d_1;
     const double y = g->e_1[0][i] * d_0 + g->e_1[1][i] * d_1 + g->e_1[2][i] * d_2;
-    const double r = mode[0] * sqrt(d_t * d_t + d_x * d_x);
-    const double d2 = r * r + y * y;
+    const double r2 = d_t * d_t + d_x * d_x;
+    const double r = mode[0] * sqrt(r2);
+    const double d2 = r2 + y * y;
     const double h2 = (d2 - g->k[0][i]) * (g->k[1][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[1] * sqrt(h2); /* 2 a b sin */
     const double C = d2 - g->k[2][i] - g->k[3][i]; /* 2 a b cos */
@@ -158,7 +159,7 @@ KRHPR_STATIC void krhpr_subleg_rrr_inverse(
 }
 
 /* Every working mode of the RRR sub-leg, in the order front/elbow+, front/elbow-, back/elbow+, back/elbow-;
- * NaN where a mode does not exist.  Thesis: 1.5, 2.5.  (21 add, 17 multiply, 2 square root) */
+ * NaN where a mode does not exist.  Thesis: 1.5, 2.5.  (21 add, 16 multiply, 2 square root) */
 KRHPR_STATIC void krhpr_subleg_rrr_inverse_all(
     const krhpr_subleg_rrr_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT radicand,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
@@ -169,8 +170,9 @@ KRHPR_STATIC void krhpr_subleg_rrr_inverse_all(
     const double d_x = g->e_x[0][i] * d_0 + g->e_x[1][i] * d_1 + g->e_x[2][i] * d_2;
     const double d_t = g->e_t[0][i] * d_0 + g->e_t[1][i] * d_1;
     const double y = g->e_1[0][i] * d_0 + g->e_1[1][i] * d_1 + g->e_1[2][i] * d_2;
-    const double r = sqrt(d_t * d_t + d_x * d_x);
-    const double d2 = r * r + y * y;
+    const double r2 = d_t * d_t + d_x * d_x;
+    const double r = sqrt(r2);
+    const double d2 = r2 + y * y;
     const double h2 = (d2 - g->k[0][i]) * (g->k[1][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = sqrt(h2); /* 2 a b sin */
     const double C = d2 - g->k[2][i] - g->k[3][i]; /* 2 a b cos */
@@ -205,11 +207,10 @@ KRHPR_STATIC void krhpr_subleg_rrr_inverse_all(
     tail_x[7] = n_c;
 }
 
-/* Distance by which the end point lies outside the reach of the RRR sub-leg.  (13 add, 13 multiply, 2
+/* Distance by which the end point lies outside the reach of the RRR sub-leg.  (13 add, 11 multiply, 1
  * square root, 1 select) */
 KRHPR_STATIC void krhpr_subleg_rrr_reach(
-    const krhpr_subleg_rrr_geometry *g, int i, const double s[3], const double mode[2],
-    double *KRHPR_RESTRICT excess)
+    const krhpr_subleg_rrr_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT excess)
 {
     const double d_0 = s[0] - g->c[0][i]; /* s - c */
     const double d_1 = s[1] - g->c[1][i];
@@ -217,8 +218,8 @@ KRHPR_STATIC void krhpr_subleg_rrr_reach(
     const double d_x = g->e_x[0][i] * d_0 + g->e_x[1][i] * d_1 + g->e_x[2][i] * d_2;
     const double d_t = g->e_t[0][i] * d_0 + g->e_t[1][i] * d_1;
     const double y = g->e_1[0][i] * d_0 + g->e_1[1][i] * d_1 + g->e_1[2][i] * d_2;
-    const double r = mode[0] * sqrt(d_t * d_t + d_x * d_x);
-    const double distance = sqrt(r * r + y * y);
+    const double r2 = d_t * d_t + d_x * d_x;
+    const double distance = sqrt(r2 + y * y);
     *excess = krhpr_max(distance - g->l_2[i] - g->l_3[i], g->k[4][i] - distance);
 }
 

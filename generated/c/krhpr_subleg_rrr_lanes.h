@@ -99,7 +99,7 @@ KRHPR_INLINE void krhpr_subleg_rrr_forward_posture_lanes(
 }
 
 /* Actuated joints of the RRR sub-leg in one working mode.  The mode is given by signs; NaN where the end
- * point is out of reach.  Thesis: 1.5, 2.5.  (18 add, 21 multiply, 2 square root) */
+ * point is out of reach.  Thesis: 1.5, 2.5.  (18 add, 20 multiply, 2 square root) */
 KRHPR_INLINE void krhpr_subleg_rrr_inverse_lanes(
     const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at mode[2],
     krhpr_lanes_at *KRHPR_RESTRICT radicand, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
@@ -126,8 +126,9 @@ KRHPR_INLINE void krhpr_subleg_rrr_inverse_lanes(
     const krhpr_lanes d_x = g_e_x_0 * d_0 + g_e_x_1 * d_1 + g_e_x_2 * d_2;
     const krhpr_lanes d_t = g_e_t_0 * d_0 + g_e_t_1 * d_1;
     const krhpr_lanes y = g_e_1_0 * d_0 + g_e_1_1 * d_1 + g_e_1_2 * d_2;
-    const krhpr_lanes r = mode[0] * krhpr_lanes_sqrt(d_t * d_t + d_x * d_x);
-    const krhpr_lanes d2 = r * r + y * y;
+    const krhpr_lanes r2 = d_t * d_t + d_x * d_x;
+    const krhpr_lanes r = mode[0] * krhpr_lanes_sqrt(r2);
+    const krhpr_lanes d2 = r2 + y * y;
     const krhpr_lanes h2 = (d2 - g_k_0) * (g_k_1 - d2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S = mode[1] * krhpr_lanes_sqrt(h2); /* 2 a b sin */
     const krhpr_lanes C = d2 - g_k_2 - g_k_3; /* 2 a b cos */
@@ -144,7 +145,7 @@ KRHPR_INLINE void krhpr_subleg_rrr_inverse_lanes(
 }
 
 /* Every working mode of the RRR sub-leg, in the order front/elbow+, front/elbow-, back/elbow+, back/elbow-;
- * NaN where a mode does not exist.  Thesis: 1.5, 2.5.  (21 add, 17 multiply, 2 square root) */
+ * NaN where a mode does not exist.  Thesis: 1.5, 2.5.  (21 add, 16 multiply, 2 square root) */
 KRHPR_INLINE void krhpr_subleg_rrr_inverse_all_lanes(
     const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes_at s[3],
     krhpr_lanes_at *KRHPR_RESTRICT radicand, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
@@ -171,8 +172,9 @@ KRHPR_INLINE void krhpr_subleg_rrr_inverse_all_lanes(
     const krhpr_lanes d_x = g_e_x_0 * d_0 + g_e_x_1 * d_1 + g_e_x_2 * d_2;
     const krhpr_lanes d_t = g_e_t_0 * d_0 + g_e_t_1 * d_1;
     const krhpr_lanes y = g_e_1_0 * d_0 + g_e_1_1 * d_1 + g_e_1_2 * d_2;
-    const krhpr_lanes r = krhpr_lanes_sqrt(d_t * d_t + d_x * d_x);
-    const krhpr_lanes d2 = r * r + y * y;
+    const krhpr_lanes r2 = d_t * d_t + d_x * d_x;
+    const krhpr_lanes r = krhpr_lanes_sqrt(r2);
+    const krhpr_lanes d2 = r2 + y * y;
     const krhpr_lanes h2 = (d2 - g_k_0) * (g_k_1 - d2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S = krhpr_lanes_sqrt(h2); /* 2 a b sin */
     const krhpr_lanes C = d2 - g_k_2 - g_k_3; /* 2 a b cos */
@@ -207,10 +209,10 @@ KRHPR_INLINE void krhpr_subleg_rrr_inverse_all_lanes(
     tail_x[7] = n_c;
 }
 
-/* Distance by which the end point lies outside the reach of the RRR sub-leg.  (13 add, 13 multiply, 2
+/* Distance by which the end point lies outside the reach of the RRR sub-leg.  (13 add, 11 multiply, 1
  * square root, 1 select) */
 KRHPR_INLINE void krhpr_subleg_rrr_reach_lanes(
-    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at mode[2],
+    const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes_at s[3],
     krhpr_lanes_at *KRHPR_RESTRICT excess)
 {
     const krhpr_lanes g_l_2 = krhpr_of_leg(g->l_2, i);
@@ -233,8 +235,8 @@ KRHPR_INLINE void krhpr_subleg_rrr_reach_lanes(
     const krhpr_lanes d_x = g_e_x_0 * d_0 + g_e_x_1 * d_1 + g_e_x_2 * d_2;
     const krhpr_lanes d_t = g_e_t_0 * d_0 + g_e_t_1 * d_1;
     const krhpr_lanes y = g_e_1_0 * d_0 + g_e_1_1 * d_1 + g_e_1_2 * d_2;
-    const krhpr_lanes r = mode[0] * krhpr_lanes_sqrt(d_t * d_t + d_x * d_x);
-    const krhpr_lanes distance = krhpr_lanes_sqrt(r * r + y * y);
+    const krhpr_lanes r2 = d_t * d_t + d_x * d_x;
+    const krhpr_lanes distance = krhpr_lanes_sqrt(r2 + y * y);
     *excess = krhpr_lanes_max(distance - g_l_2 - g_l_3, g_k_4 - distance);
 }
 

@@ -307,7 +307,7 @@ def inverse_status(geometry: Any) -> Any:
         fields = rt.leg_fields(geometry, FIELDS, i)
         s_i = platform.end_point(
             platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("redundant", i))
-        excess_i = subleg.reach(subleg.prepare(fields), s_i, call.leg("mode", i))
+        excess_i = subleg.reach(subleg.prepare(fields), s_i)
         excess += excess_i
     return call.function({"excess": excess})
 

@@ -217,7 +217,7 @@ def forward_all(g: Any, theta: Any) -> tuple[Any, ...]:
 
 def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     """Actuated joints of the R(RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN
-    where the end point is out of reach.  Thesis: App. B.  (27 add, 35 multiply, 1 divide, 3 square
+    where the end point is out of reach.  Thesis: App. B.  (27 add, 34 multiply, 1 divide, 3 square
     root, 3 arctangent, 1 select)"""
     s_0, s_1, s_2 = s
     mode_0, mode_1, mode_2 = mode
@@ -227,8 +227,9 @@ def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     d_x = g.e_x[0] * d_0 + g.e_x[1] * d_1 + g.e_x[2] * d_2
     d_t = g.e_t[0] * d_0 + g.e_t[1] * d_1
     y = g.e_1[0] * d_0 + g.e_1[1] * d_1 + g.e_1[2] * d_2
-    r = mode_0 * ca.sqrt(d_t * d_t + d_x * d_x)
-    d2 = r * r + y * y
+    r2 = d_t * d_t + d_x * d_x
+    r = mode_0 * ca.sqrt(r2)
+    d2 = r2 + y * y
     h2 = (d2 - g.k[3]) * (g.k[4] - d2)  # 4 a^2 b^2 sin^2
     S = mode_1 * ca.sqrt(h2)  # 2 a b sin
     A = d2 + g.k[5] - g.k[6]  # 2 a (a + b cos)
@@ -260,7 +261,7 @@ def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
 def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     """Every working mode of the R(RR-RRR) sub-leg, in the order front/elbow+/rod+, front/elbow+/rod-,
     front/elbow-/rod+, front/elbow-/rod-, back/elbow+/rod+, back/elbow+/rod-, back/elbow-/rod+,
-    back/elbow-/rod-; NaN where a mode does not exist.  Thesis: App. B.  (67 add, 59 multiply, 1
+    back/elbow-/rod-; NaN where a mode does not exist.  Thesis: App. B.  (67 add, 58 multiply, 1
     divide, 6 square root, 14 arctangent, 7 select)"""
     s_0, s_1, s_2 = s
     d_0 = s_0 - g.c[0]  # s - c
@@ -269,9 +270,10 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     d_x = g.e_x[0] * d_0 + g.e_x[1] * d_1 + g.e_x[2] * d_2
     d_t = g.e_t[0] * d_0 + g.e_t[1] * d_1
     y = g.e_1[0] * d_0 + g.e_1[1] * d_1 + g.e_1[2] * d_2
-    r = ca.sqrt(d_t * d_t + d_x * d_x)
+    r2 = d_t * d_t + d_x * d_x
+    r = ca.sqrt(r2)
     theta_0 = ca.atan2(-d_t, d_x)
-    d2 = r * r + y * y
+    d2 = r2 + y * y
     h2 = (d2 - g.k[3]) * (g.k[4] - d2)  # 4 a^2 b^2 sin^2
     S = ca.sqrt(h2)  # 2 a b sin
     A = d2 + g.k[5] - g.k[6]  # 2 a (a + b cos)
@@ -387,7 +389,7 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
 
 
 def reach(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
-    """Distance by which the end point lies outside the reach of the R(RR-RRR) sub-leg.  (27 add, 27
+    """Distance by which the end point lies outside the reach of the R(RR-RRR) sub-leg.  (27 add, 26
     multiply, 1 divide, 4 square root, 3 select)"""
     s_0, s_1, s_2 = s
     mode_0, mode_1, _mode_2 = mode
@@ -397,8 +399,9 @@ def reach(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     d_x = g.e_x[0] * d_0 + g.e_x[1] * d_1 + g.e_x[2] * d_2
     d_t = g.e_t[0] * d_0 + g.e_t[1] * d_1
     y = g.e_1[0] * d_0 + g.e_1[1] * d_1 + g.e_1[2] * d_2
-    r = mode_0 * ca.sqrt(d_t * d_t + d_x * d_x)
-    d2 = r * r + y * y
+    r2 = d_t * d_t + d_x * d_x
+    r = mode_0 * ca.sqrt(r2)
+    d2 = r2 + y * y
     h2 = (d2 - g.k[3]) * (g.k[4] - d2)  # 4 a^2 b^2 sin^2
     S = mode_1 * ca.sqrt(h2)  # 2 a b sin
     A = d2 + g.k[5] - g.k[6]  # 2 a (a + b cos)

@@ -1322,7 +1322,7 @@ def inverse_status(
     g = prepare(geometry, arguments.dimensions)
     with rt.quiet():
         s = platform.end_point(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("redundant"))
-        excess = subleg.reach(g.subleg, s, arguments.leg("mode"))
+        excess = subleg.reach(g.subleg, s)
         results = arguments.finish(
             {
                 "excess": excess,

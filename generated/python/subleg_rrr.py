@@ -117,7 +117,7 @@ def forward_posture(g: Any, theta: Any) -> tuple[Any, ...]:
 
 def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     """Actuated joints of the RRR sub-leg in one working mode.  The mode is given by signs; NaN where
-    the end point is out of reach.  Thesis: 1.5, 2.5.  (18 add, 21 multiply, 2 square root, 3
+    the end point is out of reach.  Thesis: 1.5, 2.5.  (18 add, 20 multiply, 2 square root, 3
     arctangent)"""
     s_0, s_1, s_2 = s
     mode_0, mode_1 = mode
@@ -127,8 +127,9 @@ def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     d_x = g.e_x[0] * d_0 + g.e_x[1] * d_1 + g.e_x[2] * d_2
     d_t = g.e_t[0] * d_0 + g.e_t[1] * d_1
     y = g.e_1[0] * d_0 + g.e_1[1] * d_1 + g.e_1[2] * d_2
-    r = mode_0 * np.sqrt(d_t * d_t + d_x * d_x)
-    d2 = r * r + y * y
+    r2 = d_t * d_t + d_x * d_x
+    r = mode_0 * np.sqrt(r2)
+    d2 = r2 + y * y
     h2 = (d2 - g.k[0]) * (g.k[1] - d2)  # 4 a^2 b^2 sin^2
     S = mode_1 * np.sqrt(h2)  # 2 a b sin
     C = d2 - g.k[2] - g.k[3]  # 2 a b cos
@@ -149,7 +150,7 @@ def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
 
 def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     """Every working mode of the RRR sub-leg, in the order front/elbow+, front/elbow-, back/elbow+,
-    back/elbow-; NaN where a mode does not exist.  Thesis: 1.5, 2.5.  (21 add, 17 multiply, 2 square
+    back/elbow-; NaN where a mode does not exist.  Thesis: 1.5, 2.5.  (21 add, 16 multiply, 2 square
     root, 8 arctangent)"""
     s_0, s_1, s_2 = s
     d_0 = s_0 - g.c[0]  # s - c
@@ -158,9 +159,10 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     d_x = g.e_x[0] * d_0 + g.e_x[1] * d_1 + g.e_x[2] * d_2
     d_t = g.e_t[0] * d_0 + g.e_t[1] * d_1
     y = g.e_1[0] * d_0 + g.e_1[1] * d_1 + g.e_1[2] * d_2
-    r = np.sqrt(d_t * d_t + d_x * d_x)
+    r2 = d_t * d_t + d_x * d_x
+    r = np.sqrt(r2)
     theta_0 = np.arctan2(-d_t, d_x)
-    d2 = r * r + y * y
+    d2 = r2 + y * y
     h2 = (d2 - g.k[0]) * (g.k[1] - d2)  # 4 a^2 b^2 sin^2
     S = np.sqrt(h2)  # 2 a b sin
     C = d2 - g.k[2] - g.k[3]  # 2 a b cos
@@ -200,19 +202,18 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     )
 
 
-def reach(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
-    """Distance by which the end point lies outside the reach of the RRR sub-leg.  (13 add, 13
-    multiply, 2 square root, 1 select)"""
+def reach(g: Any, s: Any) -> tuple[Any, ...]:
+    """Distance by which the end point lies outside the reach of the RRR sub-leg.  (13 add, 11
+    multiply, 1 square root, 1 select)"""
     s_0, s_1, s_2 = s
-    mode_0, _mode_1 = mode
     d_0 = s_0 - g.c[0]  # s - c
     d_1 = s_1 - g.c[1]
     d_2 = s_2 - g.c[2]
     d_x = g.e_x[0] * d_0 + g.e_x[1] * d_1 + g.e_x[2] * d_2
     d_t = g.e_t[0] * d_0 + g.e_t[1] * d_1
     y = g.e_1[0] * d_0 + g.e_1[1] * d_1 + g.e_1[2] * d_2
-    r = mode_0 * np.sqrt(d_t * d_t + d_x * d_x)
-    distance = np.sqrt(r * r + y * y)
+    r2 = d_t * d_t + d_x * d_x
+    distance = np.sqrt(r2 + y * y)
     return (
         np.fmax(distance - g.l_2 - g.l_3, g.k[4] - distance),
     )

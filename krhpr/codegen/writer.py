@@ -120,6 +120,15 @@ class KernelWriter:
             return sp.Matrix(value.rows, value.cols, parts)
         return self._let_scalar(Name(name, "", note), sp.sympify(value))
 
+    def signed_root(self, name: str, sign: Any, square: Any, note: str = "") -> Any:
+        """A square root with a sign (+1 or -1), named.  Where its square is asked for it is `square`, which
+        need not wait for the root.
+        """
+        square = self.let(f"{name}2", square)
+        found = self._let_scalar(Name(name, "", note), sp.sympify(sign * sp.sqrt(square)))
+        self._place[found**2] = self._node(square)
+        return found
+
     def atan2(self, y: Any, x: Any) -> sp.Symbol:
         """The angle of (x, y) in (-pi, pi], kept as one operation (SymPy would rewrite special cases)."""
         return self._symbol(self._graph.atan2(self._convert(y), self._convert(x)))

@@ -7,6 +7,8 @@ void sine_cosine(int n, const double *x, double *sine, double *cosine);
 void arctangent(int n, const double *y, const double *x, double *angle);
 void sine_cosine_blocks(int n, const double *x, double *sine, double *cosine);
 void arctangent_blocks(int n, const double *y, const double *x, double *angle);
+void one_of_both(int n, const double *x, double *sine, double *cosine);
+void one_of_both_blocks(int n, const double *x, double *sine, double *cosine);
 int lanes(void);
 int leaves_angles_to_libm(void);
 
@@ -36,6 +38,22 @@ void arctangent_blocks(int n, const double *y, const double *x, double *angle)
 {
     for (int k = 0; k < n; k += BLOCK) {
         krhpr_atan2_array(BLOCK, y + k, x + k, angle + k);
+    }
+}
+
+void one_of_both(int n, const double *x, double *sine, double *cosine)
+{
+    for (int k = 0; k < n; ++k) {
+        sine[k] = krhpr_sin(x[k]);
+        cosine[k] = krhpr_cos(x[k]);
+    }
+}
+
+void one_of_both_blocks(int n, const double *x, double *sine, double *cosine)
+{
+    for (int k = 0; k < n; k += KRHPR_LANES) {
+        krhpr_store(sine + k, krhpr_lanes_sin(krhpr_load(x + k)));
+        krhpr_store(cosine + k, krhpr_lanes_cos(krhpr_load(x + k)));
     }
 }
 

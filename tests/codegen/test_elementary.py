@@ -55,8 +55,12 @@ class Library:
         self.lanes = self._library.lanes()
         self.libm = bool(self._library.leaves_angles_to_libm())
 
-    def sine_cosine(self, x: np.ndarray, *, blocks: bool = False) -> tuple[np.ndarray, np.ndarray]:
-        function = self._library.sine_cosine_blocks if blocks else self._library.sine_cosine
+    def sine_cosine(
+        self, x: np.ndarray, *, blocks: bool = False, alone: bool = False
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Both; `alone`, each by the function that gives one of them."""
+        name = "one_of_both" if alone else "sine_cosine"
+        function = self._library[f"{name}_blocks" if blocks else name]
         (x,), size = _padded(blocks, x)
         sine, cosine = np.full_like(x, 7.0), np.full_like(x, 7.0)
         function(x.size, _pointer(x), _pointer(sine), _pointer(cosine))
@@ -256,6 +260,15 @@ def test_symmetries(library: Library, angles: np.ndarray, points: tuple[np.ndarr
     angle = library.arctangent(y, x)
     np.testing.assert_array_equal(library.arctangent(-y, x), -angle)
     assert np.abs(angle).max() <= math.pi
+
+
+@pytest.mark.parametrize("blocks", [False, True], ids=["one by one", "blocks"])
+def test_one_of_both_is_the_same(library: Library, blocks: bool, angles: np.ndarray) -> None:
+    """Sine and cosine each alone are bit by bit those of the pair, beyond the bound and for NaN too."""
+    x = np.concatenate([angles, [3e5, -1e22, math.nan, math.inf, -0.0]])
+    together = library.sine_cosine(x, blocks=blocks)
+    for alone, of_pair in zip(library.sine_cosine(x, blocks=blocks, alone=True), together, strict=True):
+        np.testing.assert_array_equal(alone.view(np.int64), of_pair.view(np.int64))
 
 
 def test_axes_and_diagonals_are_exact(library: Library) -> None:

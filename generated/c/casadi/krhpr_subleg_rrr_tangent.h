@@ -99,8 +99,8 @@ KRHPR_STATIC void krhpr_subleg_rrr_forward_posture_tangent(
     }
 }
 
-/* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.5, 2.5.  (42
- * add, 66 multiply, 5 divide, 2 square root, 3 arctangent) */
+/* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.5, 2.5.  (41
+ * add, 64 multiply, 5 divide, 2 square root, 3 arctangent) */
 KRHPR_STATIC void krhpr_subleg_rrr_inverse_tangent(
     const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *s, const double *mode,
     krhpr_dual *KRHPR_RESTRICT theta, krhpr_dual *KRHPR_RESTRICT radicand)
@@ -111,11 +111,12 @@ KRHPR_STATIC void krhpr_subleg_rrr_inverse_tangent(
     const double d_x = g->e_x[0][i] * d_0 + g->e_x[1][i] * d_1 + g->e_x[2][i] * d_2;
     const double d_t = g->e_t[0][i] * d_0 + g->e_t[1][i] * d_1;
     const double y = g->e_1[0][i] * d_0 + g->e_1[1][i] * d_1 + g->e_1[2][i] * d_2;
-    const double t1 = sqrt(d_t * d_t + d_x * d_x);
+    const double r2 = d_t * d_t + d_x * d_x;
+    const double t1 = sqrt(r2);
     const double r = mode[0] * t1;
     const double h3 = mode[0] * d_t;
     const double h2 = mode[0] * d_x;
-    const double d2 = r * r + y * y;
+    const double d2 = r2 + y * y;
     const double h6 = d2 - g->k[0][i];
     const double h5 = g->k[1][i] - d2;
     const double h2_a = h6 * h5;
@@ -140,13 +141,13 @@ KRHPR_STATIC void krhpr_subleg_rrr_inverse_tangent(
         const double t5 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k];
         const double t6 = d_t * t4;
         const double t7 = d_x * t3;
-        const double t8 = mode[0] * (h1 * (0.5 * (t6 + t6 + (t7 + t7))));
-        const double t9 = r * t8;
+        const double t8 = t6 + t6 + (t7 + t7);
+        const double t9 = mode[0] * (h1 * (0.5 * t8));
         const double t10 = y * t5;
-        const double t11 = t9 + t9 + (t10 + t10);
+        const double t11 = t8 + (t10 + t10);
         const double t12 = h5 * t11 - h6 * t11;
         const double t13 = mode[1] * (h7 * (0.5 * t12));
-        const double t14 = n * (A * t5 + y * t11 - (S * t8 + r * t13)) - m * (A * t8 + r * t11 + (S * t5 + y * t13));
+        const double t14 = n * (A * t5 + y * t11 - (S * t9 + r * t13)) - m * (A * t9 + r * t11 + (S * t5 + y * t13));
         theta[0].t[k] = h4 * (h3 * (mode[0] * t3) - h2 * (mode[0] * t4));
         theta[1].t[k] = h8 * t14;
         theta[2].t[k] = h9 * (C * t13 - S * t11);
@@ -154,8 +155,8 @@ KRHPR_STATIC void krhpr_subleg_rrr_inverse_tangent(
     }
 }
 
-/* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.5, 2.5.  (53
- * add, 67 multiply, 7 divide, 2 square root, 8 arctangent) */
+/* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.5, 2.5.  (52
+ * add, 65 multiply, 7 divide, 2 square root, 8 arctangent) */
 KRHPR_STATIC void krhpr_subleg_rrr_inverse_all_tangent(
     const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
     krhpr_dual *KRHPR_RESTRICT radicand)
@@ -166,38 +167,38 @@ KRHPR_STATIC void krhpr_subleg_rrr_inverse_all_tangent(
     const double d_x = g->e_x[0][i] * d_0 + g->e_x[1][i] * d_1 + g->e_x[2][i] * d_2;
     const double d_t = g->e_t[0][i] * d_0 + g->e_t[1][i] * d_1;
     const double y = g->e_1[0][i] * d_0 + g->e_1[1][i] * d_1 + g->e_1[2][i] * d_2;
-    const double t1 = d_t * d_t + d_x * d_x;
-    const double r = sqrt(t1);
+    const double r2 = d_t * d_t + d_x * d_x;
+    const double r = sqrt(r2);
     const double theta_0 = krhpr_atan2(-d_t, d_x);
-    const double d2 = r * r + y * y;
+    const double d2 = r2 + y * y;
     const double h4 = d2 - g->k[0][i];
     const double h3 = g->k[1][i] - d2;
     const double h2 = h4 * h3;
     const double S = sqrt(h2);
     const double C = d2 - g->k[2][i] - g->k[3][i];
     const double A = d2 + g->k[2][i] - g->k[3][i];
-    const double t2 = r * A;
-    const double t3 = y * S;
-    const double n = t2 + t3;
-    const double t4 = y * A;
-    const double t5 = r * S;
-    const double m = t4 - t5;
+    const double t1 = r * A;
+    const double t2 = y * S;
+    const double n = t1 + t2;
+    const double t3 = y * A;
+    const double t4 = r * S;
+    const double m = t3 - t4;
     const double theta_2 = krhpr_atan2(S, C);
     const double S_a = -S;
-    const double n_a = t2 - t3;
-    const double m_a = t4 + t5;
+    const double n_a = t1 - t2;
+    const double m_a = t3 + t4;
     const double theta_2_a = krhpr_atan2(S_a, C);
     const double theta_0_a = krhpr_atan2(d_t, -d_x);
-    const double n_b = t3 - t2;
+    const double n_b = t2 - t1;
     const double n_c = -n;
     const double h1 = 1.0 / r;
-    const double h2_a = 1.0 / t1;
+    const double h2_a = 1.0 / r2;
     const double h5 = 1.0 / S;
     const double h6 = 1.0 / (n * n + m * m);
     const double h7 = 1.0 / (C * C + S * S);
-    const double t6 = m_a * m_a;
-    const double h8 = 1.0 / (n_a * n_a + t6);
-    const double h9 = 1.0 / (t6 + n_b * n_b);
+    const double t5 = m_a * m_a;
+    const double h8 = 1.0 / (n_a * n_a + t5);
+    const double h9 = 1.0 / (t5 + n_b * n_b);
     theta[0].v = theta_0;
     theta[1].v = krhpr_atan2(m, n);
     theta[2].v = theta_2;
@@ -212,42 +213,42 @@ KRHPR_STATIC void krhpr_subleg_rrr_inverse_all_tangent(
     theta[11].v = theta_2_a;
     radicand[0].v = h2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t7 = g->e_x[0][i] * s[0].t[k] + g->e_x[1][i] * s[1].t[k] + g->e_x[2][i] * s[2].t[k];
-        const double t8 = g->e_t[0][i] * s[0].t[k] + g->e_t[1][i] * s[1].t[k];
-        const double t9 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k];
-        const double t10 = d_t * t8;
-        const double t11 = d_x * t7;
-        const double t12 = h1 * (0.5 * (t10 + t10 + (t11 + t11)));
-        const double t13 = h2_a * (d_t * t7 - d_x * t8);
-        const double t14 = r * t12;
-        const double t15 = y * t9;
-        const double t16 = t14 + t14 + (t15 + t15);
-        const double t17 = h3 * t16 - h4 * t16;
-        const double t18 = h5 * (0.5 * t17);
-        const double t19 = A * t12 + r * t16;
-        const double t20 = S * t9 + y * t18;
-        const double t21 = A * t9 + y * t16;
-        const double t22 = S * t12 + r * t18;
-        const double t23 = n * (t21 - t22);
-        const double t24 = m * (t19 + t20);
-        const double t25 = C * t18;
-        const double t26 = S * t16;
-        const double t27 = h7 * (t25 - t26);
-        const double t28 = t21 + t22;
-        const double t29 = h7 * (t26 - t25);
+        const double t6 = g->e_x[0][i] * s[0].t[k] + g->e_x[1][i] * s[1].t[k] + g->e_x[2][i] * s[2].t[k];
+        const double t7 = g->e_t[0][i] * s[0].t[k] + g->e_t[1][i] * s[1].t[k];
+        const double t8 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k];
+        const double t9 = d_t * t7;
+        const double t10 = d_x * t6;
+        const double t11 = t9 + t9 + (t10 + t10);
+        const double t12 = h1 * (0.5 * t11);
+        const double t13 = h2_a * (d_t * t6 - d_x * t7);
+        const double t14 = y * t8;
+        const double t15 = t11 + (t14 + t14);
+        const double t16 = h3 * t15 - h4 * t15;
+        const double t17 = h5 * (0.5 * t16);
+        const double t18 = A * t12 + r * t15;
+        const double t19 = S * t8 + y * t17;
+        const double t20 = A * t8 + y * t15;
+        const double t21 = S * t12 + r * t17;
+        const double t22 = n * (t20 - t21);
+        const double t23 = m * (t18 + t19);
+        const double t24 = C * t17;
+        const double t25 = S * t15;
+        const double t26 = h7 * (t24 - t25);
+        const double t27 = t20 + t21;
+        const double t28 = h7 * (t25 - t24);
         theta[0].t[k] = t13;
-        theta[1].t[k] = h6 * (t23 - t24);
-        theta[2].t[k] = t27;
+        theta[1].t[k] = h6 * (t22 - t23);
+        theta[2].t[k] = t26;
         theta[3].t[k] = t13;
-        theta[4].t[k] = h8 * (n_a * t28 - m_a * (t19 - t20));
-        theta[5].t[k] = t29;
+        theta[4].t[k] = h8 * (n_a * t27 - m_a * (t18 - t19));
+        theta[5].t[k] = t28;
         theta[6].t[k] = t13;
-        theta[7].t[k] = h9 * (n_b * t28 - m_a * (t20 - t19));
-        theta[8].t[k] = t27;
+        theta[7].t[k] = h9 * (n_b * t27 - m_a * (t19 - t18));
+        theta[8].t[k] = t26;
         theta[9].t[k] = t13;
-        theta[10].t[k] = h6 * (t24 - t23);
-        theta[11].t[k] = t29;
-        radicand[0].t[k] = t17;
+        theta[10].t[k] = h6 * (t23 - t22);
+        theta[11].t[k] = t28;
+        radicand[0].t[k] = t16;
     }
 }
 
