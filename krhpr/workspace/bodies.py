@@ -43,8 +43,19 @@ class Bodies:
         """(the least distance beyond what is needed (n,), of which pair), from the distances (n, pairs)."""
         every = len(self.chosen) == distances.shape[-1]
         beyond = (distances if every else distances[:, self.chosen]) - self.least
-        place = beyond.argmin(axis=-1)
-        return beyond[np.arange(len(beyond)), place], self.chosen[place].astype(np.int16)
+        least, place = least_of(beyond)
+        return least, self.chosen[place].astype(np.int16)
+
+
+TIE = 1e-9
+"""Margins (m, rad) that differ by less are the same: of several, the first is named, on every machine."""
+
+
+def least_of(margins: Floats) -> tuple[Floats, NDArray[np.intp]]:
+    """The least of each row (n, k), and the first place that has it; NaN counts as less than any number."""
+    least = margins.min(axis=-1)  # NaN where there is one
+    place = np.asarray(~(margins > (least + TIE)[:, None])).argmax(axis=-1)
+    return least, place
 
 
 def _radius(robot: Robot, limits: WorkspaceLimits, link: Segment) -> float | None:

@@ -14,7 +14,7 @@ from krhpr.calls import Branch
 from krhpr.errors import WorkspaceError
 from krhpr.limits import Intervals
 from krhpr.robot import Robot
-from krhpr.workspace.bodies import Bodies
+from krhpr.workspace.bodies import Bodies, least_of
 from krhpr.workspace.limits import Stop, WorkspaceLimits, elbows, first_axis_turns
 
 Floats = NDArray[np.float64]
@@ -269,9 +269,9 @@ class Examiner:
 
 
 def _least(margins: Floats) -> tuple[Floats, Places]:
-    """The least of each row, and its place; NaN counts as less than any number."""
-    place = np.where(np.isnan(margins), -np.inf, margins).argmin(axis=-1)
-    return margins[np.arange(len(margins)), place], place.astype(np.int16)
+    """The least of each row, and its place."""
+    least, place = least_of(margins)
+    return least, place.astype(np.int16)
 
 
 def _within(value: Floats, limits: Intervals, turns: bool) -> Floats:

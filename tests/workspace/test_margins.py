@@ -15,6 +15,7 @@ from krhpr.limits import Cone, Interval, Limits
 from krhpr.robot import Robot
 from krhpr.trajectory.clearance import pairs
 from krhpr.workspace import Bodies, Examiner, Stop, WorkspaceLimits, section_1_7
+from krhpr.workspace.bodies import least_of
 
 BETA = np.radians(97.0)
 FLAGSHIP = "spatial_r_fivebar_a"
@@ -72,7 +73,8 @@ def test_margins_of_section_1_7() -> None:
         order = [stop for stop in Stop if stop in found.values and not found.values[stop][k] >= 0]
         assert found.stops[k] == (order[0] if order else Stop.NONE)
         if found.stops[k] == Stop.BODIES:
-            assert of_pairs[int(distances.argmin())] == of_pairs[int(found.which[k])]
+            nearest = int(np.flatnonzero(distances <= distances.min() + 1e-9)[0])
+            assert of_pairs[nearest] == of_pairs[int(found.which[k])]
     assert reached > 100
     kinds = set(found.stops.tolist())
     assert {Stop.NONE, Stop.REACH, Stop.ELBOW, Stop.SPHERICAL, Stop.BODIES} <= kinds
@@ -248,3 +250,9 @@ def test_a_robot_file_makes_such_a_robot(tmp_path: Any) -> None:
     of_section = Examiner(robot, section_1_7(robot)).examine(*at)
     assert np.array_equal(of_file.stops, of_section.stops)
     assert np.array_equal(of_file.which, of_section.which)
+
+
+def test_of_equal_margins_the_first_is_named() -> None:
+    least, place = least_of(np.array([[3.0, 1.0 + 1e-12, 1.0], [np.nan, 0.0, np.nan], [0.5, 0.5, 2.0]]))
+    assert place.tolist() == [1, 0, 0]
+    assert least == pytest.approx([1.0, np.nan, 0.5], nan_ok=True)
