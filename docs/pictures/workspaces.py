@@ -33,7 +33,7 @@ def redundancy() -> Figure:
     """The section without torsion and a layer, for constant angles and for the best ones."""
     robot = study().robot
     figure = pyplot.figure(figsize=(9.6, 4.6), layout="constrained")
-    tilt = figure.add_subplot(1, 2, 1, projection="polar")
+    tilt: Any = figure.add_subplot(1, 2, 1, projection="polar")
     layer = figure.add_subplot(1, 2, 2)
     chosen: dict[str, tuple[Any, str]] = {
         f"{beta}°": (workspace.constant(np.radians(beta)), colour) for beta, colour in CONSTANT.items()

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 import krhpr
 from krhpr.cli.common import Column, Exit, Step, WrongUse, print_table, progress
@@ -113,6 +114,6 @@ def _write(found: WorkspaceStudy, folder: Path) -> list[Path]:
         return [path]
 
 
-def _rows(values: np.ndarray) -> list[list[float | None]]:  # type: ignore[type-arg]
+def _rows(values: NDArray[np.float64]) -> list[list[float | None]]:
     """Numbers as JSON has them: no NaN."""
     return [[None if np.isnan(x) else float(x) for x in row] for row in values]

@@ -14,7 +14,7 @@ from krhpr.workspace import Stop, Workspace
 
 Floats = NDArray[np.float64]
 
-STYLE = {
+STYLE: Any = {
     "font.family": "DejaVu Sans",
     "mathtext.fontset": "dejavusans",
     "font.size": 10,
@@ -59,7 +59,7 @@ def layers(found: WorkspaceStudy) -> Any:
     made = found.layers
     heights, theta = made.axis("h"), _closed(made.axis("theta_c"))
     figure = pyplot.figure(figsize=(7.2, 5.6))
-    ax = figure.add_axes((0.0, 0.0, 1.0, 1.0), projection="3d")
+    ax: Any = figure.add_axes((0.0, 0.0, 1.0, 1.0), projection="3d")
     colours = _colours(made)
     for row, height in enumerate(heights):
         r = 1e3 * _closed(made["boundary"][row])
@@ -116,7 +116,7 @@ def orientations(found: WorkspaceStudy) -> Any:
     colours = np.array([[to_rgb(c) for c in row] for row in _closed(_colours(made)[:, ::every])])
     shade = 0.72 + 0.28 * np.cos(theta - np.radians(230))[None, :, None]
     figure = pyplot.figure(figsize=(6.6, 5.6))
-    ax = figure.add_axes((-0.04, 0.0, 1.0, 1.0), projection="3d")
+    ax: Any = figure.add_axes((-0.04, 0.0, 1.0, 1.0), projection="3d")
     ax.plot_surface(
         r * np.cos(theta),
         r * np.sin(theta),
@@ -144,12 +144,13 @@ def level(found: WorkspaceStudy) -> Any:
 
     made = found.level
     theta, r = _closed(made.axis("theta_c")), np.degrees(_closed(made["boundary"][0]))
-    figure, ax = pyplot.subplots(figsize=(5.6, 5.4), layout="constrained", subplot_kw={"projection": "polar"})
+    figure = pyplot.figure(figsize=(5.6, 5.4), layout="constrained")
+    ax: Any = figure.add_subplot(projection="polar")
     points = np.stack([theta, r], axis=-1)
     points[-1, 0] = 2 * np.pi
     pieces = np.stack([points[:-1], points[1:]], axis=1)
     ax.fill(theta, r, color="#eeeeee")
-    ax.add_collection(LineCollection(pieces, colors=list(_colours(made)[0]), linewidths=2.2))
+    ax.add_collection(LineCollection(list(pieces), colors=list(_colours(made)[0]), linewidths=2.2))
     ax.set_rlim(0, 180)
     ax.set_rticks([45, 90, 135, 180], ["45°", "90°", "135°", "180°"], fontsize=8)
     ax.set_rlabel_position(100)

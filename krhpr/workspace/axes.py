@@ -172,7 +172,7 @@ def steps(low: float, high: float, step: float) -> Floats:
             f"from {low:g} to {high:g} in steps of {step:g}: expected a positive step upwards"
         )
     count = int(np.floor((high - low) / step * (1 + 1e-12) + 1e-9)) + 1
-    return low + step * np.arange(count)
+    return np.asarray(low + step * np.arange(count), dtype=np.float64)
 
 
 def directions(count: int) -> Floats:

@@ -6,6 +6,7 @@ import pickle
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import lru_cache
+from importlib import import_module
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -83,25 +84,27 @@ def _made(job: Job, left: list[int], cluster: str | int | None) -> Iterator[Iter
         yield _by_workers(client, job, left)
 
 
-@contextmanager
-def _client(cluster: str | int) -> Iterator[Any]:
+def _distributed() -> Any:
     try:
-        from distributed import Client, LocalCluster
+        return import_module("distributed")
     except ImportError as lacking:
         raise WorkspaceError("clusters need Dask: pip install 'krhpr[workspace]'") from lacking
+
+
+@contextmanager
+def _client(cluster: str | int) -> Iterator[Any]:
+    dask = _distributed()
     if isinstance(cluster, int):
         if cluster < 1:
             raise WorkspaceError(f"{cluster} processes; expected 1 or more")
         with (
-            LocalCluster(  # type: ignore[no-untyped-call]
-                n_workers=cluster, threads_per_worker=1, dashboard_address=None
-            ) as local,
-            Client(local) as client,
-        ):  # type: ignore[no-untyped-call]
+            dask.LocalCluster(n_workers=cluster, threads_per_worker=1, dashboard_address=None) as local,
+            dask.Client(local) as client,
+        ):
             yield client
         return
     try:
-        client = Client(cluster, timeout=WAIT)  # type: ignore[no-untyped-call]
+        client = dask.Client(cluster, timeout=WAIT)
     except (OSError, ValueError) as problem:
         raise WorkspaceError(
             f"no Dask scheduler answers at {cluster!r} ({problem}); start one with `dask scheduler`, and "
@@ -124,8 +127,6 @@ def _make(pickled: bytes, number: int) -> Arrays:
 
 def _by_workers(client: Any, job: Job, left: list[int]) -> Iterator[tuple[int, Arrays]]:
     """Chunks in the order in which workers finish them; few are under way, so that memory stays bounded."""
-    from distributed import as_completed
-
     # with every chunk, for what lies on one worker is lost with it
     pickled, waiting = pickle.dumps(job), iter(left)
 
@@ -138,7 +139,7 @@ def _by_workers(client: Any, job: Job, left: list[int]) -> Iterator[tuple[int, A
         ]
 
     workers = max(1, len(client.scheduler_info()["workers"]))
-    under_way = as_completed(submit(AHEAD * workers), with_results=True)
+    under_way = _distributed().as_completed(submit(AHEAD * workers), with_results=True)
     for future, made in under_way:
         number = int(future.key.rpartition("-")[2])
         yield number, made

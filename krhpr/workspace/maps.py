@@ -333,7 +333,7 @@ class Workspace:
         """Of a grid: which nodes belong to the workspace; of a boundary: which rays have any."""
         if isinstance(self.job, GridMap):
             return np.asarray(self.arrays["stops"] == Stop.NONE)
-        return ~np.isnan(self.arrays["boundary"])
+        return np.asarray(~np.isnan(self.arrays["boundary"]))
 
     def axis(self, name: str) -> Floats:
         """The values of a coordinate."""

@@ -39,7 +39,7 @@ class Margins:
     @property
     def free(self) -> NDArray[np.bool_]:
         """Whether all limits are kept."""
-        return self.stops == Stop.NONE
+        return np.asarray(self.stops == Stop.NONE)
 
     @property
     def least(self) -> Floats:
@@ -280,4 +280,4 @@ def _within(value: Floats, limits: Intervals, turns: bool) -> Floats:
     off = value - (low + high) / 2
     if turns:
         off = np.remainder(off + np.pi, 2 * np.pi) - np.pi
-    return (high - low) / 2 - np.abs(off)
+    return np.asarray((high - low) / 2 - np.abs(off))

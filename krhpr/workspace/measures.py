@@ -104,11 +104,12 @@ def _grid_volume(made: Workspace) -> Measure:
     axes = [axis.values for axis in job.axes]
     if isinstance(job.family, Layers):
         density: Any = axes[2][None, None, :]
-        scale, unit = 1.0, "m^3"
+        whole_space, unit = 1.0, "m^3"
     elif isinstance(job.family, Box):
-        density, scale, unit = 1.0, 1.0, "m^3"
+        density, whole_space, unit = 1.0, 1.0, "m^3"
     elif isinstance(job.family, TiltTorsion):
-        density, scale, unit = np.sin(axes[2])[None, None, :], ALL_ROTATIONS, "of all orientations"
+        density, unit = np.sin(axes[2])[None, None, :], "of all orientations"
+        whole_space = ALL_ROTATIONS
     else:
         raise WorkspaceError(f"no volume is known of {type(job.family).__name__}")
     free = made.free * density
@@ -116,12 +117,12 @@ def _grid_volume(made: Workspace) -> Measure:
     def value(every: int) -> float:
         widths = [_cells(axis[::every], axis) for axis in axes]
         some = free[::every, ::every, ::every]
-        return float(np.einsum("ijk,i,j,k->", some, *widths)) / scale
+        return float(np.einsum("ijk,i,j,k->", some, *widths)) / whole_space
 
     whole = value(1)
     # between neighbours of which one is free the boundary is anywhere: an error for each, at random
     crossings = sum(int(np.count_nonzero(np.diff(made.free, axis=axis))) for axis in range(3))
-    mean = whole / max(1, np.count_nonzero(made.free))
+    mean = whole / max(1, int(np.count_nonzero(made.free)))
     return Measure(whole, abs(value(2) - whole) + mean * float(np.sqrt(crossings)), unit)
 
 

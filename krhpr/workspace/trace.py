@@ -110,7 +110,8 @@ class _Tracer:
         """The spans between coarse nodes."""
         going = np.arange(len(self.beyond))
         before = np.full(len(going), -np.inf)
-        found = _Spans(*(np.empty(0, dtype=np.intp) for _ in range(3)), *(np.empty(0) for _ in range(2)))
+        no_nodes, no_room = np.empty(0, dtype=np.intp), np.empty(0)
+        found = _Spans(no_nodes, no_nodes, no_nodes, no_room, no_room)
         last = 0
         for step in [*range(0, self.count - 1, coarse), self.count - 1]:
             room = self.look(going, np.full(len(going), step, dtype=np.intp))

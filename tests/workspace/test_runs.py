@@ -18,7 +18,6 @@ import krhpr
 from krhpr import workspace as W
 from krhpr.errors import WorkspaceError
 from krhpr.workspace import execute, maps
-from krhpr.workspace import store as stores
 
 xarray = pytest.importorskip("xarray")
 pytest.importorskip("zarr")
@@ -101,7 +100,7 @@ def test_a_chunk_without_its_mark_is_made_again(tmp_path: Path) -> None:
     import zarr
 
     W.run(job(), store=tmp_path / "map")
-    root = zarr.open_group(tmp_path / "map", mode="r+")
+    root: Any = zarr.open_group(tmp_path / "map", mode="r+")
     root["stops"][2] = 77
     root["done"][2] = 0
     assert same(W.run(job(), store=tmp_path / "map"), W.run(job()))
@@ -149,9 +148,7 @@ def test_what_is_no_store(tmp_path: Path) -> None:
 
 def test_a_grid_that_does_not_fit_the_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     usage = namedtuple("usage", "total used free")
-    monkeypatch.setattr(
-        stores.shutil, "disk_usage", lambda folder: usage(10**6, 9 * 10**5, 10**4 + 5 * 10**4)
-    )
+    monkeypatch.setattr(shutil, "disk_usage", lambda folder: usage(10**6, 9 * 10**5, 10**4 + 5 * 10**4))
     monkeypatch.setattr(maps.GridMap, "make", lambda *_: pytest.fail("begun all the same"))
     with pytest.raises(WorkspaceError) as caught:
         W.run(job(with_indices=True), store=tmp_path / "map")

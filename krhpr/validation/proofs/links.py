@@ -49,7 +49,7 @@ def _line_squares(a: list[list[Ball]], b: list[list[Ball]]) -> list[Ball]:
     normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
     square = dot(normal, normal)
 
-    def triple(x: list[Ball], y: list[Ball]) -> Ball:
+    def triple(x: list[Ball], y: list[Ball]) -> Any:
         return dot(normal, [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]])
 
     first, second = triple(w, v) / square, triple(w, u) / square
