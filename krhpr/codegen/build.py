@@ -22,8 +22,8 @@ WORKING_BOX = (radians(30), radians(150))
 
 JAWS_DOC = (
     "Legs 1 and 2 of arrays are the right and the left sub-leg, which are legs 1, 2 and legs 3, 4 of the "
-    "thesis.  Of the statuses NO_ASSEMBLY says that the jaws do not meet in B, SINGULAR_IN_PLANE that they are "
-    "aligned, UNDETERMINED that the object has no width."
+    "thesis.  Of the statuses NO_ASSEMBLY says that the jaws do not meet in B, SINGULAR_IN_PLANE that they "
+    "are aligned, UNDETERMINED that the object has no width."
 )
 
 
