@@ -232,4 +232,5 @@ def _in_base(angles: Floats, faces: Floats, forces: Floats) -> Floats:
     turned = angles + faces
     normal = np.stack([np.cos(turned), np.sin(turned)], axis=-1)
     parallel = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
-    return forces[..., :1] * normal + forces[..., 1:] * parallel
+    found: Floats = forces[..., :1] * normal + forces[..., 1:] * parallel
+    return found
