@@ -17,7 +17,7 @@ import krhpr
 from krhpr import Status
 from krhpr.backend import c_sources
 from tests.grasping.support import ROBOTS, Array, configurations, cross, different
-from tests.support import need
+from tests.support import ROOT, need
 
 number = st.floats(-1.0, 1.0)
 
@@ -211,3 +211,10 @@ def test_shapes_labels_and_messages() -> None:
     # a sub-leg whose chains do not meet
     answer, status = robot.forward([[-0.3, 0.3], [0.1, 0.3]], status=True)
     assert status == Status.UNREACHABLE_LEG_1 and np.isnan(answer.angles).all()
+
+
+def test_every_function_is_in_the_documentation() -> None:
+    page = (ROOT / "docs" / "grasping.md").read_text(encoding="utf-8")
+    for name in ROBOTS:
+        for function in krhpr.load_grasping(name, backend="numpy").functions:
+            assert f"`{function}`" in page or function in ("inverse_statics_k", "inverse_statics_r"), function
