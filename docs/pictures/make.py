@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from functools import cache, partial
 from io import BytesIO
 from itertools import permutations, product
 from pathlib import Path
@@ -39,11 +38,13 @@ from krhpr.drawing import (
 )
 from krhpr.picture import VIEW, draw_leg, picture
 from krhpr.robot import Robot
-from krhpr.study.forward_accuracy import Accuracy, forward_accuracy
+from krhpr.study.dexterity import dexterity
+from krhpr.study.figures import dexterity_figures, redundancy_figures
+from krhpr.study.forward_accuracy import forward_accuracy
 from krhpr.study.grasp import contacts, grasp_study
 from krhpr.study.grasp_picture import picture as grasp_picture
-from krhpr.study.histograms import histograms
-from krhpr.study.histograms import picture as histogram_picture
+from krhpr.study.histograms import accuracy_figures
+from krhpr.study.redundancy import redundancy
 
 matplotlib.use("Agg")
 
@@ -344,20 +345,12 @@ def singularity_locus() -> Figure:
     return figure
 
 
-ACCURACY = ("encoders", "position", "orientation", "orthonormal")
-"""Histograms of the accuracy study, Figs. 3.8 to 3.11."""
-
-
-def accuracy(name: str) -> Figure:
-    """One of them, for the study's default seed."""
-    (found,) = (one for one in histograms(_study()) if one.name == name)
-    figure: Figure = histogram_picture(found)
-    return figure
-
-
-@cache
-def _study() -> Accuracy:
-    return forward_accuracy()
+STUDIES: dict[str, Callable[[], dict[str, Figure]]] = {
+    "accuracy": lambda: accuracy_figures(forward_accuracy()),
+    "dexterity": lambda: dexterity_figures(dexterity()),
+    "redundancy": lambda: redundancy_figures(redundancy()),
+}
+"""Figures of `krhpr study`, several of each: Figs. 3.8 to 3.11, 1.10 to 1.12, and 4.3 and 4.4."""
 
 
 JAW_COLOURS = ("#1b4f72", "#b03a2e")
@@ -395,7 +388,6 @@ PICTURES: dict[str, Callable[[], Figure]] = {
     "delta": delta,
     "type_2_margin": type_2_margin,
     "singularity_locus": singularity_locus,
-    **{f"accuracy_{name}": partial(accuracy, name) for name in ACCURACY},
     "grasping": grasping,
     "grasping_study": grasping_study,
 }
@@ -842,6 +834,9 @@ def main(folder: Path = FOLDER) -> None:
     with matplotlib.rc_context(STYLE):
         for name, picture in PICTURES.items():
             save(picture(), folder / f"{name}.png")
+        for figures in STUDIES.values():
+            for name, figure in figures().items():
+                save(figure, folder / f"{name}.png")
 
 
 if __name__ == "__main__":

@@ -31,7 +31,7 @@ def test_grasping(cli: Cli, tmp_path: Path) -> None:
     assert (tmp_path / "grasp.png").stat().st_size > 10_000
     assert cli("study", "grasp", "--out", str(tmp_path)).out == done.out
     refused = cli("study", "forward-accuracy", "--file", example)
-    assert refused.code == 2 and "--file is for the study grasp" in refused.err
+    assert refused.code == 2 and "--file belongs to grasp; forward-accuracy has no such option" in refused.err
     slippery = tmp_path / "slippery.yaml"
     slippery.write_text(Path(example).read_text("utf-8").replace("friction: 0.5", "friction: 0.01"), "utf-8")
     done = cli("study", "grasp", "--file", str(slippery), "--out", str(tmp_path))
@@ -39,3 +39,21 @@ def test_grasping(cli: Cli, tmp_path: Path) -> None:
     slippery.write_text("robot: arm\n", "utf-8")
     done = cli("study", "grasp", "--file", str(slippery), "--out", str(tmp_path))
     assert done.code == 2 and "missing: geometry" in done.err
+
+
+def test_the_dexterity_study(cli: Cli, tmp_path: Path) -> None:
+    done = cli("study", "dexterity", "--out", str(tmp_path))
+    assert done.code == 0 and done.out.count("holds: ") == 4 and "59.96" in done.out
+    facts = json.loads((tmp_path / "dexterity.json").read_text("utf-8"))
+    assert len(facts["position"]) == 721 and round(max(map(max, facts["range"])), 4) == 1.0466
+    assert (tmp_path / "dexterity_ranges.png").stat().st_size > 10_000
+    refused = cli("study", "dexterity", "--seed", "1")
+    assert refused.code == 2 and "--seed belongs to forward-accuracy" in refused.err
+
+
+def test_the_trajectory_study(cli: Cli, tmp_path: Path) -> None:
+    done = cli("study", "trajectory", "--out", str(tmp_path))
+    assert done.code == 0 and done.out.count("holds: ") == 7
+    facts = json.loads((tmp_path / "trajectory.json").read_text("utf-8"))
+    assert len(facts["compared"]) == 20 and len(facts["filtered"]["method one"]) == 301
+    assert (tmp_path / "redundancy_best.png").exists()
