@@ -32,6 +32,21 @@ def test_limits_that_are_not_met_have_an_exit_code(cli: Cli) -> None:
     assert done.code == 3 and not found["feasible"] and found["violations"][0]["relative"] > 1
 
 
+@pytest.mark.compiler
+def test_compiled_functions(cli: Cli) -> None:
+    done = cli("optimise", EXAMPLE, "spatial_rrr_a", "--compile")
+    assert done.code == 0 and "all limits met; integral of eta_1^2 0.476" in done.out
+
+
+def test_the_gripper_of_the_example(cli: Cli, tmp_path: Path) -> None:
+    folder = Path(EXAMPLE).parent
+    arguments = (str(folder / "carry.yaml"), str(folder / "gripper.yaml"), "--out", str(tmp_path / "carry"))
+    done = cli("optimise", *arguments, "--json")
+    found = json.loads(done.out)
+    assert done.code == 0 and found["feasible"] and found["limits"]["grip"]["opening"] == 0.06
+    assert "opening [m]" in (tmp_path / "carry.csv").read_text()
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
