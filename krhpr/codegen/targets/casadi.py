@@ -11,7 +11,7 @@ from krhpr.codegen.kernel import LEGS
 from krhpr.codegen.part import Part
 from krhpr.codegen.printers.python import CASADI
 from krhpr.codegen.targets.base import File, broken, render
-from krhpr.codegen.targets.python import part_context
+from krhpr.codegen.targets.python import link_pairs, part_context
 
 
 class CasadiTarget:
@@ -32,6 +32,7 @@ class CasadiTarget:
         text = render(
             "casadi/robot.py.j2",
             robot=robot,
+            link_pairs=link_pairs(robot),
             prepared=_prepared(robot) if robot.baked else {},
             functions=[_function(robot, function) for function in robot.functions if not function.procedure],
             default_geometry=[
@@ -60,9 +61,9 @@ def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
     known = variables(function, robot.parts)
     read = function.read(robot.parts, guards=False)
     read_later = {
-        call.variable_in(port.name)
+        name
         for call in function.stage(Stage.PLATFORM)
-        for port in robot.parts[call.part].kernel(call.kernel).inputs
+        for name in call.reads(robot.parts[call.part].kernel(call.kernel))
     }
     collected = [
         variable.name
@@ -86,6 +87,11 @@ def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
 
 def _call(robot: RobotCode, call: Call, known: Mapping[str, Variable], read: set[str]) -> str:
     kernel = robot.parts[call.part].kernel(call.kernel)
+    if call.pairs is not None:
+        (port,) = kernel.outputs
+        points = " + ".join(call.pairs.places)
+        arguments = [f"{call.part}.{kernel.name}", points, "LINK_PAIRS"]
+        return broken(f"{call.variable_out(port.name)} = rt.of_pairs", arguments, indent=8)
     leg = call.stage is Stage.LEG
     prepared = f'_PREPARED["{call.part}"][i]' if robot.baked else f"{call.part}.prepare(fields)"
     arguments = [prepared] if kernel.geometry is not None else []
