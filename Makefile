@@ -39,7 +39,7 @@ validate: $(TEST_READY) ## Check generated/ against the derivation; the report i
 test: lint ## Lint, then run the tests on small samples
 	$(VENV)/bin/python -m pytest -n $(WORKERS) --dist worksteal -q $(ARGS)
 
-test-full: $(TEST_READY) ## Run every test, on large samples
+test-full: $(TEST_READY) ## Run the tests that have large samples on these (the others are in `make test`)
 	$(VENV)/bin/python -m pytest -n $(WORKERS) --dist worksteal -q --full $(ARGS)
 
 lint: $(TEST_READY) ## Check style, layout and types

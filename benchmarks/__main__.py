@@ -27,7 +27,7 @@ def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("--workloads", nargs="+", choices=list(WORKLOADS), default=list(WORKLOADS))
     parser.add_argument("--only", choices=PARTS, nargs="+", default=PARTS, help="measure some of the parts")
-    parser.add_argument("--rounds", type=int, default=300, help="rounds in C (default %(default)s)")
+    parser.add_argument("--rounds", type=int, default=3000, help="rounds in C (default %(default)s)")
     parser.add_argument(
         "--python-rounds", type=int, default=60, help="rounds in Python (default %(default)s)"
     )

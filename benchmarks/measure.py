@@ -19,7 +19,7 @@ from benchmarks.workloads import Workload
 Floats = NDArray[np.float64]
 TOLERANCE = 1e-12
 POOL = 32
-CHUNK_NS = 250_000.0  # processor time of one sample
+CHUNK_NS = 100_000.0  # processor time of one sample
 MODES = ("throughput", "latency", "batch")
 
 

@@ -72,12 +72,18 @@ ROBOTS = (
     "planar_rrr_c",
 )
 
+GRASPING = (
+    "planar_grasp_prr",
+    "planar_grasp_rpr",
+)
+"""Robots with two jaws and two legs, whose functions are their own."""
+
 
 def __getattr__(name: str) -> ModuleType:
-    if name in ROBOTS:
+    if name in (*ROBOTS, *GRASPING):
         return import_module(f".python.{name}", __name__)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}; robots: {', '.join(ROBOTS)}")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}; robots: {', '.join((*ROBOTS, *GRASPING))}")
 
 
 def __dir__() -> list[str]:
-    return [*globals(), *ROBOTS]
+    return [*globals(), *ROBOTS, *GRASPING]

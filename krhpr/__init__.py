@@ -31,8 +31,9 @@ if TYPE_CHECKING:
         Unreachable,
     )
     from krhpr.generated.python.runtime import Geometry, Status
+    from krhpr.grasping import Force, GraspingRobot, measured_force
     from krhpr.limits import Cone, Interval, Limits
-    from krhpr.loading import catalogue, load
+    from krhpr.loading import catalogue, grasping_robots, load, load_grasping
     from krhpr.robot import Robot
     from krhpr.robot_files.problems import RobotFileError, RobotFileWarning
 
@@ -58,6 +59,11 @@ _HOME = {
     "UnknownBranch": "krhpr.errors",
     "UnknownRobot": "krhpr.errors",
     "Unreachable": "krhpr.errors",
+    "Force": "krhpr.grasping",
+    "GraspingRobot": "krhpr.grasping",
+    "measured_force": "krhpr.grasping",
+    "grasping_robots": "krhpr.loading",
+    "load_grasping": "krhpr.loading",
     "catalogue": "krhpr.loading",
     "load": "krhpr.loading",
 }
@@ -65,8 +71,10 @@ _HOME = {
 __all__ = [
     "Ambiguous",
     "Cone",
+    "Force",
     "GeneratedMismatch",
     "Geometry",
+    "GraspingRobot",
     "Inconsistent",
     "Interval",
     "InvalidInput",
@@ -85,7 +93,10 @@ __all__ = [
     "Unreachable",
     "__version__",
     "catalogue",
+    "grasping_robots",
     "load",
+    "load_grasping",
+    "measured_force",
 ]
 
 

@@ -6,7 +6,7 @@ from collections import namedtuple
 from collections.abc import Mapping, Sequence
 from functools import cached_property, partial
 from types import ModuleType
-from typing import Any, NamedTuple, TypedDict, Unpack
+from typing import Any, ClassVar, NamedTuple, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,7 +26,7 @@ from krhpr.errors import (
     UnknownBranch,
     Unreachable,
 )
-from krhpr.generated.python.runtime import Geometry, Port, Signature, Status
+from krhpr.generated.python.runtime import LEGS, Geometry, Port, Signature, Status
 from krhpr.limits import Limits
 from krhpr.native import Bound
 from krhpr.threads import in_threads
@@ -62,8 +62,57 @@ class Options(TypedDict, total=False):
     """How many threads share a large batch (1 unless given)."""
 
 
+WITHOUT_ANSWER: Mapping[Status, tuple[type[InBatch], str]] = {
+    Status.INVALID_INPUT: (InvalidInput, "an input is NaN or infinite"),
+    Status.NO_CONVERGENCE: (
+        NoConvergence,
+        "Newton's iteration did not converge; start nearer to the solution (near=...)",
+    ),
+    Status.NO_ASSEMBLY: (
+        Unassembled,
+        "no platform of this geometry fits the three end points; check the joints and the assembly modes of "
+        "the sub-legs",
+    ),
+    Status.AMBIGUOUS: (
+        Ambiguous,
+        "several solutions cannot be told apart; give a smaller box=..., or look at all of them with "
+        "forward_all",
+    ),
+    Status.NO_GRASP: (
+        NoGrasp,
+        "the jaws hold nothing: the directions of the slides must positively span the plane "
+        "(platform_azimuth), and normal forces must not be negative",
+    ),
+    Status.SLIPS: (NoGrasp, "the object slips at a contact; press harder, or look at friction_margins"),
+    Status.UNDETERMINED: (
+        NoGrasp,
+        "the measured forces do not determine the others; the lines through the contacts along the jaws' "
+        "faces must not meet in a point, nor the contacts be in line",
+    ),
+    Status.INCONSISTENT: (
+        Inconsistent,
+        "the measured redundant coordinates contradict the end points by more than the tolerance; check the "
+        "encoders' zeros and the assembly modes, or raise tolerance=...",
+    ),
+}
+"""The error of each status that is neither a leg out of reach nor a singularity, and what to do."""
+
+MEANINGS = {
+    Status.SINGULAR_LEG_1: "a factor of det M_1 vanishes",
+    Status.SINGULAR_LEG_2: "a factor of det M_2 vanishes",
+    Status.SINGULAR_LEG_3: "a factor of det M_3 vanishes",
+    Status.SINGULAR_IN_PLANE: (
+        "det J_a = 0: the lines in the platform's plane meet in a point or are parallel"
+    ),
+    Status.SINGULAR_NORMAL: "det J_n = 0: the three end points are collinear",
+}
+
+
 class Calls:
     """A generated module with a geometry and a backend, and its functions by name."""
+
+    _advice: ClassVar[Mapping[Status, tuple[type[InBatch], str]]] = WITHOUT_ANSWER
+    _meanings: ClassVar[Mapping[Status, str]] = MEANINGS
 
     def __init__(
         self,
@@ -100,6 +149,11 @@ class Calls:
     def title(self) -> str:
         """What it is, in a few words."""
         return str(self._module.TITLE)
+
+    @property
+    def legs(self) -> int:
+        """How many legs it has: three, or the two sub-legs of a grasping robot."""
+        return int(getattr(self._module, "LEGS", LEGS))
 
     @property
     def planar(self) -> bool:
@@ -363,10 +417,10 @@ class Calls:
                 distance,
                 index,
             )
-        if code in _WITHOUT_ANSWER:
-            error, advice = _WITHOUT_ANSWER[code]
+        if code in self._advice:
+            error, advice = self._advice[code]
             raise error(f"{where}: {advice}", index)
-        raise Singular(f"{where}: singular configuration, {_MEANING[code]}", int(code), index)
+        raise Singular(f"{where}: singular configuration, {self._meanings[code]}", int(code), index)
 
     def _distance(
         self, signature: Signature, arrays: Sequence[Any], status: Any, index: tuple[int, ...], leg: int
@@ -391,14 +445,15 @@ class Calls:
     def _signs(
         self, branch: Branch | None, table: Mapping[str, Sequence[int]], default: str, what: str
     ) -> np.ndarray[Any, Any]:
-        """Signs (..., 3, k) of a branch given as a label, three labels, or signs."""
-        labels = [default] * 3 if branch is None else [branch] * 3 if isinstance(branch, str) else branch
+        """Signs (..., legs, k) of a branch given as a label, a label for each leg, or signs."""
+        one = default if branch is None else branch
+        labels = [one] * self.legs if isinstance(one, str) else one
         if isinstance(labels, (list, tuple)) and all(isinstance(label, str) for label in labels):
             unknown = [label for label in labels if label not in table]
-            if unknown or len(labels) != 3:
+            if unknown or len(labels) != self.legs:
                 raise UnknownBranch(
                     f"{self.identifier}: {branch!r} is not {what}; give one of {', '.join(table)}, or one "
-                    "for each of the three legs"
+                    f"for each of the {('two', 'three')[self.legs - 2]} legs"
                 )
             return np.array([table[str(label)] for label in labels], dtype=float)
         signs = np.asarray(branch, dtype=float)
@@ -444,56 +499,9 @@ class Calls:
             )
         return []
 
-    @staticmethod
-    def _per_leg(values: ArrayLike) -> Any:
+    def _per_leg(self, values: ArrayLike) -> Any:
         array = np.asarray(values, dtype=float)
-        return np.broadcast_to(array, (3,)) if array.ndim == 0 else array
-
-
-_WITHOUT_ANSWER: Mapping[Status, tuple[type[InBatch], str]] = {
-    Status.INVALID_INPUT: (InvalidInput, "an input is NaN or infinite"),
-    Status.NO_CONVERGENCE: (
-        NoConvergence,
-        "Newton's iteration did not converge; start nearer to the solution (near=...)",
-    ),
-    Status.NO_ASSEMBLY: (
-        Unassembled,
-        "no platform of this geometry fits the three end points; check the joints and the assembly modes of "
-        "the sub-legs",
-    ),
-    Status.AMBIGUOUS: (
-        Ambiguous,
-        "several solutions cannot be told apart; give a smaller box=..., or look at all of them with "
-        "forward_all",
-    ),
-    Status.NO_GRASP: (
-        NoGrasp,
-        "the jaws hold nothing: the directions of the slides must positively span the plane "
-        "(platform_azimuth), and normal forces must not be negative",
-    ),
-    Status.SLIPS: (NoGrasp, "the object slips at a contact; press harder, or look at friction_margins"),
-    Status.UNDETERMINED: (
-        NoGrasp,
-        "the measured forces do not determine the others; the lines through the contacts along the jaws' "
-        "faces must not meet in a point, nor the contacts be in line",
-    ),
-    Status.INCONSISTENT: (
-        Inconsistent,
-        "the measured redundant coordinates contradict the end points by more than the tolerance; check the "
-        "encoders' zeros and the assembly modes, or raise tolerance=...",
-    ),
-}
-"""The error of each status that is neither a leg out of reach nor a singularity, and what to do."""
-
-_MEANING = {
-    Status.SINGULAR_LEG_1: "a factor of det M_1 vanishes",
-    Status.SINGULAR_LEG_2: "a factor of det M_2 vanishes",
-    Status.SINGULAR_LEG_3: "a factor of det M_3 vanishes",
-    Status.SINGULAR_IN_PLANE: (
-        "det J_a = 0: the lines in the platform's plane meet in a point or are parallel"
-    ),
-    Status.SINGULAR_NORMAL: "det J_n = 0: the three end points are collinear",
-}
+        return np.broadcast_to(array, (self.legs,)) if array.ndim == 0 else array
 
 
 def _shape_text(port: Port) -> str:

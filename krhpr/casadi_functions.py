@@ -33,7 +33,7 @@ class CasadiFunctions:
         import casadi
 
         if (name, True) not in self._made:
-            symbol = casadi.SX.sym("geometry", 3 * len(self._module.FIELDS))
+            symbol = casadi.SX.sym("geometry", self._geometry.legs * len(self._module.FIELDS))
             self._made[name, True] = self._builder(name)(symbol)
         return self._made[name, True]
 

@@ -13,6 +13,7 @@ from krhpr import __version__
 from krhpr.backend import backend_name
 from krhpr.errors import GeneratedMismatch, UnknownRobot
 from krhpr.generated.python.runtime import Geometry
+from krhpr.grasping import GraspingRobot
 from krhpr.robot import Robot
 from krhpr.robot_files.closing import geometry_of
 from krhpr.robot_files.facts import facts_of_module
@@ -23,6 +24,23 @@ def catalogue() -> tuple[str, ...]:
     """Identifiers of all robots."""
     _check_version()
     return tuple(krhpr.generated.ROBOTS)
+
+
+def grasping_robots() -> tuple[str, ...]:
+    """Identifiers of the robots with two jaws and two sub-legs (Figs. 5.1, 5.2)."""
+    _check_version()
+    return tuple(krhpr.generated.GRASPING)
+
+
+def load_grasping(robot: str = "planar_grasp_prr", *, backend: str | None = None) -> GraspingRobot:
+    """A grasping robot with its default geometry; `backend` as for `load`.
+
+    Raises UnknownRobot.
+    """
+    if robot not in grasping_robots():
+        raise UnknownRobot.among(robot, grasping_robots())
+    backend_name(backend)
+    return GraspingRobot(_module(robot), backend=backend)
 
 
 def load(robot: str | os.PathLike[str], *, backend: str | None = None) -> Robot:
@@ -37,6 +55,10 @@ def load(robot: str | os.PathLike[str], *, backend: str | None = None) -> Robot:
     if not isinstance(robot, str) or is_robot_file(robot):
         backend_name(backend)
         return _load_file(Path(robot), backend)
+    if robot in grasping_robots():
+        raise UnknownRobot(
+            f"{robot} is a grasping robot, with functions of its own: krhpr.load_grasping({robot!r})"
+        )
     if robot not in catalogue():
         raise UnknownRobot.among(robot, catalogue())
     backend_name(backend)

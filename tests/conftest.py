@@ -6,7 +6,7 @@ from collections import Counter
 from functools import cache
 
 import pytest
-from hypothesis import settings
+from hypothesis import is_hypothesis_test, settings
 
 from krhpr.backend import SLOWER
 from krhpr.native import NoCompiler, extension_paths, find_compiler
@@ -17,7 +17,11 @@ settings.register_profile("full", deadline=None, derandomize=True, max_examples=
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--full", action="store_true", help="run the tests marked `full` too, on large samples")
+    parser.addoption(
+        "--full",
+        action="store_true",
+        help="run the tests that have large samples on these; the others are those of a run without it",
+    )
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -47,11 +51,21 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             ):
                 item.add_marker(skip)
     if config.getoption("--full"):
-        return
-    left_out = [item for item in items if item.get_closest_marker("full")]
+        left_out = [item for item in items if not _is_larger(item)]
+    else:
+        left_out = [item for item in items if item.get_closest_marker("full")]
     if left_out:
         config.hook.pytest_deselected(items=left_out)
-        items[:] = [item for item in items if not item.get_closest_marker("full")]
+        out = set(left_out)
+        items[:] = [item for item in items if item not in out]
+
+
+def _is_larger(item: pytest.Item) -> bool:
+    """Whether large samples are another test: more examples, more robots, or not run on small ones."""
+    marked = item.get_closest_marker("full") or item.get_closest_marker("larger")
+    return bool(marked or "full" in getattr(item, "fixturenames", ())) or is_hypothesis_test(
+        getattr(item, "function", None)
+    )
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

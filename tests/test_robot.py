@@ -528,7 +528,7 @@ def test_legs_may_differ(robot: Robot) -> None:
     ("change", "message"),
     [
         ({"l_99": 1}, "geometry: unknown field l_99; the fields are"),
-        ({"l_1": "long"}, "'l_1' is 'long'; expected a number or three"),
+        ({"l_1": "long"}, "'l_1' is 'long'; expected a number, or one for each leg"),
         ({"l_2": 0.0}, "must be positive"),
         ({"l_2": -1.0}, "must be positive"),
         ({"l_2": np.nan}, "must be finite"),

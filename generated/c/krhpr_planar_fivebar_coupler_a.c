@@ -1490,8 +1490,6 @@ KRHPR_API int krhpr_planar_fivebar_coupler_a_forward_all(
         krhpr_fill_nan(phi, 6);
         krhpr_fill_nan(redundant, 18);
         krhpr_fill_nan(det_J, 6);
-        krhpr_fill_nan(count, 1);
-        krhpr_fill_nan(doubtful, 1);
         *count = 0.0;
         *doubtful = 0.0;
     }
@@ -1605,6 +1603,8 @@ KRHPR_API int krhpr_planar_fivebar_coupler_a_forward(
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
             status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            krhpr_fill_nan(count, 1);
+            krhpr_fill_nan(certified, 1);
         }
     }
     if (!(inside[0] >= 1.0)) {
@@ -1617,8 +1617,6 @@ KRHPR_API int krhpr_planar_fivebar_coupler_a_forward(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(redundant, 3);
-        krhpr_fill_nan(count, 1);
-        krhpr_fill_nan(certified, 1);
         *count = 0.0;
         *certified = 0.0;
     }

@@ -1298,8 +1298,6 @@ KRHPR_API int krhpr_planar_rr_a_forward_all(
         krhpr_fill_nan(phi, 6);
         krhpr_fill_nan(redundant, 18);
         krhpr_fill_nan(det_J, 6);
-        krhpr_fill_nan(count, 1);
-        krhpr_fill_nan(doubtful, 1);
         *count = 0.0;
         *doubtful = 0.0;
     }
@@ -1412,8 +1410,6 @@ KRHPR_API int krhpr_planar_rr_a_forward(
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(redundant, 3);
-        krhpr_fill_nan(count, 1);
-        krhpr_fill_nan(certified, 1);
         *count = 0.0;
         *certified = 0.0;
     }

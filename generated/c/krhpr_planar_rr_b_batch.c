@@ -2205,7 +2205,6 @@ KRHPR_OUTLINE int krhpr_planar_rr_b_opening_lanes(
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, opening, 1);
     krhpr_poses_keep(valid, centre, 2);
-    krhpr_poses_keep(valid, shares, 3);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, opening, 1);
@@ -2431,18 +2430,28 @@ KRHPR_OUTLINE int krhpr_planar_rr_b_grasp_lanes(
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), determined[0]), status, KRHPR_UNDETERMINED);
-    status = krhpr_expect(krhpr_at_most(redundant_forces[0], krhpr_all(0.0)), status, KRHPR_NO_GRASP);
-    status = krhpr_expect(krhpr_at_most(redundant_forces[1], krhpr_all(0.0)), status, KRHPR_NO_GRASP);
-    status = krhpr_expect(krhpr_at_most(redundant_forces[2], krhpr_all(0.0)), status, KRHPR_NO_GRASP);
-    status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), friction_margins[0]), status, KRHPR_SLIPS);
-    status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), friction_margins[1]), status, KRHPR_SLIPS);
-    status = krhpr_expect(krhpr_at_most(krhpr_all(0.0), friction_margins[2]), status, KRHPR_SLIPS);
+    const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-24), determined[0]);
+    const krhpr_ints kept_2 = krhpr_at_most(redundant_forces[0], krhpr_all(0.0));
+    const krhpr_ints kept_3 = krhpr_at_most(redundant_forces[1], krhpr_all(0.0));
+    const krhpr_ints kept_4 = krhpr_at_most(redundant_forces[2], krhpr_all(0.0));
+    const krhpr_ints kept_5 = krhpr_at_most(krhpr_all(0.0), friction_margins[0]);
+    const krhpr_ints kept_6 = krhpr_at_most(krhpr_all(0.0), friction_margins[1]);
+    const krhpr_ints kept_7 = krhpr_at_most(krhpr_all(0.0), friction_margins[2]);
+    status = krhpr_expect(kept_1, status, KRHPR_UNDETERMINED);
+    krhpr_poses_keep(kept_1, contact_forces, 6);
+    krhpr_poses_keep(kept_1, redundant_forces, 3);
+    krhpr_poses_keep(kept_1, friction_margins, 3);
+    status = krhpr_expect(kept_2, status, KRHPR_NO_GRASP);
+    status = krhpr_expect(kept_3, status, KRHPR_NO_GRASP);
+    status = krhpr_expect(kept_4, status, KRHPR_NO_GRASP);
+    status = krhpr_expect(kept_5, status, KRHPR_SLIPS);
+    krhpr_poses_keep(kept_5, redundant_forces, 3);
+    status = krhpr_expect(kept_6, status, KRHPR_SLIPS);
+    krhpr_poses_keep(kept_6, redundant_forces, 3);
+    status = krhpr_expect(kept_7, status, KRHPR_SLIPS);
+    krhpr_poses_keep(kept_7, redundant_forces, 3);
     const krhpr_ints valid = krhpr_is_ok(status);
-    krhpr_poses_keep(valid, contact_forces, 6);
     krhpr_poses_keep(valid, wrench, 3);
-    krhpr_poses_keep(valid, redundant_forces, 3);
-    krhpr_poses_keep(valid, friction_margins, 3);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, contact_forces, 6);
@@ -3435,7 +3444,6 @@ KRHPR_OUTLINE int krhpr_planar_rr_b_forward_all_lanes(
     krhpr_poses_keep(valid, phi, 2);
     krhpr_poses_keep(valid, redundant, 6);
     krhpr_poses_keep(valid, det_J, 2);
-    krhpr_poses_keep(valid, count, 1);
     *count = krhpr_where(valid, *count, krhpr_all(0.0));
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);

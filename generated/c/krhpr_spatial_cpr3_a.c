@@ -1376,8 +1376,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward_all(
         krhpr_fill_nan(Q, 54);
         krhpr_fill_nan(redundant, 18);
         krhpr_fill_nan(det_J, 6);
-        krhpr_fill_nan(count, 1);
-        krhpr_fill_nan(doubtful, 1);
         *count = 0.0;
         *doubtful = 0.0;
     }
@@ -1488,6 +1486,8 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward(
     for (int i = 0; i < 3; ++i) {
         if (!(change[i] <= 1e-20)) {
             status = status == KRHPR_OK ? KRHPR_NO_CONVERGENCE : status;
+            krhpr_fill_nan(count, 1);
+            krhpr_fill_nan(certified, 1);
         }
     }
     if (!(sign[0] >= 0.5)) {
@@ -1506,8 +1506,6 @@ KRHPR_API int krhpr_spatial_cpr3_a_forward(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
-        krhpr_fill_nan(count, 1);
-        krhpr_fill_nan(certified, 1);
         *count = 0.0;
         *certified = 0.0;
     }

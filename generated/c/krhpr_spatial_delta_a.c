@@ -1507,8 +1507,6 @@ KRHPR_API int krhpr_spatial_delta_a_forward_all(
         krhpr_fill_nan(Q, 54);
         krhpr_fill_nan(redundant, 18);
         krhpr_fill_nan(det_J, 6);
-        krhpr_fill_nan(count, 1);
-        krhpr_fill_nan(doubtful, 1);
         *count = 0.0;
         *doubtful = 0.0;
     }
@@ -1621,6 +1619,8 @@ KRHPR_API int krhpr_spatial_delta_a_forward(
     for (int i = 0; i < 3; ++i) {
         if (!(radicand[i] >= 0.0)) {
             status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            krhpr_fill_nan(count, 1);
+            krhpr_fill_nan(certified, 1);
         }
     }
     if (!(sign[0] >= 0.5)) {
@@ -1639,8 +1639,6 @@ KRHPR_API int krhpr_spatial_delta_a_forward(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
-        krhpr_fill_nan(count, 1);
-        krhpr_fill_nan(certified, 1);
         *count = 0.0;
         *certified = 0.0;
     }

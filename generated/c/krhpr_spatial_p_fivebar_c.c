@@ -906,7 +906,6 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_opening(
     if (status != KRHPR_OK) {
         krhpr_fill_nan(opening, 1);
         krhpr_fill_nan(centre, 2);
-        krhpr_fill_nan(shares, 3);
     }
     return status;
 }
@@ -957,35 +956,49 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_grasp(
     krhpr_platform_spatial_c_grasp(
         Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
         redundant_forces, friction_margins, determined);
-    if (!(determined[0] >= 1e-24)) {
+    const int kept_1 = determined[0] >= 1e-24;
+    const int kept_2 = determined[1] >= 1e-24;
+    const int kept_3 = redundant_forces[0] <= 0.0;
+    const int kept_4 = redundant_forces[1] <= 0.0;
+    const int kept_5 = redundant_forces[2] <= 0.0;
+    const int kept_6 = friction_margins[0] >= 0.0;
+    const int kept_7 = friction_margins[1] >= 0.0;
+    const int kept_8 = friction_margins[2] >= 0.0;
+    if (!(kept_1)) {
         status = status == KRHPR_OK ? KRHPR_UNDETERMINED : status;
-    }
-    if (!(determined[1] >= 1e-24)) {
-        status = status == KRHPR_OK ? KRHPR_UNDETERMINED : status;
-    }
-    if (!(redundant_forces[0] <= 0.0)) {
-        status = status == KRHPR_OK ? KRHPR_NO_GRASP : status;
-    }
-    if (!(redundant_forces[1] <= 0.0)) {
-        status = status == KRHPR_OK ? KRHPR_NO_GRASP : status;
-    }
-    if (!(redundant_forces[2] <= 0.0)) {
-        status = status == KRHPR_OK ? KRHPR_NO_GRASP : status;
-    }
-    if (!(friction_margins[0] >= 0.0)) {
-        status = status == KRHPR_OK ? KRHPR_SLIPS : status;
-    }
-    if (!(friction_margins[1] >= 0.0)) {
-        status = status == KRHPR_OK ? KRHPR_SLIPS : status;
-    }
-    if (!(friction_margins[2] >= 0.0)) {
-        status = status == KRHPR_OK ? KRHPR_SLIPS : status;
-    }
-    if (status != KRHPR_OK) {
         krhpr_fill_nan(contact_forces, 9);
-        krhpr_fill_nan(wrench, 6);
         krhpr_fill_nan(redundant_forces, 3);
         krhpr_fill_nan(friction_margins, 3);
+    }
+    if (!(kept_2)) {
+        status = status == KRHPR_OK ? KRHPR_UNDETERMINED : status;
+        krhpr_fill_nan(contact_forces, 9);
+        krhpr_fill_nan(redundant_forces, 3);
+        krhpr_fill_nan(friction_margins, 3);
+    }
+    if (!(kept_3)) {
+        status = status == KRHPR_OK ? KRHPR_NO_GRASP : status;
+    }
+    if (!(kept_4)) {
+        status = status == KRHPR_OK ? KRHPR_NO_GRASP : status;
+    }
+    if (!(kept_5)) {
+        status = status == KRHPR_OK ? KRHPR_NO_GRASP : status;
+    }
+    if (!(kept_6)) {
+        status = status == KRHPR_OK ? KRHPR_SLIPS : status;
+        krhpr_fill_nan(redundant_forces, 3);
+    }
+    if (!(kept_7)) {
+        status = status == KRHPR_OK ? KRHPR_SLIPS : status;
+        krhpr_fill_nan(redundant_forces, 3);
+    }
+    if (!(kept_8)) {
+        status = status == KRHPR_OK ? KRHPR_SLIPS : status;
+        krhpr_fill_nan(redundant_forces, 3);
+    }
+    if (status != KRHPR_OK) {
+        krhpr_fill_nan(wrench, 6);
     }
     return status;
 }
@@ -1448,7 +1461,6 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_forward_all(
         krhpr_fill_nan(Q, 18);
         krhpr_fill_nan(redundant, 6);
         krhpr_fill_nan(det_J, 2);
-        krhpr_fill_nan(count, 1);
         *count = 0.0;
     }
     return status;

@@ -1256,8 +1256,6 @@ KRHPR_API int krhpr_spatial_prr_a_forward_all(
         krhpr_fill_nan(Q, 54);
         krhpr_fill_nan(redundant, 18);
         krhpr_fill_nan(det_J, 6);
-        krhpr_fill_nan(count, 1);
-        krhpr_fill_nan(doubtful, 1);
         *count = 0.0;
         *doubtful = 0.0;
     }
@@ -1378,8 +1376,6 @@ KRHPR_API int krhpr_spatial_prr_a_forward(
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
-        krhpr_fill_nan(count, 1);
-        krhpr_fill_nan(certified, 1);
         *count = 0.0;
         *certified = 0.0;
     }

@@ -28,8 +28,10 @@ class Port(NamedTuple):
 class Call:
     """The symbols of one function's arguments, handed out by components, and the function made from its results."""
 
-    def __init__(self, name: str, inputs: Sequence[Port], outputs: Sequence[Port], geometry: Any) -> None:
-        self.name, self.outputs = name, tuple(outputs)
+    def __init__(
+        self, name: str, inputs: Sequence[Port], outputs: Sequence[Port], geometry: Any, legs: int = LEGS
+    ) -> None:
+        self.name, self.outputs, self.legs = name, tuple(outputs), legs
         self.ports = {port.name: port for port in inputs}
         self.symbols = {port.name: ca.SX.sym(port.name, *_two(port.shape)) for port in inputs}
         self.geometry = geometry
@@ -43,14 +45,14 @@ class Call:
         parts = self.whole(name)
         if self.ports[name].layout == "shared":
             return parts
-        size = len(parts) // LEGS
+        size = len(parts) // self.legs
         return parts[size * leg : size * (leg + 1)]
 
     def function(self, results: Mapping[str, Sequence[Any]]) -> Any:
         """A casadi.Function with named inputs and outputs; `geometry` is its last input where it is symbolic."""
         names, values = [], []
         for port in self.outputs:
-            for name, value in _pack(port, results[port.name]):
+            for name, value in _pack(port, results[port.name], self.legs):
                 names.append(name)
                 values.append(value)
         inputs = dict(self.symbols)
@@ -84,7 +86,7 @@ def _matrix(parts: Sequence[Any], rows: int, columns: int) -> Any:
     return ca.vertcat(*(ca.horzcat(*parts[columns * i : columns * (i + 1)]) for i in range(rows)))
 
 
-def _pack(port: Port, parts: Sequence[Any]) -> list[tuple[str, Any]]:
+def _pack(port: Port, parts: Sequence[Any], legs: int) -> list[tuple[str, Any]]:
     """Results with their names."""
     if port.layout in ("stacked", "shared") and len(port.shape) > 2:
         size = prod(port.shape[1:])
@@ -94,9 +96,9 @@ def _pack(port: Port, parts: Sequence[Any]) -> list[tuple[str, Any]]:
             for first in range(port.shape[0])
         ]
     if port.layout == "block diagonal":
-        rows, columns = port.shape[0] // LEGS, port.shape[1] // LEGS
+        rows, columns = port.shape[0] // legs, port.shape[1] // legs
         size = rows * columns
-        blocks = [_matrix(parts[size * leg : size * (leg + 1)], rows, columns) for leg in range(LEGS)]
+        blocks = [_matrix(parts[size * leg : size * (leg + 1)], rows, columns) for leg in range(legs)]
         return [(port.name, ca.diagcat(*blocks))]
     rows, columns = _two(port.shape)
     return [(port.name, _matrix(parts, rows, columns))]

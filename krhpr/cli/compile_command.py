@@ -16,7 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Compile, and say where the libraries are."""
-    known = krhpr.catalogue()
+    known = (*krhpr.catalogue(), *krhpr.grasping_robots())
     for name in options.robots:
         if name not in known:
             raise UnknownRobot.among(name, known)

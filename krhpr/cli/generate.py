@@ -21,7 +21,7 @@ from krhpr.errors import UnknownRobot
 
 if TYPE_CHECKING:
     from krhpr.codegen.output import Change
-    from krhpr.codegen.pipeline import Custom, Derived
+    from krhpr.codegen.pipeline import AnyEntry, Custom, Derived
     from krhpr.codegen.stamp import Rows
     from krhpr.codegen.targets.base import File
     from krhpr.derivations.catalogue import Entry
@@ -93,7 +93,7 @@ def _check_or_gather(options: argparse.Namespace, folder: Path, own: Sequence[En
     begin = perf_counter()
     names = options.robots or [entry.identifier for entry in own if options.plugin]
     entries, customs = _orders(names, own, bake=options.bake)
-    theirs = [entry for entry in entries if entry in own]
+    theirs = [entry for entry in own if entry in entries]
     with progress(_steps(entries) + len({entry.robot.subleg.name for entry in theirs})) as step:
         _prove(theirs, step)
         derived, files = _derive_and_print(entries, customs, options.out, step)
@@ -160,21 +160,21 @@ def _prove(entries: Sequence[Entry], step: Step) -> None:
     prove(entries, step)
 
 
-def _entries(names: Sequence[str], own: Sequence[Entry]) -> list[Entry]:
+def _entries(names: Sequence[str], own: Sequence[Entry]) -> list[AnyEntry]:
     """The robots with these names, of the catalogue or one's own (without names all of the catalogue); robot
     files apart.
     """
-    from krhpr.derivations.catalogue import catalogue
+    from krhpr.codegen.pipeline import all_entries
     from krhpr.robot_files import is_robot_file
 
-    known = {entry.identifier: entry for entry in (*catalogue(), *(own if names else ()))}
+    known = {entry.identifier: entry for entry in (*all_entries(), *(own if names else ()))}
     for name in names:
         if name not in known and not is_robot_file(name):
             raise UnknownRobot.among(name, list(known))
     return [entry for identifier, entry in known.items() if not names or identifier in names]
 
 
-def _steps(entries: Sequence[Entry]) -> int:
+def _steps(entries: Sequence[AnyEntry]) -> int:
     from krhpr.codegen.pipeline import TARGETS
 
     return len(entries) + len(TARGETS) + 1
@@ -182,14 +182,14 @@ def _steps(entries: Sequence[Entry]) -> int:
 
 def _orders(
     names: Sequence[str], own: Sequence[Entry], *, bake: bool
-) -> tuple[list[Entry], list[Custom | None]]:
+) -> tuple[list[AnyEntry], list[Custom | None]]:
     """The robots to derive, and what their robot files (or --bake) change in them."""
     from krhpr.robot_files import is_robot_file
 
     known = {entry.identifier: entry for entry in _entries(names, own)}
     if not names:
         return list(known.values()), [_baked(entry) if bake else None for entry in known.values()]
-    entries: list[Entry] = []
+    entries: list[AnyEntry] = []
     customs: list[Custom | None] = []
     seen: dict[str, str] = {}
     everything = {entry.identifier: entry for entry in (*_entries((), ()), *own)}
@@ -217,8 +217,8 @@ def _modules(own: Sequence[Entry]) -> dict[str, ModuleType]:
 
 
 def _custom(
-    path: Path, known: Mapping[str, Entry], modules: Mapping[str, ModuleType], *, bake: bool
-) -> tuple[Entry, Custom | None]:
+    path: Path, known: Mapping[str, AnyEntry], modules: Mapping[str, ModuleType], *, bake: bool
+) -> tuple[AnyEntry, Custom | None]:
     """The robot that a file chooses, and what it changes in it."""
     from krhpr.codegen.pipeline import Custom
     from krhpr.loading import checked_file
@@ -228,7 +228,7 @@ def _custom(
     return known[file.identifier], Custom(file.name, file.sizes, file.limits, bake, home)
 
 
-def _baked(entry: Entry) -> Custom:
+def _baked(entry: AnyEntry) -> Custom:
     from krhpr.codegen.pipeline import Custom
     from krhpr.limits import Limits
 
@@ -236,7 +236,7 @@ def _baked(entry: Entry) -> Custom:
 
 
 def _derive_and_print(
-    entries: Sequence[Entry], customs: Sequence[Custom | None], out: Path | None, step: Step
+    entries: Sequence[AnyEntry], customs: Sequence[Custom | None], out: Path | None, step: Step
 ) -> tuple[Derived, list[File]]:
     from krhpr.codegen.pipeline import customised, derive, print_all
     from krhpr.codegen.standalone import standalone_files

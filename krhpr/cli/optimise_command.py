@@ -13,7 +13,7 @@ EPILOG = """\
 The file says the path, the objective and the limits (docs/trajectories.md):
 
   path: T1             # T1, T2 or section-1.8 of the thesis, or way_points
-  objective: eta_1     # the integral of eta_1^2; eta_2, eta_3, or weights
+  objective: eta_1     # the integral of eta_1^2; eta_2, eta_3, time, or weights
   limits: chapter-4    # or a table of limits
 
   nlp       each leg's redundant coordinate by itself, by IPOPT (the default)
@@ -43,6 +43,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--method", choices=METHODS, help="how to choose; that of the file unless given")
     parser.add_argument("--mode", metavar="LABEL", help="working mode (default: the robot's)")
+    parser.add_argument(
+        "--compile",
+        action="store_true",
+        help="make C of the programme's functions: seconds once, then several times faster",
+    )
     parser.add_argument("--plot", action="store_true", help="draw NAME.png too (takes --out)")
     parser.add_argument("--json", action="store_true", help="print an object in place of words")
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import krhpr
 from krhpr.cli.common import Exit, WrongUse, progress
 from krhpr.trajectory import optimise
+from krhpr.trajectory.compiled import Evaluation
 from krhpr.trajectory.files import read_request
 from krhpr.trajectory.plot import save_plot
 from krhpr.trajectory.results import about, save
@@ -31,6 +32,7 @@ def run(options: argparse.Namespace) -> int:
             mode=options.mode,
             intervals=request.intervals,
             progress=step,
+            evaluation=Evaluation.COMPILED if options.compile else Evaluation.SX,
         )
     written: list[Path] = []
     if options.out is not None:

@@ -1,97 +1,175 @@
-"""`krhpr study NAME`: its arguments and help; a module for each study does the work."""
+"""`krhpr study NAME`: the studies, their arguments and help; a module for each does the work."""
 
 from __future__ import annotations
 
 import argparse
+import textwrap
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
-from krhpr.cli.common import Command
+from krhpr.cli.common import Command, WrongUse
 
 FOLDER = Path("build/study")
-STUDIES = ("forward-accuracy", "workspace")
 
-EPILOG = """\
-studies:
-  forward-accuracy   Section 3.4: random errors on every encoder of the 3-RRRSR
-                     robot along the example trajectory, and what the seven
-                     approaches to the forward kinematics make of them
-  workspace          Section 1.7: layers of the translational workspace, and the
-                     orientational one by torsion and tilt, with limits of joints
-                     and interference; Figs. 1.6 to 1.9
 
-Pictures (where matplotlib is installed) and a file of numbers are written to
---out; the table is printed, and with it what the thesis says.
+@dataclass(frozen=True)
+class Option:
+    """An option that one study has; `default` is what its module gets where the option is not given."""
 
+    flag: str
+    metavar: str | None
+    help: str
+    default: Any = None
+    type: Callable[[str], Any] = str
+    choices: tuple[str, ...] | None = None
+
+    @property
+    def name(self) -> str:
+        """The attribute of the parsed options."""
+        return self.flag.removeprefix("--")
+
+
+@dataclass(frozen=True)
+class Study:
+    """A study: its name, the module in `krhpr.cli` whose `run` does it, what it does, its own options."""
+
+    name: str
+    module: str
+    about: str
+    options: tuple[Option, ...] = ()
+
+
+STUDIES = (
+    Study(
+        "forward-accuracy",
+        "study_accuracy",
+        "Section 3.4: random errors on every encoder of the 3-RRRSR robot along the example trajectory, and "
+        "what the seven approaches to the forward kinematics make of them; Figs. 3.8 to 3.11",
+        (
+            Option("--seed", "N", "of the random errors (default: 0)", 0, int),
+            Option(
+                "--errors",
+                None,
+                "uniform within the bound, which is the default, or normal",
+                "uniform",
+                choices=("uniform", "normal"),
+            ),
+            Option(
+                "--bound",
+                "RAD",
+                "largest error, or three standard deviations (default: 0.005)",
+                0.005,
+                float,
+            ),
+            Option("--repeat", "N", "run the trajectory N times (default: once)", 1, int),
+        ),
+    ),
+    Study(
+        "dexterity",
+        "study_dexterity",
+        "Section 1.8: motion ranges of the nine actuators of the 3-[R(RR-RRR)SR] robot along the example "
+        "trajectory, condition numbers and kinematic sensitivity",
+    ),
+    Study(
+        "workspace",
+        "study_workspace",
+        "Section 1.7: layers of the translational workspace, and the orientational one by torsion and tilt, "
+        "with limits of joints and interference; Figs. 1.6 to 1.9",
+        (
+            Option(
+                "--robot",
+                "ROBOT",
+                "identifier or robot file (default: spatial_r_fivebar_a)",
+                "spatial_r_fivebar_a",
+            ),
+            Option("--coarser", "N", "steps of N mm and N degrees (default: 1)", 1, int),
+            Option("--cluster", "ADDRESS", "a Dask scheduler, or a number of processes (default: this one)"),
+            Option("--store", "DIR", "keep the maps there; an interrupted study goes on", type=Path),
+        ),
+    ),
+    Study(
+        "trajectory",
+        "study_trajectory",
+        "Section 4.3: the best redundant angles of the 3-RRRSR robot at every pose, the two minima of eta_1, "
+        "filtered angles, and all methods against the nonlinear programme",
+    ),
+    Study(
+        "grasp",
+        "study_grasp",
+        "Section 5.5: actuator forces and motor torques with which the prototype holds an object along "
+        "(5.73) to (5.75), or what a --file says instead (examples/grasping_prototype.yaml)",
+        (Option("--file", "FILE", "robot, object and trajectories (YAML)", type=Path),),
+    ),
+)
+
+EXAMPLES = """\
 exit codes: 0 every claim holds; 3 one does not; 2 wrong use
 
 examples:
-  krhpr study forward-accuracy
-  krhpr study forward-accuracy --seed 7 --repeat 20
-  krhpr study forward-accuracy --errors normal --out normal
-  krhpr study workspace
+  krhpr study dexterity
   krhpr study workspace --coarser 4 --robot spatial_rrr_a
-  krhpr study workspace --cluster tcp://127.0.0.1:8786 --store build/maps"""
+  krhpr study workspace --cluster tcp://127.0.0.1:8786 --store build/maps
+  krhpr study trajectory --out chapter_4
+  krhpr study forward-accuracy --seed 7 --repeat 20
+  krhpr study grasp --file my_gripper.yaml --out build/gripper"""
+
+
+def _epilog() -> str:
+    width = 2 + max(len(study.name) for study in STUDIES) + 3
+    lines = ["studies:"]
+    for study in STUDIES:
+        about = textwrap.wrap(study.about, 80 - width)
+        lines.append(f"  {study.name:<{width - 2}}{about[0]}")
+        lines += [" " * width + line for line in about[1:]]
+    told = (
+        "A table is printed, and with it what the thesis says and whether it came out. The numbers are "
+        "written to --out as JSON, and the thesis' figures as pictures (where matplotlib is installed)."
+    )
+    return "\n".join([*lines, "", *textwrap.wrap(told, 80), "", EXAMPLES])
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The command's arguments."""
-    parser.add_argument("study", metavar="NAME", choices=STUDIES, help=" or ".join(STUDIES))
+    names = [study.name for study in STUDIES]
+    parser.add_argument("study", metavar="NAME", choices=names, help=", ".join(names))
     parser.add_argument(
         "--out", metavar="DIR", type=Path, default=FOLDER, help=f"folder of the results (default: {FOLDER})"
     )
-    accuracy = parser.add_argument_group("forward-accuracy")
-    accuracy.add_argument(
-        "--seed", metavar="N", type=int, default=0, help="of the random errors (default: 0)"
-    )
-    accuracy.add_argument(
-        "--errors",
-        choices=("uniform", "normal"),
-        default="uniform",
-        help="uniform within the bound, or normal",
-    )
-    accuracy.add_argument(
-        "--bound",
-        metavar="RAD",
-        type=float,
-        default=0.005,
-        help="largest error, or three standard deviations (default: 0.005)",
-    )
-    accuracy.add_argument(
-        "--repeat", metavar="N", type=int, default=1, help="run the trajectory N times (default: once)"
-    )
-    workspace = parser.add_argument_group("workspace")
-    workspace.add_argument(
-        "--robot",
-        metavar="ROBOT",
-        default="spatial_r_fivebar_a",
-        help="identifier or robot file (default: spatial_r_fivebar_a)",
-    )
-    workspace.add_argument(
-        "--coarser", metavar="N", type=int, default=1, help="steps of N mm and N degrees (default: 1)"
-    )
-    workspace.add_argument(
-        "--cluster", metavar="ADDRESS", help="a Dask scheduler, or a number of processes (default: this one)"
-    )
-    workspace.add_argument(
-        "--store", metavar="DIR", type=Path, help="keep the maps there; an interrupted study goes on"
-    )
+    for study in STUDIES:
+        if not study.options:
+            continue
+        group = parser.add_argument_group(f"of {study.name}")
+        for option in study.options:
+            group.add_argument(
+                option.flag,
+                metavar=option.metavar,
+                type=option.type,
+                choices=option.choices,
+                help=option.help,
+            )
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the study, print what came of it and write the pictures."""
-    if options.study == "workspace":
-        from krhpr.cli import workspaces  # takes NumPy
-
-        return workspaces.run(options)
-    from krhpr.cli import studying
-
-    return studying.run(options)
+    (chosen,) = (study for study in STUDIES if study.name == options.study)
+    for study in STUDIES:
+        given = [option.flag for option in study.options if getattr(options, option.name) is not None]
+        if given and study is not chosen:
+            raise WrongUse(f"{', '.join(given)} belongs to {study.name}; {chosen.name} has no such option")
+    for option in chosen.options:
+        if getattr(options, option.name) is None:
+            setattr(options, option.name, option.default)
+    code: int = import_module(f"krhpr.cli.{chosen.module}").run(options)  # it takes NumPy
+    return code
 
 
 COMMAND = Command(
     "study",
     "Run a study of the thesis again.  With a table, pictures, and a check of what the thesis says.",
-    EPILOG,
+    _epilog(),
     add_arguments,
     run,
 )

@@ -1,87 +1,34 @@
-"""What `krhpr study forward-accuracy` does: run, print, write."""
+"""What every study of `krhpr study` does with its findings: files, and claims with an exit code."""
 
 from __future__ import annotations
 
-import argparse
 import json
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
-import numpy as np
-
-from krhpr.cli.common import Column, Exit, WrongUse, print_table, progress
-from krhpr.study.forward_accuracy import APPROACHES, LIMIT, Accuracy, Spread, forward_accuracy
-from krhpr.study.histograms import Histogram, histograms, save_pictures
-
-
-def run(options: argparse.Namespace) -> int:
-    """The accuracy study."""
-    if not options.bound > 0:
-        raise WrongUse(f"--bound is {options.bound:g}; it must be positive")
-    if options.repeat < 1:
-        raise WrongUse(f"--repeat is {options.repeat}; it must be 1 or more")
-    with progress(len(APPROACHES) + 3) as step:
-        found = forward_accuracy(
-            seed=options.seed,
-            spread=Spread(options.errors),
-            error=options.bound,
-            repeat=options.repeat,
-            progress=step,
-        )
-        step("results")
-        written = _write(found, options.out)
-    _print(found)
-    for claim in found.claims():
-        print(f"{'holds' if claim.holds else 'DOES NOT HOLD'}: {claim.text}")
-    count = found.position.shape[1]
-    beyond = found.beyond()
-    others = [0, 1, 4, 5, 6]
-    print(
-        f"the thesis has no error of position above {1e3 * LIMIT:g} mm for approaches one, two, five to "
-        f"seven; here the largest is {1e3 * found.position[others].max():.2f} mm, and the approach with most "
-        f"has {int(beyond[others].max())} of {count} above"
-    )
-    print(", ".join(map(str, written)))
-    return Exit.OK if all(claim.holds for claim in found.claims()) else Exit.DIFFERENCE
+from krhpr.cli.common import Exit
+from krhpr.study.claims import Claim
+from krhpr.study.files import save_figures
 
 
-def _print(found: Accuracy) -> None:
-    columns = [Column("approach", whole=True)]
-    columns += [
-        Column(title, numeric=True)
-        for title in ("mean e_p (mm)", "95 %", "largest", "above 2.5 mm", "mean e_oc", "mean e_on")
-    ]
-    rows = []
-    for number, name in enumerate(APPROACHES):
-        p = 1e3 * found.position[number]
-        rows.append(
-            (
-                name,
-                f"{p.mean():.3f}",
-                f"{np.quantile(p, 0.95):.2f}",
-                f"{p.max():.2f}",
-                int(found.beyond()[number]),
-                f"{found.raw[number].mean():.4f}",
-                f"{found.orthonormal[number].mean():.4f}",
-            )
-        )
-    print_table(columns, rows)
-
-
-def _write(found: Accuracy, folder: Path) -> list[Path]:
-    """The numbers of the histograms, and their pictures where they can be drawn."""
+def write(
+    folder: Path, name: str, facts: Mapping[str, Any], figures: Callable[[], Mapping[str, Any]]
+) -> list[Path]:
+    """The numbers as `<name>.json`, and the figures where they can be drawn."""
     folder.mkdir(parents=True, exist_ok=True)
-    path = folder / "accuracy.json"
-    tables = {one.name: _table(one) for one in histograms(found)}
-    path.write_text(
-        json.dumps({"seed": found.seed, "errors": found.spread, **tables}, indent=1) + "\n", "utf-8"
-    )
+    path = folder / f"{name}.json"
+    path.write_text(json.dumps(facts, indent=1) + "\n", encoding="utf-8")
     try:
-        return [path, *save_pictures(found, folder)]
+        return [path, *save_figures(figures(), folder)]
     except ImportError:
         print('no pictures: matplotlib is not installed (pip install "krhpr[plot]")')
         return [path]
 
 
-def _table(one: Histogram) -> dict[str, object]:
-    counts = {name: row.tolist() for name, row in zip(one.series, one.counts, strict=True)}
-    return {"title": one.title, "unit": one.unit, "ranges": one.ranges, "counts": counts}
+def tell(claims: Iterable[Claim]) -> Exit:
+    """Print which claims hold; the exit code says whether all do."""
+    told = list(claims)
+    for claim in told:
+        print(f"{'holds' if claim.holds else 'DOES NOT HOLD'}: {claim.text}")
+    return Exit.OK if all(claim.holds for claim in told) else Exit.DIFFERENCE

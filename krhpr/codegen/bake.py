@@ -13,7 +13,7 @@ import mpmath
 from krhpr.codegen.composition import RobotCode
 from krhpr.codegen.evaluate import Arithmetic, prepare_geometry
 from krhpr.codegen.graph import Op
-from krhpr.codegen.kernel import LEGS
+from krhpr.codegen.kernel import PLACES
 from krhpr.codegen.part import Part
 
 _DIGITS = mpmath.MPContext()
@@ -59,7 +59,7 @@ def baked_values(
     """For `subleg` and `platform`, the values of each leg as doubles."""
     sizes = robot.default_geometry if geometry is None else geometry
     return {
-        member: [_prepared(robot.parts[member], sizes, leg) for leg in range(LEGS)]
+        member: [_prepared(robot.parts[member], sizes, leg) for leg in range(robot.legs)]
         for member in ("subleg", "platform")
     }
 
@@ -78,10 +78,10 @@ def _prepared(part: Part, sizes: Mapping[str, Sequence[float]], leg: int) -> Val
 
 
 def _c_member(part: Part, legs: Sequence[Values]) -> str:
-    """The members of a part's structure: each number of all legs, the third twice, in braces."""
+    """The members of a part's structure: each number of all legs, the last one where places are left."""
     texts = []
     for name in legs[0]:
-        places = [leg[name] for leg in (*legs, legs[-1])]
+        places = [leg[name] for leg in (*legs, *[legs[-1]] * (PLACES - len(legs)))]
         rows = [f"{{{', '.join(map(repr, row))}}}" for row in zip(*places, strict=True)]
         value = rows[0] if name in scalars(part) else f"{{{', '.join(rows)}}}"
         texts.append(f"        .{name} = {value}")

@@ -1,6 +1,6 @@
 """Functions of a robot: kernels called leg by leg and then for the whole platform.
 
-A `RobotFunction` has three stages: SHARED kernels (once), LEG kernels (for each of the three legs, in C a
+A `RobotFunction` has three stages: SHARED kernels (once), LEG kernels (for each of the legs, in C a
 loop, in NumPy an array axis, in lanes a register), PLATFORM kernels (once, with all legs' results).  It is
 the same for every target; the printers only translate calls.
 """
@@ -294,6 +294,8 @@ class RobotFunction:
     guards: tuple[Guard, ...] = ()
     steps: tuple[Step, ...] = ()
     """Functions of the robot that it calls in this order; the first status that is not OK is its own."""
+    legs: int = LEGS
+    """How many legs it is a function of."""
 
     @property
     def chooses(self) -> bool:
@@ -398,7 +400,7 @@ class RobotCode:
     platform: Part
     algebra: Part
     functions: tuple[RobotFunction, ...]
-    default_geometry: Mapping[str, tuple[float, float, float]]
+    default_geometry: Mapping[str, tuple[float, ...]]
     default_mode: tuple[float, ...]
     default_assembly: tuple[float, ...]
     mode_names: tuple[str, ...]
@@ -412,7 +414,7 @@ class RobotCode:
     documentation: Mapping[str, tuple[tuple[str, str], ...]]
     home_p: tuple[float, ...]
     """Where the platform stands at home, parallel to the base."""
-    home_redundant: tuple[float, float, float]
+    home_redundant: tuple[float, ...]
     default_box: tuple[tuple[float, float], ...] = ()
     """Where the redundant angles of the answer of `forward` lie, where it is looked for among several."""
     limits: Limits = field(default_factory=Limits)
@@ -421,6 +423,11 @@ class RobotCode:
     """Whether the default geometry is a constant of the code, and no argument of its functions."""
     of: str = ""
     """The robot of the catalogue whose kernels and functions it has, where it has a name of its own."""
+
+    @property
+    def legs(self) -> int:
+        """How many legs it has."""
+        return self.functions[0].legs
 
     @property
     def architecture(self) -> str:
@@ -455,10 +462,10 @@ class RobotCode:
         return function.each is not None or any(self.finds_roots(step) for step in steps)
 
     def operations(self, function: RobotFunction) -> OperationCount:
-        """Operations of one call: leg kernels count three times, those at roots as often as there can be."""
+        """Operations of one call: leg kernels count once a leg, those at roots as often as there can be."""
         total = OperationCount()
         for call in function.calls:
-            times = _times(call)
+            times = _times(call, function.legs)
             total = total + self.parts[call.part].kernel(call.kernel).operations * times
         for step in function.steps:
             total = total + self.operations(self.function(step.function))
@@ -468,17 +475,18 @@ class RobotCode:
         """Operations of one call as the formulas were written."""
         steps = sum(self.written(self.function(step.function)) for step in function.steps)
         return steps + sum(
-            self.parts[call.part].written[call.kernel] * _times(call) for call in function.calls
+            self.parts[call.part].written[call.kernel] * _times(call, function.legs)
+            for call in function.calls
         )
 
 
-def _times(call: Call) -> int:
+def _times(call: Call, legs: int) -> int:
     """How often a kernel is called, at most for roots, once for each pair of links."""
     if call.each is not None:
-        return call.each.degree * (LEGS if call.stage is Stage.LEG else 1)
+        return call.each.degree * (legs if call.stage is Stage.LEG else 1)
     if call.pairs is not None:
         return len(call.pairs.ends)
-    return LEGS if call.stage is Stage.LEG else 1
+    return legs if call.stage is Stage.LEG else 1
 
 
 def kernels_used(functions: tuple[RobotFunction, ...], parts: Mapping[str, Part]) -> dict[str, list[Kernel]]:

@@ -15,7 +15,7 @@ from typing import Any
 
 from krhpr.codegen.composition import EachPair, Repeat, RobotFunction, Stage
 from krhpr.codegen.graph import InputRef, Op
-from krhpr.codegen.kernel import GEOMETRY_PREFIX, LEGS, GeometryType, Kernel, Layout, Port
+from krhpr.codegen.kernel import GEOMETRY_PREFIX, GeometryType, Kernel, Layout, Port
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,9 @@ def evaluate_function(
     for port in function.inputs:
         flat = list(inputs[port.name])
         values[port.name] = (
-            [flat[leg * port.size : (leg + 1) * port.size] for leg in range(LEGS)] if port.per_leg else flat
+            [flat[leg * port.size : (leg + 1) * port.size] for leg in range(port.legs)]
+            if port.per_leg
+            else flat
         )
     per_leg = {port.name: port.per_leg for port in function.inputs}
     for call in function.calls:
@@ -129,7 +131,7 @@ def evaluate_function(
             per_leg[name] = False
             values[name] = _of_pairs(call.pairs, kernel, values, per_leg, arithmetic)
             continue
-        legs = range(LEGS) if call.stage is Stage.LEG else (None,)
+        legs = range(function.legs) if call.stage is Stage.LEG else (None,)
         found: dict[str, list[Any]] = {port.name: [] for port in kernel.outputs}
         for leg in legs:
             arguments = {}
@@ -212,7 +214,7 @@ def _whole(port: Port, value: Any, zero: Any) -> list[Any]:
     for leg, block in enumerate(value):
         for row in range(rows):
             for column in range(columns):
-                whole[(leg * rows + row) * columns * LEGS + leg * columns + column] = block[
+                whole[(leg * rows + row) * columns * port.legs + leg * columns + column] = block[
                     row * columns + column
                 ]
     return whole

@@ -52,6 +52,10 @@ class Layout(StrEnum):
 
 
 LEGS = 3
+"""Legs of a robot, unless its functions say otherwise."""
+
+PLACES = 4
+"""Places of an array of the geometry in C, `KRHPR_PLACES`: those behind the last leg repeat it."""
 
 
 @dataclass(frozen=True)
@@ -68,6 +72,7 @@ class Port:
     doc: str
     layout: Layout = Layout.SHARED
     labels: tuple[str, ...] = ()
+    legs: int = LEGS
 
     @property
     def size(self) -> int:
@@ -85,10 +90,10 @@ class Port:
         if self.layout is Layout.SHARED:
             return self.shape
         if self.layout is Layout.STACKED:
-            return (LEGS, *self.shape)
+            return (self.legs, *self.shape)
         if self.layout is Layout.ROWS:
-            return (LEGS * self.shape[0], *self.shape[1:])
-        return (LEGS * self.shape[0], LEGS * self.shape[1])
+            return (self.legs * self.shape[0], *self.shape[1:])
+        return (self.legs * self.shape[0], self.legs * self.shape[1])
 
     @property
     def full_size(self) -> int:

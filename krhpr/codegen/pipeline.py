@@ -23,6 +23,7 @@ from krhpr.codegen.targets.c_casadi import CasadiShimTarget
 from krhpr.codegen.targets.casadi import CasadiTarget
 from krhpr.codegen.targets.python import PythonTarget
 from krhpr.derivations.catalogue import Entry, catalogue
+from krhpr.derivations.grasping.catalogue import GraspingEntry, grasping
 from krhpr.limits import Limits
 
 TARGETS: tuple[Target, ...] = (CTarget(), CasadiShimTarget(), PythonTarget(), CasadiTarget())
@@ -39,10 +40,19 @@ class Derived:
     seconds: dict[str, float]
 
 
-def derive(entries: Sequence[Entry] | None = None, progress: Progress = lambda step: None) -> Derived:
-    """Derive and optimise robots (all of the catalogue unless given)."""
+AnyEntry = Entry | GraspingEntry
+"""A robot of the catalogue with three legs, or one with two jaws."""
+
+
+def all_entries() -> tuple[AnyEntry, ...]:
+    """Every robot that the project prints: the catalogue's, then the grasping robots."""
+    return (*catalogue(), *grasping())
+
+
+def derive(entries: Sequence[AnyEntry] | None = None, progress: Progress = lambda step: None) -> Derived:
+    """Derive and optimise robots (all that the project knows unless given)."""
     parts, robots, seconds = Parts(), [], {}
-    for entry in catalogue() if entries is None else entries:
+    for entry in all_entries() if entries is None else entries:
         progress(f"derive {entry.identifier}")
         begin = perf_counter()
         robots.append(build(entry, parts))
@@ -59,10 +69,10 @@ class Custom:
     """
 
     name: str
-    sizes: Mapping[str, tuple[float, float, float]]
+    sizes: Mapping[str, tuple[float, ...]]
     limits: Limits
     baked: bool = False
-    home: tuple[tuple[float, ...], tuple[float, float, float]] | None = None
+    home: tuple[tuple[float, ...], tuple[float, ...]] | None = None
     """Position of the platform and redundant coordinates."""
 
 

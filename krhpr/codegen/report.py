@@ -23,17 +23,27 @@ SCHEMA_FILE = "robot-file.schema.json"
 
 def report_files(robots: Sequence[RobotCode], parts: Iterable[Part], printed: Sequence[File]) -> list[File]:
     """Everything that is not printed from a kernel."""
+    usual = [robot for robot in robots if robot.legs == LEGS]
     identifiers = [robot.identifier for robot in robots]
+    others = [robot.identifier for robot in robots if robot.legs != LEGS]
     rows = summary(robots, printed)
     return [
-        File("__init__.py", render("python/package.py.j2", identifiers=identifiers, version=__version__)),
+        File(
+            "__init__.py",
+            render(
+                "python/package.py.j2",
+                identifiers=[robot.identifier for robot in usual],
+                grasping=others,
+                version=__version__,
+            ),
+        ),
         File("python/__init__.py", render("python/targets_package.py.j2", what="NumPy modules")),
         File("casadi/__init__.py", render("python/targets_package.py.j2", what="CasADi modules")),
         File("c/CMakeLists.txt", render("c/CMakeLists.txt.j2", identifiers=identifiers, version=__version__)),
-        File(SCHEMA_FILE, schema_text([facts_of_code(robot) for robot in robots])),
+        File(SCHEMA_FILE, schema_text([facts_of_code(robot) for robot in usual])),
         File("operations.json", _operations(robots, parts)),
         File("README.md", render("README.md.j2", rows=rows, robots=robots)),
-        File("VALIDATION.md", render("VALIDATION.md.j2", **page(_catalogued(robots)))),
+        File("VALIDATION.md", render("VALIDATION.md.j2", grasping=others, **page(_catalogued(usual)))),
     ]
 
 

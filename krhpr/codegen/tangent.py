@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from krhpr.codegen.composition import Call, RobotFunction, Stage
 from krhpr.codegen.differentiate import tangents
 from krhpr.codegen.graph import LEAVES, Graph, InputRef, Name, Op
-from krhpr.codegen.kernel import LEGS, Kernel, Port
+from krhpr.codegen.kernel import Kernel, Port
 from krhpr.codegen.part import Part
 from krhpr.codegen.passes import pair_sine_cosine, remove_dead_code
 
@@ -200,7 +200,7 @@ def _structure(
     per_leg = {port.name: port.per_leg for port in function.inputs}
     for call in calls:
         kernel = parts[call.part].kernel(call.kernel)
-        legs = range(LEGS) if call.stage is Stage.LEG else (None,)
+        legs = range(function.legs) if call.stage is Stage.LEG else (None,)
         outputs: dict[str, Sources] = {port.name: [] for port in kernel.outputs}
         for leg in legs:
             arguments: dict[str, Sources] = {}

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import krhpr
+from krhpr.study.claims import Claim
 from krhpr.study.trajectory import trajectory
 
 Floats = NDArray[np.float64]
@@ -65,14 +66,6 @@ APPROACHES = (
     "seven: Gauss-Newton, three",
 )
 FIRST, SECOND, THIRD, FOURTH, FIFTH, SIXTH, SEVENTH = range(7)
-
-
-@dataclass(frozen=True)
-class Claim:
-    """What the thesis says of the approaches, and whether it came out."""
-
-    text: str
-    holds: bool
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -116,20 +115,6 @@ def picture(one: Histogram) -> Any:
     return figure
 
 
-def save_pictures(found: Accuracy, folder: Path, ending: str = ".png") -> list[Path]:
-    """Write every histogram's picture to a folder; no date gets into it."""
-    import matplotlib
-    from matplotlib import pyplot
-
-    matplotlib.use("Agg")
-    folder.mkdir(parents=True, exist_ok=True)
-    paths = []
-    for one in histograms(found):
-        figure, path = picture(one), folder / f"accuracy_{one.name}{ending}"
-        metadata: dict[str, Any] = {"Software": None} if ending == ".png" else {"Date": None, "Creator": None}
-        try:
-            figure.savefig(path, dpi=150, metadata=metadata)
-        finally:
-            pyplot.close(figure)
-        paths.append(path)
-    return paths
+def accuracy_figures(found: Accuracy) -> dict[str, Any]:
+    """Every histogram's figure by the name of its picture."""
+    return {f"accuracy_{one.name}": picture(one) for one in histograms(found)}

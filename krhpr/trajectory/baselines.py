@@ -1,11 +1,13 @@
 """The thesis' own methods of Section 4.3: equal redundant coordinates, constant or scanned, and smoothed.
 
-None of them looks at limits; `examine` says which they violate.
+None of them looks at limits; `examine` says which they violate.  Where a gripper keeps an opening there is
+one choice left: the object's centre in O'.
 """
 
 from __future__ import annotations
 
 from math import radians
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +15,8 @@ from numpy.typing import NDArray
 from krhpr.trajectory.examine import Lines
 from krhpr.trajectory.paths import Path
 from krhpr.trajectory.point import PointFunctions
-from krhpr.trajectory.terms import ContradictoryLimits
+from krhpr.trajectory.refusals import ContradictoryLimits, UnknownObjective
+from krhpr.trajectory.worth import of_poses, of_steps, short_way
 
 Floats = NDArray[np.float64]
 
@@ -34,34 +37,50 @@ def candidates(point: PointFunctions, within: tuple[float, float] | None = None)
     return np.radians(degrees)
 
 
-def _table(point: PointFunctions, path: Path, times: Floats, values: Floats) -> Floats:
-    """The objective (times, values) with the true indices; infinite where a leg is out of reach."""
+def _choices(point: PointFunctions, within: tuple[float, float] | None = None) -> Floats:
+    """Redundant coordinates (choices, 3): equal ones, or those that hold the gripper's object in O'."""
+    if (grip := point.bounds.grip) is not None:
+        return grip.centred(point.robot)[None, :]
+    return np.repeat(candidates(point, within)[:, None], 3, axis=1)
+
+
+def _joints(point: PointFunctions, path: Path, times: Floats, choices: Floats) -> tuple[Any, ...]:
+    """p, Q, s and theta (times, choices, ...)."""
     robot, motion = point.robot, path.at(times)
-    p, Q, equal = motion.p[:, None], motion.Q[:, None], np.repeat(values[:, None], 3, axis=1)
-    theta = robot.inverse(p, Q, equal, mode=point.mode)
-    found = robot.indices(p, Q, robot.end_points(p, Q, equal), theta, characteristic_length=point.length)
-    with np.errstate(all="ignore"):
-        table = np.asarray(point.objective.value(found.eta_1, found.eta_2, found.eta_3))
+    p, Q = motion.p[:, None], motion.Q[:, None]
+    return p, Q, robot.end_points(p, Q, choices), point.inverse(p, Q, point.coordinates(choices))
+
+
+def _table(point: PointFunctions, at: tuple[Any, ...]) -> Floats:
+    """The objective (times, choices) with the true indices; infinite where a leg is out of reach."""
+    found = point.robot.indices(*at, characteristic_length=point.length)
+    table = of_poses(point.robot, point.objective, found, at, point.length)
     return np.where(np.isfinite(table), table, np.inf)
 
 
 def constant(point: PointFunctions, path: Path, times: Floats, value: float | None = None) -> Lines:
     """The same value all along: the one given, or the one with the least integral."""
-    if value is None:
-        values = candidates(point)
-        with np.errstate(invalid="ignore"):
-            integrals = np.trapezoid(_table(point, path, times, values), times, axis=0)
-        value = float(values[np.argmin(np.where(np.isfinite(integrals), integrals, np.inf))])
-    return Lines(times, np.full((len(times), 3), value))
+    if value is not None:
+        return Lines(times, point.coordinates(np.full((len(times), 3), value)))
+    choices = _choices(point)
+    at = _joints(point, path, times, choices)
+    change = short_way(point.robot, np.diff(at[3], axis=0))
+    steps = of_steps(point.robot, point.objective, change, np.diff(times)[:, None, None], point.length)
+    with np.errstate(invalid="ignore"):
+        integrals = np.trapezoid(_table(point, at), times, axis=0) + steps.sum(axis=(0, 2))
+    best = choices[np.argmin(np.where(np.isfinite(integrals), integrals, np.inf))]
+    return Lines(times, point.coordinates(np.tile(best, (len(times), 1))))
 
 
 def scan(
     point: PointFunctions, path: Path, times: Floats, within: tuple[float, float] | None = None
 ) -> Lines:
     """At each time by itself the value with the least objective, in the box or `within` a reduced range."""
-    values = candidates(point, within)
-    best = values[_table(point, path, times, values).argmin(axis=1)]
-    return Lines(times, np.repeat(best[:, None], 3, axis=1))
+    if not point.objective.of_poses:
+        raise UnknownObjective("a scan looks at one pose after the other, which travel and rates do not tell")
+    choices = _choices(point, within)
+    best = choices[_table(point, _joints(point, path, times, choices)).argmin(axis=1)]
+    return Lines(times, point.coordinates(best))
 
 
 def smoothed(given: Lines, alpha: float) -> Lines:

@@ -10,13 +10,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from krhpr.trajectory.clearance import Pair, separations
-from krhpr.trajectory.paths import Motion, Path
+from krhpr.trajectory.paths import Motion
 from krhpr.trajectory.point import PointFunctions, Quantity
+from krhpr.trajectory.worth import per_length, squared_torques
 
 Floats = NDArray[np.float64]
 
 TOLERANCE = 1e-6
 """By how much a quantity may be beyond its limit, relative to its scale."""
+
+
+class Moves(Protocol):
+    """Poses of the platform as a function of time: a path, or a part of one."""
+
+    def at(self, times: Any) -> Motion:
+        """Poses, twists and their rates at times (n)."""
 
 
 class Coordinates(Protocol):
@@ -38,7 +46,7 @@ class Lines:
         if order == 0:
             return np.column_stack([np.interp(times, self.times, column) for column in self.values.T])
         if order > 1:
-            return np.zeros((len(times), 3))
+            return np.zeros((len(times), self.values.shape[1]))
         slopes = np.diff(self.values, axis=0) / np.diff(self.times)[:, None]
         place = np.searchsorted(self.times, times, side="right") - 1
         return np.asarray(slopes[np.clip(place, 0, len(slopes) - 1)])
@@ -73,21 +81,32 @@ class Examined:
     redundant: Floats
     """(n, 3); rad or m."""
     redundant_rate: Floats
+    swivel: Floats | None
+    """Of redundant sub-legs (n, 3), rad, where they are chosen."""
     theta: Floats
     """(n, 3, actuators), without jumps of full turns."""
     theta_rate: Floats
+    theta_acceleration: Floats
     indices: dict[str, Floats]
     """eta_1 (m), eta_2, eta_3 at each time: the true ones, not their bounds."""
     integrals: dict[str, float]
-    """Over time, of eta_1^2 (m^2 s), eta_2^2 (s), log eta_3 (s)."""
+    """Over time, of eta_1^2 (m^2 s), eta_2^2 (s), log eta_3 (s); and, where the objective has them, of
+    squared torques ((N m)^2 s), of absolute rates of actuators, which is their travel (rad), and of squared
+    rates (rad^2/s).
+    """
     objective: float
-    """The integral of the objective with the true indices."""
+    """The objective with the true indices."""
     beyond: Floats
     """How far quantities are beyond their limits, over their scales (n, quantities); negative inside."""
     violations: tuple[Violation, ...]
     """The worst of each quantity, the worst first."""
     close: tuple[Pair, ...]
     """Pairs of links that come too close."""
+
+    @property
+    def maxima(self) -> dict[str, float]:
+        """The largest eta_1 (m), eta_2 and eta_3 on the grid."""
+        return {name: float(values.max()) for name, values in self.indices.items()}
 
     @property
     def feasible(self) -> bool:
@@ -100,52 +119,99 @@ class Examined:
         return max((one.relative for one in self.violations), default=0.0)
 
 
-def turns_along(point: PointFunctions, motion: Motion, redundant: Floats) -> tuple[Floats, Floats]:
-    """Joints along a trajectory without jumps (n, 3, actuators), and the full turns that were added (rad)."""
-    theta = np.asarray(point.robot.inverse(motion.p, motion.Q, redundant, mode=point.mode))
+def turns_along(
+    point: PointFunctions, motion: Motion, coordinates: Floats, near: Floats | None = None
+) -> tuple[Floats, Floats]:
+    """Joints along a trajectory without jumps (n, 3, actuators), and the full turns that were added (rad).
+
+    It begins within half a turn of `near` (3, actuators), or in (-pi, pi].
+    """
+    theta = point.inverse(motion.p, motion.Q, coordinates)
     there = np.nan_to_num(theta)
     unwrapped = np.where(point.robot.angular, np.unwrap(there, axis=0), there)
+    if near is not None:
+        before = np.round((near - unwrapped[0]) / (2 * np.pi))
+        unwrapped = unwrapped + 2 * np.pi * np.where(point.robot.angular, before, 0.0)
     turns = 2 * np.pi * np.round((unwrapped - there) / (2 * np.pi))
     return theta + turns, turns
 
 
+def separators_along(point: PointFunctions, motion: Motion, coordinates: Floats) -> Floats:
+    """Unit vectors along the shortest distances of the pairs that are kept apart (n, pairs, 3)."""
+    if not point.pairs:
+        return np.zeros((len(coordinates), 0, 3))
+    robot = point.robot
+    theta, _ = turns_along(point, motion, coordinates)
+    s = robot.end_points(motion.p, motion.Q, coordinates[:, :3])
+    points = robot.link_points(motion.p, motion.Q, s, theta)
+    gaps = separations(robot, point.pairs, points.points, points.attachment)
+    sizes = np.linalg.norm(gaps, axis=-1, keepdims=True)
+    return np.moveaxis(gaps / np.maximum(sizes, 1e-9), 0, 1)
+
+
 def examine(
-    point: PointFunctions, path: Path, coordinates: Coordinates, times: Floats, of: Sequence[Pair] = ()
+    point: PointFunctions, path: Moves, coordinates: Coordinates, times: Floats, of: Sequence[Pair] = ()
 ) -> Examined:
     """Hold a trajectory to its limits at some times; `of` are the pairs of links to keep apart."""
     robot, motion = point.robot, path.at(times)
-    redundant, rate = coordinates.at(times), coordinates.at(times, 1)
-    theta, turns = turns_along(point, motion, redundant)
+    chosen, rates, bend = (coordinates.at(times, order) for order in range(3))
+    theta, turns = turns_along(point, motion, chosen)
+    redundant, rate = chosen[:, :3], rates[:, :3]
     at = (motion.p, motion.Q, robot.end_points(motion.p, motion.Q, redundant), theta)
-    theta_rate = np.asarray(robot.joint_rates(*at, motion.twist, rate))
+    swivels = point.width == 6
+    theta_rate = np.asarray(
+        robot.joint_rates(*at, motion.twist, rate, swivel_rates=rates[:, 3:] if swivels else None)
+    )
+    theta_acceleration = robot.joint_accelerations(
+        *at,
+        motion.twist,
+        rate,
+        theta_rate,
+        motion.twist_rate,
+        bend[:, :3],
+        swivel_accelerations=bend[:, 3:] if swivels else None,
+    )
     found = robot.indices(*at, characteristic_length=point.length)
     indices = {"eta_1": found.eta_1, "eta_2": found.eta_2, "eta_3": found.eta_3}
     integrands = {
         "eta_1^2": found.eta_1**2,
         "eta_2^2": found.eta_2**2,
         "log eta_3": np.log(found.eta_3),
-        "objective": point.objective.value(found.eta_1, found.eta_2, found.eta_3)
-        + point.objective.rates * (rate**2).sum(axis=1),
+        **_of_joints(point, at, theta_rate),
     }
     integrals = {name: float(np.trapezoid(values, times)) for name, values in integrands.items()}
+    objective = point.objective.value(found.eta_1, found.eta_2, found.eta_3)
+    objective = objective + point.objective.rates * (rates**2).sum(axis=1) + point.objective.time
+    worth = float(np.trapezoid(objective, times))
+    peaks = point.objective.peaks(found.eta_1, found.eta_2, found.eta_3)
+    worth += sum(getattr(point.objective, name) * float(np.max(values)) for name, values in peaks.items())
+    worth += sum(
+        getattr(point.objective, name) * integrals[term]
+        for name, term in JOINT_TERMS.items()
+        if term in integrals
+    )
     orders = [coordinates.at(times, order) for order in range(point.order)]
-    z = np.column_stack([*orders, np.zeros((len(times), point.size - point.own))])
+    z = np.column_stack([*orders, np.zeros((len(times), point.size - point.width * point.order))])
     _, scaled = point.function.map(len(times))(z.T, point.parameters(motion, turns).T)
-    rows = [k for k, one in enumerate(point.quantities) if not one.of_pair]
+    rows = [k for k, one in enumerate(point.quantities) if not one.inner]
     quantities = [point.quantities[k] for k in rows]
     values = scaled.full().T[:, rows]
     violations, beyond = _violations(times, quantities, values)
+    kinds = [("redundant coordinate", robot.signature("end_points").inputs[2].unit), ("swivel", "rad")]
     box = [
-        Quantity(f"redundant coordinate of leg {leg + 1}", "rad or m", float(low), float(high))
-        for leg, (low, high) in enumerate(zip(*point.bounds.box(), strict=True))
+        Quantity(f"{kinds[k // 3][0]} of leg {k % 3 + 1}", kinds[k // 3][1], float(low), float(high))
+        for k, (low, high) in enumerate(zip(*point.box, strict=True))
     ]
-    violations += _violations(times, box, redundant)[0]
+    violations += _violations(times, box, chosen)[0]
+    if (grip := point.bounds.grip) is not None:
+        opening = np.asarray(robot.opening(redundant, grip.jaws).opening)
+        held = Quantity("opening of the gripper", "m", grip.opening, grip.opening, 0.1)
+        violations += _violations(times, [held], opening[:, None] / held.scale)[0]
     close: list[Pair] = []
     if of:
-        least = float(point.bounds.clearance or 0.0)
         points = robot.link_points(*at)
         gaps = np.linalg.norm(separations(robot, tuple(of), points.points, points.attachment), axis=-1)
-        apart = [Quantity(f"distance of {pair.name}", "m", least, scale=0.1) for pair in of]
+        apart = [Quantity(f"distance of {pair.name}", "m", pair.least, scale=0.1) for pair in of]
         short, _ = _violations(times, apart, gaps.T / 0.1)
         violations += short
         names = {one.name for one in short}
@@ -154,15 +220,35 @@ def examine(
         motion,
         redundant,
         rate,
+        chosen[:, 3:] if swivels else None,
         theta,
         theta_rate,
+        np.asarray(theta_acceleration),
         indices,
-        {name: value for name, value in integrals.items() if name != "objective"},
-        integrals["objective"],
+        integrals,
+        worth,
         beyond,
         tuple(sorted(violations, key=lambda one: -one.relative)),
         tuple(close),
     )
+
+
+JOINT_TERMS = {"torques": "torques^2", "travel": "travel", "joint_rates": "joint_rates^2"}
+"""Integrals by the name of their weight."""
+
+
+def _of_joints(point: PointFunctions, at: tuple[Any, ...], theta_rate: Floats) -> dict[str, Floats]:
+    """Integrands of those terms that have a weight."""
+    robot, objective, length = point.robot, point.objective, point.length
+    comparable = theta_rate * per_length(robot, length)
+    made: dict[str, Floats] = {}
+    if objective.torques:
+        made["torques"] = squared_torques(robot, objective, at, length)
+    if objective.travel:
+        made["travel"] = np.abs(comparable).sum(axis=(1, 2))
+    if objective.joint_rates:
+        made["joint_rates"] = (comparable**2).sum(axis=(1, 2))
+    return {JOINT_TERMS[name]: term for name, term in made.items()}
 
 
 def _violations(times: Floats, quantities: Sequence[Quantity], scaled: Any) -> tuple[list[Violation], Floats]:

@@ -5,8 +5,8 @@
       - {time: 0, p: [0, 0, 350 mm], rotation: [0, 0, 0]}
       - {time: 2.5, p: [100 mm, 0, 350 mm], rotation: [0, 40 deg, 0]}
     interpolation: spline          # or linear
-    objective: eta_1               # or {eta_1: 11.4, eta_2: 0.12, eta_3: 0.67, rates: 0.001}
-    limits: chapter-4              # or a table, see `Bounds`
+    objective: eta_1               # or time, or {eta_1: 11.4, eta_2: 0.12, eta_3: 0.67, rates: 0.001}
+    limits: chapter-4              # or a table, see `Bounds`, of which `grip` is a table, see `Grip`
     method: nlp
     intervals: 30
 
@@ -27,9 +27,11 @@ from krhpr.errors import nearest
 from krhpr.robot_files.problems import Problems, RobotFileError
 from krhpr.robot_files.quantities import BadQuantity, Kind, parse
 from krhpr.robot_files.tree import Items, Node, Table, Text, described, read_tree
+from krhpr.trajectory.grip import Grip
 from krhpr.trajectory.optimise import INTERVALS, Method
 from krhpr.trajectory.paths import BUILT_IN, Interpolation, Path, PathError, way_points
-from krhpr.trajectory.terms import TERMS, Bounds, Objective, UnknownObjective, chapter_4
+from krhpr.trajectory.refusals import UnknownObjective
+from krhpr.trajectory.terms import TERMS, Bounds, Load, Objective, chapter_4
 
 FIELDS = ("path", "way_points", "interpolation", "objective", "limits", "method", "intervals")
 CHAPTER_4 = "chapter-4"
@@ -37,13 +39,17 @@ CHAPTER_4 = "chapter-4"
 LIMITS = (
     "redundant",
     "redundant_rate",
+    "swivel",
+    "swivel_rate",
     "actuator_rate",
     "actuator_acceleration",
     "margins",
     "factors",
     "cone",
     "clearance",
+    "grip",
 )
+GRIP = ("opening", "jaws", "play")
 
 Found = TypeVar("Found")
 
@@ -140,10 +146,15 @@ class _Reader:
     def _objective(self) -> Objective | None:
         node = self.root.entries.get("objective", Text("eta_1", True, 0))
         if isinstance(node, Table):
-            weights = {
+            weights: dict[str, Any] = {
                 name: self._numbers(value, f"objective.{name}", Kind.NUMBER, None)[0]
                 for name, value in node.entries.items()
+                if name != "load"
             }
+            if (load := node.entries.get("load")) is not None:
+                weights["load"] = self._load(load)
+            if self.problems.mistakes:
+                return None
             return self._tried("objective", lambda: Objective.of(weights))
         if isinstance(node, Text):
             return self._tried("objective", lambda: Objective.of(node.text))
@@ -151,6 +162,20 @@ class _Reader:
             self.root, "objective", f"found {described(node)}, expected {', '.join(TERMS)} or weights"
         )
         return None
+
+    def _load(self, node: Node) -> Load | None:
+        where, counts = "objective.load", {"wrench": 3 if self.planar else 6, "redundant_forces": 3}
+        fields = tuple(counts)
+        if not isinstance(node, Table) or "wrench" not in node.entries or set(node.entries) - set(fields):
+            found = ", ".join(node.entries) if isinstance(node, Table) else described(node)
+            expected = f"wrench and, where there are any, {fields[1]}"
+            self.problems.wrong(node.line, where, f"found {found}, expected {expected}")
+            return None
+        values = {
+            name: tuple(self._numbers(value, f"{where}.{name}", Kind.NUMBER, counts[name]))
+            for name, value in node.entries.items()
+        }
+        return Load(**values)
 
     def _bounds(self) -> Bounds | None:
         node = self.root.entries.get("limits")
@@ -171,6 +196,7 @@ class _Reader:
         values["redundant"] = (low[0], low[1])
         for field, kind in (
             ("redundant_rate", self.redundant),
+            ("swivel_rate", Kind.ANGLE),
             ("actuator_rate", Kind.NUMBER),
             ("actuator_acceleration", Kind.NUMBER),
             ("cone", Kind.ANGLE),
@@ -178,6 +204,9 @@ class _Reader:
         ):
             if field in node.entries:
                 values[field] = self._numbers(node.entries[field], f"limits.{field}", kind, None)[0]
+        if "swivel" in node.entries:
+            sides = self._numbers(node.entries["swivel"], "limits.swivel", Kind.ANGLE, 2)
+            values["swivel"] = (sides[0], sides[1])
         if "margins" in node.entries:
             values["margins"] = tuple(
                 self._numbers(node.entries["margins"], "limits.margins", Kind.NUMBER, 1 if self.planar else 2)
@@ -192,7 +221,27 @@ class _Reader:
             self.problems.wrong(
                 factors.line, "limits.factors", f"found {described(factors)}, expected a table"
             )
+        if "grip" in node.entries:
+            values["grip"] = self._grip(node.entries["grip"])
         return Bounds(**values)
+
+    def _grip(self, node: Node) -> Grip | None:
+        where = "limits.grip"
+        if not isinstance(node, Table) or "opening" not in node.entries:
+            expected = f"a table with {', '.join(GRIP)}, of which opening must be there"
+            self.problems.wrong(node.line, where, f"found {described(node)}, expected {expected}")
+            return None
+        for field, line in node.lines.items():
+            if field not in GRIP:
+                self.problems.wrong(line, f"{where}.{field}", f"unknown field; {nearest(field, GRIP)}")
+        values: dict[str, Any] = {}
+        for field in GRIP:
+            if (given := node.entries.get(field)) is None:
+                continue
+            each = 3 if field == "jaws" and isinstance(given, Items) else None
+            numbers = self._numbers(given, f"{where}.{field}", Kind.LENGTH, each)
+            values[field] = numbers[0] if each is None else tuple(numbers)
+        return Grip(**values)
 
     # -- values ---------------------------------------------------------------------------------------------
 

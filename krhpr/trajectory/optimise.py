@@ -4,7 +4,7 @@ are."""
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
 from time import perf_counter
 from typing import Any
@@ -13,34 +13,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from krhpr.calls import Branch
-from krhpr.errors import TrajectoryError
 from krhpr.robot import Robot
 from krhpr.trajectory import baselines
-from krhpr.trajectory.clearance import Pair, pairs, separations
-from krhpr.trajectory.examine import Coordinates, Examined, Violation, examine, turns_along
+from krhpr.trajectory.clearance import kept_apart
+from krhpr.trajectory.compiled import Evaluation
+from krhpr.trajectory.examine import Coordinates, Examined, Violation
+from krhpr.trajectory.fastest import FastestRounds
 from krhpr.trajectory.paths import Path, PathError
 from krhpr.trajectory.point import PointFunctions
-from krhpr.trajectory.search import Start, global_start
+from krhpr.trajectory.reach import check_path, signs_at_start
+from krhpr.trajectory.refusals import UnknownObjective
+from krhpr.trajectory.rounds import Found, Judged, Rounds, Task
 from krhpr.trajectory.terms import Bounds, Objective
-from krhpr.trajectory.transcription import Curve, Programme, Solved, uniform_knots
+from krhpr.trajectory.timing import Retimed, check_timing
+from krhpr.trajectory.transcription import Solved
 
 Floats = NDArray[np.float64]
 
 INTERVALS = 30
 """Of the spline, unless told."""
-FINER = 10
-"""How many times finer than the spline's intervals the grid is on which limits are checked."""
-ROUNDS = 8
-"""The most solutions: limits are tightened where they are exceeded between samples, links kept apart."""
-
-
-class LeavesWorkspace(TrajectoryError):
-    """A path that a leg cannot follow: `leg` (1 to 3), `time` (s), `distance` (m) by which it is out of
-    reach."""
-
-    def __init__(self, message: str, leg: int, time: float, distance: float) -> None:
-        super().__init__(message, leg, time, distance)
-        self.leg, self.time, self.distance = leg, time, distance
 
 
 class Method(StrEnum):
@@ -63,7 +54,8 @@ class Trajectory:
     """Redundant coordinates and joints along a path, with what was asked for and what came of it."""
 
     robot: Robot
-    path: Path
+    path: Path | Retimed
+    """With the timing that was chosen, where the objective has the duration."""
     method: Method
     objective: Objective
     bounds: Bounds
@@ -82,6 +74,18 @@ class Trajectory:
     solved: Solved | None = None
 
     @property
+    def found(self) -> Found:
+        """The same as the rounds of a programme begin with it."""
+        made = Found(Judged(self.examined, self.coordinates, self.path))
+        made.solved = self.solved
+        return made
+
+    @property
+    def duration(self) -> float:
+        """What it takes, s."""
+        return float(self.times[-1] - self.times[0])
+
+    @property
     def feasible(self) -> bool:
         """Whether all limits are met; if not it is the least infeasible trajectory that was found."""
         return self.examined.feasible
@@ -93,8 +97,13 @@ class Trajectory:
 
     @property
     def integrals(self) -> dict[str, float]:
-        """Over time, of eta_1^2 (m^2 s), eta_2^2 (s) and log eta_3 (s)."""
+        """Over time, of eta_1^2 (m^2 s), eta_2^2 (s), log eta_3 (s) and what else the objective has."""
         return self.examined.integrals
+
+    @property
+    def maxima(self) -> dict[str, float]:
+        """The largest eta_1 (m), eta_2 and eta_3."""
+        return self.examined.maxima
 
     @property
     def times(self) -> Floats:
@@ -107,6 +116,11 @@ class Trajectory:
         return self.examined.redundant
 
     @property
+    def swivel(self) -> Floats | None:
+        """Swivels of redundant sub-legs (n, 3), rad, where they were chosen."""
+        return self.examined.swivel
+
+    @property
     def theta(self) -> Floats:
         """Actuated joints (n, 3, actuators) without jumps of full turns, rad or m."""
         return self.examined.theta
@@ -114,6 +128,8 @@ class Trajectory:
     def report(self) -> str:
         """In words: whether limits are met, and if not which, where and by how much."""
         head = f"{self.path.name}, {self.robot.name}, method {self.method}"
+        if self.objective.time:
+            head += f", {self.duration:.6g} s"
         values = ", ".join(f"integral of {name} {value:.6g}" for name, value in self.integrals.items())
         if self.feasible:
             return f"{head}: all limits met; {values}"
@@ -124,7 +140,7 @@ class Trajectory:
 def optimise(
     robot: Robot,
     path: Path,
-    objective: Objective | str | Mapping[str, float],
+    objective: Objective | str | Mapping[str, Any],
     bounds: Bounds,
     *,
     method: Method | str = Method.NLP,
@@ -137,15 +153,17 @@ def optimise(
     alpha: float = 0.2,
     progress: Callable[[str], None] = lambda step: None,
     solver: Mapping[str, Any] | None = None,
+    evaluation: Evaluation | str = Evaluation.SX,
 ) -> Trajectory:
     """Choose the redundant coordinates of a robot along a path.
 
     Args:
-        robot: any with an inverse in closed form; redundant sub-legs stand at a swivel of zero.
+        robot: any with an inverse in closed form; redundant sub-legs stand at a swivel of zero where
+            `bounds.swivel` does not say that swivels are chosen as well.
         path: of its platform.
-        objective: integrals to minimise: "eta_1", "eta_2", "eta_3" (of eta_1^2, eta_2^2, log eta_3), weights
-            by these names, or an `Objective`.  The programme minimises smooth bounds of the indices; what is
-            reported are the indices.
+        objective: what to minimise: "eta_1", "eta_2", "eta_3" (integrals of eta_1^2, eta_2^2, log eta_3),
+            another term of `Objective`, weights by these names, or an `Objective`.  The programme minimises
+            smooth bounds of the indices; what is reported are the indices.
         bounds: limits to keep; those of the robot's file are kept as well.
         method: the programme, or one of the thesis' methods, which do not look at limits.
         mode: the working mode, as `inverse` takes it; it is kept where `bounds.factors` say so.
@@ -158,6 +176,8 @@ def optimise(
         alpha: the smoothing factor for `Method.TWO`.
         progress: is told what begins.
         solver: further options of IPOPT.
+        evaluation: "compiled" makes C of the programme's functions, which takes seconds once and pays where
+            many trajectories of one robot with the same limits and objective are wanted.
 
     Returns:
         The trajectory; where limits cannot be met, the least infeasible one found, with `feasible` false and
@@ -167,39 +187,45 @@ def optimise(
         PathError: a planar path for a spatial robot, or the other way round.
         LeavesWorkspace: where and which leg, and by what distance.
         ContradictoryLimits, UnknownObjective, NoClosedForm: what cannot be asked for.
+        NoCompiler: there is none to compile with.
     """
     begin = perf_counter()
     wanted, how = Objective.of(objective), Method(method)
-    bounds.check(robot)
-    if path.planar != robot.planar:
-        kinds = ("planar", "spatial") if path.planar else ("spatial", "planar")
-        raise PathError(f"{path.name} is a {kinds[0]} path, and {robot.name} is a {kinds[1]} robot")
+    bounds = bounds.of(robot)
+    wanted.check(robot)
     if intervals < 2:
         raise PathError(f"{intervals} intervals; a trajectory takes two or more")
+    if wanted.time:
+        if how is not Method.NLP:
+            raise UnknownObjective(f"method {how} chooses no timing; {Method.NLP} makes the duration least")
+        check_timing(path, bounds)
     progress("workspace")
-    _reachable(robot, path, bounds, mode)
+    check_path(robot, path, bounds, mode)
     point = PointFunctions(
         robot,
         wanted,
         bounds,
-        _signs(robot, path, bounds, mode),
+        signs_at_start(robot, path, bounds, mode),
         mode=mode,
         characteristic_length=characteristic_length,
+        evaluation=Evaluation(evaluation),
     )
-    task = _Task(point, path, intervals, pairs(robot) if bounds.clearance and not robot.planar else ())
-    if how is Method.NLP:
-        found = _Search(task, progress, dict(solver or {})).run(start)
-    else:
+    task = Task(point, path, intervals, kept_apart(robot, bounds))
+    if how is not Method.NLP:
         progress(f"method {how}")
-        found = _Found(task.examined(_baseline(task, how, constant, reduced, alpha)))
+        found = Found(task.judged(_baseline(task, how, constant, reduced, alpha)))
+    elif wanted.time:
+        found = FastestRounds(task, progress, dict(solver or {})).run(None if start is None else start.found)
+    else:
+        found = Rounds(task, progress, dict(solver or {})).run(None if start is None else start.found)
     return Trajectory(
         robot,
-        path,
+        found.best.path,
         how,
         wanted,
         bounds,
-        found.examined,
-        found.coordinates,
+        found.best.examined,
+        found.best.coordinates,
         perf_counter() - begin,
         found.iterations,
         found.rounds,
@@ -208,188 +234,8 @@ def optimise(
     )
 
 
-@dataclass(frozen=True)
-class _Task:
-    """What is asked for, and how it is held to its limits."""
-
-    point: PointFunctions
-    path: Path
-    intervals: int
-    apart: tuple[Pair, ...]
-
-    def grid(self, finer: int) -> Floats:
-        return np.linspace(self.path.times[0], self.path.times[-1], finer * self.intervals + 1)
-
-    def examined(self, coordinates: Coordinates) -> tuple[Examined, Coordinates]:
-        return examine(self.point, self.path, coordinates, self.grid(FINER), self.apart), coordinates
-
-
-class _Found:
-    """The best of several trajectories: the least objective among feasible ones, else the least violation."""
-
-    def __init__(self, first: tuple[Examined, Coordinates]) -> None:
-        self.examined, self.coordinates = first
-        self.solved: Solved | None = None
-        self.iterations = self.rounds = 0
-
-    def offer(self, examined: Examined, coordinates: Coordinates, solved: Solved) -> None:
-        """Another one."""
-        if _rank(examined) < _rank(self.examined):
-            self.examined, self.coordinates, self.solved = examined, coordinates, solved
-
-
-def _rank(one: Examined) -> tuple[float, float]:
-    objective = one.objective if np.isfinite(one.objective) else np.inf
-    return (one.worst, objective if one.feasible else 0.0)
-
-
-class _Search:
-    """Solves the programme, tightens limits where they are exceeded between samples, keeps links apart."""
-
-    def __init__(self, task: _Task, progress: Callable[[str], None], options: dict[str, Any]) -> None:
-        self.task, self.progress, self.options = task, progress, options
-        self.times = task.grid(2)
-        self.weights = np.full(len(self.times), self.times[1] - self.times[0])
-        self.weights[[0, -1]] /= 2
-
-    def run(self, start: Trajectory | None) -> _Found:
-        """From a trajectory, or from the global search."""
-        task, former = self.task, None
-        if start is not None and isinstance(start.coordinates, Curve):
-            first, former = start.coordinates, start.solved
-            if first.intervals != task.intervals:
-                raise PathError(
-                    f"the trajectory to start from has {first.intervals} intervals, not {task.intervals}"
-                )
-        else:
-            self.progress("global search")
-            first = self._curve(global_start(task.point, task.path))
-        found = _Found(task.examined(first))
-        self._solve(found, first, former)
-        for method in (baselines.constant, baselines.scan):
-            lines = method(task.point, task.path, task.grid(1))
-            other, _ = task.examined(lines)
-            if _rank(other) < _rank(found.examined):  # the grid is coarse, and they may lead elsewhere
-                self._solve(found, self._curve(Start(lines.times, lines.values, 0.0)), None)
-            if _rank(other) < _rank(found.examined):
-                found.examined, found.coordinates, found.solved = other, lines, None
-        return found
-
-    def _curve(self, start: Start) -> Curve:
-        ends = (self.task.path.times[0], self.task.path.times[-1])
-        curve = Curve.near(*ends, self.task.intervals, start.times, start.redundant)
-        return replace(curve, coefficients=np.clip(curve.coefficients, *self.task.point.bounds.box()))
-
-    def _solve(self, found: _Found, curve: Curve, former: Solved | None) -> None:
-        """Solve until limits hold on the fine grid too."""
-        task = self.task
-        known = [pair for pair in former.pairs if pair in task.apart] if former else []
-        point = task.point.with_pairs(tuple(known)) if known else task.point
-        programme, separators, tighter = self._programme(point, curve, None)
-        motion = task.path.at(self.times)
-        if former is not None and programme.fits(former):
-            separators, tighter = former.separators, former.tighter.copy()
-        else:
-            former = None
-        for _ in range(ROUNDS):
-            self.progress(f"solve, round {found.rounds + 1}")
-            _, turns = turns_along(point, motion, curve.at(self.times))
-            arguments = (point.parameters(motion, turns), self.weights, curve, separators, tighter)
-            solved = programme.solve(*arguments, former)
-            if not solved.converged and former is not None:  # what was near may lead nowhere
-                solved = programme.solve(*arguments)
-            found.rounds += 1
-            found.iterations += solved.iterations
-            examined, _ = task.examined(solved.curve)
-            found.offer(examined, solved.curve, solved)
-            if examined.feasible or not solved.converged:
-                return
-            curve, former, separators = solved.curve, solved, solved.separators
-            self._tighten(tighter, examined, point)
-            new = [pair for pair in examined.close if pair not in point.pairs]
-            if new:
-                self.progress(f"keep apart {', '.join(pair.name for pair in new)}")
-                point, former = point.with_pairs((*point.pairs, *new)), None
-                programme, separators, tighter = self._programme(point, curve, tighter)
-
-    def _programme(
-        self, point: PointFunctions, curve: Curve, tighter: Floats | None
-    ) -> tuple[Programme, Floats, Floats]:
-        """A programme, vectors of its pairs to begin with, and its limits as tight as they are."""
-        ends = (self.task.path.times[0], self.task.path.times[-1])
-        programme = Programme(point, uniform_knots(*ends, self.task.intervals), self.times, self.options)
-        wider = np.zeros((len(self.times), len(point.quantities)))
-        if tighter is not None:  # quantities of new pairs are the last ones
-            wider[:, : tighter.shape[1]] = tighter
-        return programme, self._separators(point, curve), wider
-
-    def _tighten(self, tighter: Floats, examined: Examined, point: PointFunctions) -> None:
-        """Move limits inwards at the samples beside those times at which they are exceeded."""
-        fine = examined.motion.times
-        place = np.clip(np.searchsorted(self.times, fine, side="right") - 1, 0, len(self.times) - 2)
-        own = [k for k, one in enumerate(point.quantities) if not one.of_pair]
-        for k, column in zip(own, examined.beyond.T, strict=True):
-            beyond = np.where(np.isfinite(column), np.maximum(column, 0.0), 0.0)
-            worst = np.zeros(len(self.times))
-            np.maximum.at(worst, place, beyond)
-            np.maximum.at(worst, place + 1, beyond)
-            tighter[:, k] += 1.2 * worst
-        gaps = {one.name: one.relative for one in examined.violations}
-        for k, one in enumerate(point.quantities):
-            if one.of_pair:
-                tighter[:, k] += 1.2 * gaps.get(one.name, 0.0)
-
-    def _separators(self, point: PointFunctions, curve: Curve) -> Floats:
-        """Unit vectors along the shortest distances of the pairs kept apart (samples, pairs, 3)."""
-        if not point.pairs:
-            return np.zeros((len(self.times), 0, 3))
-        motion, redundant, robot = self.task.path.at(self.times), curve.at(self.times), point.robot
-        theta, _ = turns_along(point, motion, redundant)
-        s = robot.end_points(motion.p, motion.Q, redundant)
-        points = robot.link_points(motion.p, motion.Q, s, theta)
-        gaps = separations(robot, point.pairs, points.points, points.attachment)
-        sizes = np.linalg.norm(gaps, axis=-1, keepdims=True)
-        return np.moveaxis(gaps / np.maximum(sizes, 1e-9), 0, 1)
-
-
-def _reachable(robot: Robot, path: Path, bounds: Bounds, mode: Branch | None) -> None:
-    """Whether every leg reaches its end point somewhere in its box, all along the path."""
-    low, high = bounds.box()
-    grid = np.linspace(low, high, 61)
-    motion = path.at(np.linspace(path.times[0], path.times[-1], 121))
-    _, excess = robot.inverse_status(motion.p[:, None], motion.Q[:, None], grid, mode=mode)
-    least = np.asarray(excess).min(axis=1)  # (times, 3)
-    if (least <= 0).all():
-        return
-    k = int(np.argmax((least > 0).any(axis=1)))
-    leg = int(np.argmax(least[k]))
-    worst = float(least[:, leg].max())
-    raise LeavesWorkspace(
-        f"{path.name} leaves the workspace at {motion.times[k]:.4g} s: leg {leg + 1} cannot reach its end "
-        f"point with any redundant coordinate from {low[leg]:.4g} to {high[leg]:.4g}; it is up to "
-        f"{worst:.4g} m short along the path. Change the path or the sizes",
-        leg + 1,
-        float(motion.times[k]),
-        worst,
-    )
-
-
-def _signs(robot: Robot, path: Path, bounds: Bounds, mode: Branch | None) -> Floats:
-    """Signs of the factors of det M_i at the path's start, in the middle of the box where it is reached."""
-    first = path.at(path.times[:1])
-    grid = np.linspace(*bounds.box(), 61)
-    theta = np.asarray(robot.inverse(first.p, first.Q, grid, mode=mode))
-    there = np.isfinite(theta).all(axis=-1)
-    middle = np.abs(np.arange(61) - 30)[:, None] + 1e3 * ~there
-    best = middle.argmin(axis=0)
-    redundant = grid[best, np.arange(3)]
-    theta = robot.inverse(first.p, first.Q, redundant, mode=mode)
-    s = robot.end_points(first.p, first.Q, redundant)
-    return np.where(np.asarray(robot.singularity(first.p, first.Q, s, theta).factors)[0] < 0, -1.0, 1.0)
-
-
 def _baseline(
-    task: _Task, how: Method, constant: float | None, reduced: tuple[float, float] | None, alpha: float
+    task: Task, how: Method, constant: float | None, reduced: tuple[float, float] | None, alpha: float
 ) -> Coordinates:
     point, path, times = task.point, task.path, task.grid(1)
     if how is Method.CONSTANT:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import cached_property, partial
 from math import radians
 from typing import Any
 
@@ -103,36 +104,61 @@ class Path:
 
     def at(self, times: ArrayLike) -> Motion:
         """Poses, twists and their rates at times (n) between the first and the last way-point."""
-        from scipy.interpolate import CubicSpline, make_interp_spline
-
         at = np.asarray(times, dtype=float)
-        linear = self.interpolation is Interpolation.LINEAR or len(self.times) == 2
-        values = np.column_stack([self.p, self.Q]) if self.planar else self.p
-        curve = make_interp_spline(self.times, values, 1) if linear else CubicSpline(self.times, values)
-        if linear:
-            x, v, a = curve(at), curve.derivative()(at), np.zeros((len(at), values.shape[1]))
-        else:
-            x, v, a = curve(at), curve(at, 1), curve(at, 2)
+        x, v, a = (curve(at) for curve in self._curves)
         if self.planar:
             return Motion(at, x[:, :2], x[:, 2], v, a)
-        Q, omega, alpha = self._turns(at, linear)
+        Q, omega, alpha = self._turns(at)
         return Motion(at, x, Q, np.column_stack([v, omega]), np.column_stack([a, alpha]))
 
-    def _turns(self, at: Floats, linear: bool) -> tuple[Floats, Floats, Floats]:
-        """Orientations, angular velocities and accelerations in the base frame."""
+    @property
+    def _linear(self) -> bool:
+        return self.interpolation is Interpolation.LINEAR or len(self.times) == 2
+
+    @cached_property
+    def _curves(self) -> tuple[Any, Any, Any]:
+        """The position, in the plane with phi, and its derivatives, as functions of time."""
+        from scipy.interpolate import CubicSpline, make_interp_spline
+
+        values = np.column_stack([self.p, self.Q]) if self.planar else self.p
+        linear = self._linear
+        curve = make_interp_spline(self.times, values, 1) if linear else CubicSpline(self.times, values)
+        if linear:
+            return curve, curve.derivative(), partial(_still, columns=values.shape[1])
+        return curve, curve.derivative(), curve.derivative(2)
+
+    @cached_property
+    def _spline(self) -> Any:
+        """Orientations with a continuous angular acceleration."""
         from scipy.spatial.transform import Rotation, RotationSpline
 
+        return RotationSpline(self.times, Rotation.from_matrix(self.Q))
+
+    @cached_property
+    def _steps(self) -> tuple[Any, Floats]:
+        """Orientations of the way-points, and the constant angular velocities between them."""
+        from scipy.spatial.transform import Rotation
+
         given = Rotation.from_matrix(self.Q)
-        if not linear:
-            spline = RotationSpline(self.times, given)
-            Q = spline(at).as_matrix()
+        return given, (given[1:] * given[:-1].inv()).as_rotvec() / np.diff(self.times)[:, None]
+
+    def _turns(self, at: Floats) -> tuple[Floats, Floats, Floats]:
+        """Orientations, angular velocities and accelerations in the base frame."""
+        from scipy.spatial.transform import Rotation
+
+        if not self._linear:
+            Q = self._spline(at).as_matrix()
             # SciPy has them in the platform frame
-            omega, alpha = (np.einsum("kij,kj->ki", Q, spline(at, order)) for order in (1, 2))
+            omega, alpha = (np.einsum("kij,kj->ki", Q, self._spline(at, order)) for order in (1, 2))
             return Q, omega, alpha
-        turn = (given[1:] * given[:-1].inv()).as_rotvec() / np.diff(self.times)[:, None]
+        given, turn = self._steps
         place = np.clip(np.searchsorted(self.times, at, side="right") - 1, 0, len(turn) - 1)
         since = Rotation.from_rotvec(turn[place] * (at - self.times[place])[:, None])
         return (since * given[place]).as_matrix(), turn[place], np.zeros((len(at), 3))
+
+
+def _still(at: Floats, columns: int) -> Floats:
+    return np.zeros((len(at), columns))
 
 
 def way_points(

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +19,10 @@ from numpy.typing import NDArray
 from krhpr.errors import TrajectoryError
 from krhpr.robot import Robot
 from krhpr.trajectory.clearance import Pair
+from krhpr.trajectory.compiled import Evaluation, compiled
 from krhpr.trajectory.paths import Motion
-from krhpr.trajectory.terms import Bounds, Objective
+from krhpr.trajectory.terms import PLATFORM_JOINT, SMOOTH, Bounds, Objective
+from krhpr.trajectory.worth import per_length
 
 Floats = NDArray[np.float64]
 
@@ -40,10 +42,37 @@ class Quantity:
     scale: float = 1.0
     leg: int | None = None
     """The leg that it concerns alone (0 to 2)."""
-    moving: bool = False
-    """Whether it depends on rates."""
+    order: int = 0
+    """Of the highest rate that it depends on: slowed by a factor, it falls by the factor to this power."""
     of_pair: bool = False
     """Whether it keeps two links apart."""
+    peak: bool = False
+    """Whether it says no more than that a largest value is one."""
+
+    @property
+    def inner(self) -> bool:
+        """Whether it is for the programme alone, and no limit that has been asked for by itself."""
+        return self.of_pair or self.peak
+
+    @property
+    def moving(self) -> bool:
+        """Whether it depends on rates."""
+        return self.order > 0
+
+
+@dataclass(frozen=True)
+class _Here:
+    """The robot at one time, as symbols."""
+
+    f: Any
+    """Its CasADi functions."""
+    at: tuple[Any, Any, Any, Any]
+    """p, Q, s, theta."""
+    redundant: Any
+    theta: Any
+    """With full turns."""
+    twist: Any
+    twist_rate: Any
 
 
 class PointFunctions:
@@ -59,6 +88,7 @@ class PointFunctions:
         mode: Any = None,
         characteristic_length: float = 1.0,
         pairs: tuple[Pair, ...] = (),
+        evaluation: Evaluation = Evaluation.SX,
     ) -> None:
         """`signs` (3, factors) are those of the factors of det M_i that are to be kept."""
         if "inverse" not in robot.casadi.names:
@@ -68,15 +98,18 @@ class PointFunctions:
             )
         self.robot, self.objective, self.bounds, self.signs = robot, objective, bounds, signs
         self.mode, self.length, self.pairs = robot.mode_signs(mode), characteristic_length, pairs
+        self.evaluation = evaluation
         self.accelerated = bounds.actuator_acceleration is not None
         self.planar = robot.planar
         self.actuators = robot.signature("inverse").outputs[0].labels
         self.order = 3 if self.accelerated else 2
-        """Redundant coordinates and how many of their rates are local variables."""
+        """Coordinates and how many of their rates are local variables."""
+        self.width = 3 if bounds.swivel is None else 6
+        """Coordinates that are chosen: redundant ones, and swivels of redundant sub-legs."""
 
-    def with_pairs(self, pairs: tuple[Pair, ...]) -> PointFunctions:
+    def with_pairs(self, pairs: tuple[Pair, ...]) -> Self:
         """The same with other pairs of links to keep apart."""
-        return PointFunctions(
+        return type(self)(
             self.robot,
             self.objective,
             self.bounds,
@@ -84,17 +117,44 @@ class PointFunctions:
             mode=self.mode,
             characteristic_length=self.length,
             pairs=pairs,
+            evaluation=self.evaluation,
         )
 
     @property
     def own(self) -> int:
-        """Local variables without those of pairs."""
-        return 3 * self.order
+        """Local variables without those of pairs: coordinates and their rates, then largest values."""
+        return self.width * self.order + len(self.objective.largest)
 
     @property
     def size(self) -> int:
         """Local variables."""
         return self.own + 3 * len(self.pairs)
+
+    @cached_property
+    def box(self) -> tuple[Floats, Floats]:
+        """Least and largest coordinates (width)."""
+        sides = [*self.bounds.box()]
+        for side, swivel in enumerate(self.bounds.swivel or ()):
+            sides[side] = np.concatenate(
+                [sides[side], np.broadcast_to(np.asarray(swivel, dtype=float), (3,))]
+            )
+        return sides[0], sides[1]
+
+    def coordinates(self, redundant: Floats, share: float | None = None) -> Floats:
+        """Coordinates (..., width) with redundant ones (..., 3); swivels are at a share of what they may be,
+        or as near to zero as they may be."""
+        if self.width == 3:
+            return redundant
+        low, high = (side[3:] for side in self.box)
+        swivel = np.clip(0.0, low, high) if share is None else low + share * (high - low)
+        return np.concatenate([redundant, np.broadcast_to(swivel, redundant.shape)], axis=-1)
+
+    def inverse(self, p: Floats, Q: Floats, coordinates: Floats) -> Floats:
+        """theta (..., 3, n) in the working mode."""
+        swivel = coordinates[..., 3:] if self.width == 6 else None
+        return np.asarray(
+            self.robot.inverse(p, Q, coordinates[..., :3], mode=self.mode, swivel=swivel), dtype=float
+        )
 
     def parameters(self, motion: Motion, turns: Floats) -> Floats:
         """q (count, ...) at the times of a motion; `turns` (count, 3, n) are added to the actuated joints."""
@@ -119,25 +179,27 @@ class PointFunctions:
         return ca.Function("point", [z, q], [integrand, ca.vertcat(*scaled)], ["z", "q"], ["f", "g"])
 
     @cached_property
-    def slopes(self) -> Any:
-        """(z, q) -> (gradient of the integrand, dense Jacobian of the quantities)."""
-        import casadi as ca
+    def functions(self) -> dict[str, Any]:
+        """What a programme is made of, each by itself so that nothing is computed in vain:
 
-        z, q = self._symbols
-        f, g = self.function(z, q)
-        dense = [ca.densify(ca.gradient(f, z)), ca.densify(ca.jacobian(g, z))]
-        return ca.Function("slopes", [z, q], dense, ["z", "q"], ["df", "dg"])
-
-    @cached_property
-    def curvature(self) -> Any:
-        """(z, q, weight, multipliers) -> dense Hessian of weight f + multipliers g."""
+        `integrand` and `limited` (z, q) -> the outputs of `function`; `gradient` and `jacobian` (z, q) ->
+        their dense derivatives by z; `curvature` (z, q, weight, multipliers) -> the dense Hessian of weight
+        times the integrand plus multipliers times the quantities.
+        """
         import casadi as ca
 
         z, q = self._symbols
         f, g = self.function(z, q)
         weight, multipliers = ca.SX.sym("weight"), ca.SX.sym("multipliers", g.numel())
         hessian, _ = ca.hessian(weight * f + ca.dot(multipliers, g), z)
-        return ca.Function("curvature", [z, q, weight, multipliers], [ca.densify(hessian)])
+        made = {
+            "integrand": ca.Function("integrand", [z, q], [f]),
+            "limited": ca.Function("limited", [z, q], [g]),
+            "gradient": ca.Function("gradient", [z, q], [ca.densify(ca.gradient(f, z))]),
+            "jacobian": ca.Function("slopes", [z, q], [ca.densify(ca.jacobian(g, z))]),
+            "curvature": ca.Function("curvature", [z, q, weight, multipliers], [ca.densify(hessian)]),
+        }
+        return compiled(made) if self.evaluation is Evaluation.COMPILED else made
 
     # -- how they are made ----------------------------------------------------------------------------------
 
@@ -151,6 +213,32 @@ class PointFunctions:
 
     @cached_property
     def _made(self) -> tuple[Any, list[tuple[Quantity, Any]]]:
+
+        z, _ = self._symbols
+        here, rates, w = self._here, z[self.width : 2 * self.width], self.width
+        theta_dot = here.f.joint_rates(*here.at, here.twist, *self._parts(rates))
+        integrand, peaks = self._integrand(here, rates, theta_dot)
+        rows = self._of_posture(here)
+        if (most := self.bounds.redundant_rate) is not None:
+            rows += self._of_redundant(rates, -most, most, most)
+        if (most := self.bounds.swivel_rate) is not None and w == 6:
+            rows += self._of_swivels(rates[3:], -most, most, most)
+        rows += self._of_actuators(theta_dot, "rate", self.bounds.actuator_rate, "/s")
+        if self.accelerated:
+            bend = self._parts(z[2 * w : 3 * w])
+            moving = (here.twist, rates[:3], theta_dot, here.twist_rate, *bend)
+            theta_ddot = here.f.joint_accelerations(*here.at, *moving)
+            rows += self._of_actuators(
+                theta_ddot, "acceleration", self.bounds.actuator_acceleration, "/s^2", 2
+            )
+        for k, (name, term) in enumerate(peaks.items()):
+            what = Quantity(f"{name} above its largest value", "m^2 or 1", high=0.0, peak=True)
+            rows.append((what, term - z[w * self.order + k]))
+        return integrand, rows + self._of_pairs(here, z)
+
+    @cached_property
+    def _here(self) -> _Here:
+        """The robot at the symbols' pose and redundant coordinates."""
         import casadi as ca
 
         z, q = self._symbols
@@ -158,25 +246,57 @@ class PointFunctions:
         sizes = [d, 1 if self.planar else 9, freedom, 3 * len(self.actuators)]
         p, pose, twist, turns, twist_rate = ca.vertsplit(q, [0, *np.cumsum(sizes).tolist(), q.numel()])
         Q = pose if self.planar else ca.reshape(pose, 3, 3)
-        redundant, rates = z[:3], z[3:6]
+        redundant = z[:3]
         s = f.end_points(p, Q, redundant)
         given = [redundant, *([self.mode] if "mode" in f.inverse.name_in() else [])]
-        swivel = [ca.DM.zeros(3)] if "swivel" in f.inverse.name_in() else []
-        theta = f.inverse(p, Q, *given, *swivel)
-        at = (p, Q, s, theta)
-        length = [self.length] if "characteristic_length" in f.index_bounds.name_in() else []
-        eta_1, eta_2, eta_3 = f.index_bounds(*at, *length)
-        integrand = self.objective.value(eta_1, eta_2, eta_3, ca.log)
-        integrand = integrand + self.objective.rates * ca.sumsqr(rates)
+        theta = f.inverse(p, Q, *given, *self._parts(z[: self.width])[1:])
         unwrapped = theta + ca.reshape(turns, len(self.actuators), 3).T
-        theta_dot = f.joint_rates(*at, twist, rates, *swivel)
-        rows = [*self._of_singularity(f.singularity(*at)), *self._of_joints(unwrapped, at, rates, theta_dot)]
-        if self.accelerated:
-            theta_ddot = f.joint_accelerations(*at, twist, rates, theta_dot, twist_rate, z[6:9], *swivel)
-            rows += self._of_actuators(theta_ddot, "acceleration", self.bounds.actuator_acceleration, "/s^2")
-        if self.pairs:
-            rows += self._of_pairs(f.link_points(*at), z)
-        return integrand, rows
+        return _Here(f, (p, Q, s, theta), redundant, unwrapped, twist, twist_rate)
+
+    def _parts(self, coordinates: Any) -> tuple[Any, ...]:
+        """Redundant coordinates, and for redundant sub-legs swivels, or rates of both."""
+        import casadi as ca
+
+        if not self.robot.redundant_legs:
+            return (coordinates,)
+        return coordinates[:3], coordinates[3:] if self.width == 6 else ca.DM.zeros(3)
+
+    def _integrand(self, here: _Here, rates: Any, theta_dot: Any) -> tuple[Any, dict[str, Any]]:
+        """The objective's integrand, and what is to have a small largest value."""
+        import casadi as ca
+
+        objective, total = self.objective, self.objective.rates * ca.sumsqr(rates)
+        length = [self.length] if "characteristic_length" in here.f.index_bounds.name_in() else []
+        eta_1, eta_2, eta_3 = here.f.index_bounds(*here.at, *length)
+        total += objective.value(eta_1, eta_2, eta_3, ca.log)
+        scale = ca.repmat(ca.DM(per_length(self.robot, self.length)).T, 3, 1)
+        if objective.load is not None:
+            swivel = [ca.DM.zeros(3)] if "swivel_forces" in here.f.inverse_statics.name_in() else []
+            load = (ca.DM(objective.load.wrench), ca.DM(objective.load.redundant_forces), *swivel)
+            total += objective.torques * ca.sumsqr(here.f.inverse_statics(*here.at, *load) / scale)
+        if objective.travel:
+            total += objective.travel * ca.sum1(ca.vec(ca.sqrt((scale * theta_dot) ** 2 + SMOOTH**2)))
+        if objective.joint_rates:
+            total += objective.joint_rates * ca.sumsqr(scale * theta_dot)
+        return total, objective.peaks(eta_1, eta_2, eta_3, ca.log)
+
+    def _of_posture(self, here: _Here) -> list[tuple[Quantity, Any]]:
+        """Quantities that do not depend on rates."""
+        rows = self._of_singularity(here.f.singularity(*here.at))
+        rows += self._of_joints(here.theta)
+        return rows + self._of_passive(here.at) + self._of_grip(here.redundant)
+
+    def _of_grip(self, redundant: Any) -> list[tuple[Quantity, Any]]:
+        """Where the object's centre is; that the opening stays is for the programme, as it is linear."""
+        import casadi as ca
+
+        grip = self.bounds.grip
+        if grip is None or grip.play is None:
+            return []
+        _, centre, _ = self.robot.casadi.opening(redundant, np.broadcast_to(grip.jaws, 3))
+        name = "squared distance of the object's centre from O'"
+        most = grip.play**2
+        return [(Quantity(name, "m^2", high=most, scale=max(most, 1e-6)), ca.sumsqr(centre))]
 
     def _of_singularity(self, found: Any) -> list[tuple[Quantity, Any]]:
         _, factors, _, margins = found
@@ -192,34 +312,51 @@ class PointFunctions:
                 rows.append((Quantity(f"factor {name} of leg {leg + 1}", "1", low, leg=leg), value))
         return rows
 
-    def _of_joints(self, theta: Any, at: tuple[Any, ...], rates: Any, theta_dot: Any) -> list[Any]:
+    def _of_joints(self, theta: Any) -> list[tuple[Quantity, Any]]:
         limits, rows = self.robot.limits, []
         for k, name in enumerate(self.actuators):
             for leg in range(3) if name in limits.actuators else ():
                 low, high = limits.actuators[name][leg].low, limits.actuators[name][leg].high
-                rows.append(
-                    (Quantity(f"{name} of leg {leg + 1}", "rad or m", low, high, leg=leg), theta[leg, k])
-                )
-        if (most := self.bounds.redundant_rate) is not None:
-            rows += [
-                (
-                    Quantity(
-                        f"redundant rate of leg {leg + 1}", "rad/s or m/s", -most, most, most, leg, True
-                    ),
-                    rates[leg],
-                )
-                for leg in range(3)
-            ]
-        rows += self._of_actuators(theta_dot, "rate", self.bounds.actuator_rate, "/s")
-        return rows + self._of_spheres(at)
+                unit = self._unit(k)
+                rows.append((Quantity(f"{name} of leg {leg + 1}", unit, low, high, leg=leg), theta[leg, k]))
+        return rows
 
-    def _of_actuators(self, value: Any, what: str, most: float | None, unit: str) -> list[Any]:
+    def _of_redundant(self, rates: Any, low: float, high: float, scale: float) -> list[tuple[Quantity, Any]]:
+        """Rates of redundant coordinates, or their squares."""
+        unit = self.robot.signature("end_points").inputs[2].unit
+        return [
+            (
+                Quantity(f"redundant rate of leg {leg + 1}", f"{unit}/s", low, high, scale, leg, 1),
+                rates[leg],
+            )
+            for leg in range(3)
+        ]
+
+    def _of_swivels(self, rates: Any, low: float, high: float, scale: float) -> list[tuple[Quantity, Any]]:
+        """Rates of swivels, or their squares."""
+        return [
+            (Quantity(f"rate of the swivel of leg {leg + 1}", "rad/s", low, high, scale, leg, 1), rates[leg])
+            for leg in range(3)
+        ]
+
+    def _unit(self, actuator: int) -> str:
+        return "rad" if self.robot.angular[actuator] else "m"
+
+    def _of_actuators(
+        self, value: Any, what: str, most: float | None, unit: str, order: int = 1
+    ) -> list[Any]:
         if most is None:
             return []
         return [
             (
                 Quantity(
-                    f"{what} of {name}, leg {leg + 1}", f"rad{unit} or m{unit}", -most, most, most, leg, True
+                    f"{what} of {name}, leg {leg + 1}",
+                    f"{self._unit(k)}{unit}",
+                    -most,
+                    most,
+                    most,
+                    leg,
+                    order,
                 ),
                 value[leg, k],
             )
@@ -227,32 +364,57 @@ class PointFunctions:
             for k, name in enumerate(self.actuators)
         ]
 
-    def _of_spheres(self, at: tuple[Any, ...]) -> list[Any]:
+    def _of_passive(self, at: tuple[Any, ...]) -> list[tuple[Quantity, Any]]:
+        """Passive joints that the robot's file limits, and spherical ones."""
         import casadi as ca
 
+        limits = self.robot.limits
+        named = [name for name in limits.passive if name != PLATFORM_JOINT]
+        cones = self._cones()
+        if not named and not any(cones):
+            return []
+        function = self.robot.casadi.passive_joints
+        found = dict(zip(function.name_out(), function(*at), strict=True))
+        labels = {port.name: port.labels for port in self.robot.signature("passive_joints").outputs}
+        kinds = dict(self.robot.documentation["joint kinds"])
+        rows = []
+        for name in named:
+            port = "passive" if name in labels.get("passive", ()) else name
+            turns = kinds[name] == "revolute" if port == "passive" else True
+            for leg, interval in enumerate(limits.passive[name]):
+                value = found[port][leg, labels[port].index(name)] if port == "passive" else found[port][leg]
+                low, high = interval.low, interval.high
+                if turns and high - low >= 2 * np.pi:
+                    continue
+                if turns:  # the interval may reach beyond +-pi
+                    middle = (low + high) / 2
+                    value = middle + ca.atan2(ca.sin(value - middle), ca.cos(value - middle))
+                unit = "rad" if turns else "m"
+                rows.append((Quantity(f"{name} of leg {leg + 1}", unit, low, high, leg=leg), value))
+        for leg, of_leg in enumerate(cones):
+            for tilt, socket, stud in of_leg:
+                cosine = ca.dot(ca.DM(socket), found[f"spherical{leg + 1}"] @ ca.DM(stud))
+                what = f"cosine of the spherical joint's angle, leg {leg + 1}"
+                rows.append((Quantity(what, "1", float(np.cos(tilt)), leg=leg), cosine))
+        return rows
+
+    def _cones(self) -> list[list[tuple[float, Any, Any]]]:
+        """For each leg the limits of its spherical joint: tilt, socket, stud."""
         cones: list[list[tuple[float, Any, Any]]] = [[], [], []]
         if self.bounds.cone is not None:
             for cone in cones:
                 cone.append((self.bounds.cone, (1.0, 0.0, 0.0), (1.0, 0.0, 0.0)))
         for leg, limit in enumerate(self.robot.limits.spherical or ()):
             cones[leg].append((limit.tilt, limit.socket, limit.stud))
-        if not any(cones):
-            return []
-        passive = self.robot.casadi.passive_joints
-        found = dict(zip(passive.name_out(), passive(*at), strict=True))
-        rows = []
-        for leg, of_leg in enumerate(cones):
-            for tilt, socket, stud in of_leg:
-                cosine = ca.dot(ca.DM(socket), found[f"spherical{leg + 1}"] @ ca.DM(stud))
-                name = f"cosine of the spherical joint's angle, leg {leg + 1}"
-                rows.append((Quantity(name, "1", float(np.cos(tilt)), leg=leg), cosine))
-        return rows
+        return cones
 
-    def _of_pairs(self, points: Any, z: Any) -> list[Any]:
+    def _of_pairs(self, here: _Here, z: Any) -> list[Any]:
         """An exact and smooth form: a vector n of length one or less with n (x - y) above the distance."""
         import casadi as ca
 
-        least, rows = float(self.bounds.clearance or 0.0), []
+        if not self.pairs:
+            return []
+        points, rows = here.f.link_points(*here.at), []
         for index, pair in enumerate(self.pairs):
             start = self.own + 3 * index
             n = z[start : start + 3]
@@ -260,7 +422,7 @@ class PointFunctions:
             ends = [[link.end_of(points, end) for end in (0, 1)] for link in (pair.first, pair.second)]
             rows += [
                 (
-                    Quantity(f"distance of {pair.name}", "m", low=least, scale=0.1, of_pair=True),
+                    Quantity(f"distance of {pair.name}", "m", low=pair.least, scale=0.1, of_pair=True),
                     ca.dot(n, x - y),
                 )
                 for x in ends[0]

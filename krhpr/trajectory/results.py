@@ -37,6 +37,14 @@ UNITS = {
     "eta_3": "1",
 }
 """Arrays of a result and their units; the first axis is time."""
+OF_GRIP = {"opening": "m", "centre": "m"}
+"""Arrays that are there as well where the gripper keeps an opening: it, and the object's centre (n, 2) from
+O' in the platform's plane.
+"""
+OF_SWIVELS = {"swivel": "rad"}
+"""Arrays that are there as well where swivels of redundant sub-legs were chosen."""
+LATER = {"theta_acceleration": "rad/s^2 or m/s^2"}
+"""Arrays that the first files of this format did not have."""
 
 
 class ResultError(KrhprError, ValueError):
@@ -48,7 +56,7 @@ class Result:
     """A result out of a file."""
 
     arrays: dict[str, Floats]
-    """By name, with the units of `UNITS`."""
+    """By name, with the units that `about["units"]` has."""
     about: dict[str, Any]
     """Robot, path, method, objective, limits, integrals, whether all limits are met, violations, settings."""
 
@@ -75,8 +83,19 @@ def arrays_of(found: Trajectory) -> dict[str, Floats]:
         "redundant_rate": examined.redundant_rate,
         "theta": examined.theta,
         "theta_rate": examined.theta_rate,
+        "theta_acceleration": examined.theta_acceleration,
         **examined.indices,
+        **({} if examined.swivel is None else {"swivel": examined.swivel}),
+        **_of_grip(found),
     }
+
+
+def _of_grip(found: Trajectory) -> dict[str, Floats]:
+    """The opening that is kept, and where the object is."""
+    if (grip := found.bounds.grip) is None:
+        return {}
+    held = found.robot.opening(found.redundant, grip.jaws)
+    return {"opening": np.asarray(held.opening), "centre": np.asarray(held.centre)}
 
 
 def about(found: Trajectory) -> dict[str, Any]:
@@ -84,6 +103,10 @@ def about(found: Trajectory) -> dict[str, Any]:
     bounds = {name: value for name, value in vars(found.bounds).items() if value is not None}
     bounds["redundant"] = [side.tolist() for side in found.bounds.box()]
     bounds["factors"] = dict(found.bounds.factors)
+    if found.bounds.swivel is not None:
+        bounds["swivel"] = [np.broadcast_to(side, (3,)).tolist() for side in found.bounds.swivel]
+    if (grip := found.bounds.grip) is not None:
+        bounds["grip"] = {**asdict(grip), "jaws": np.broadcast_to(grip.jaws, 3).tolist()}
     return {
         "format": FORMAT,
         "krhpr": __version__,
@@ -99,12 +122,13 @@ def about(found: Trajectory) -> dict[str, Any]:
         "feasible": found.feasible,
         "violations": [asdict(one) for one in found.violations],
         "integrals": found.integrals,
+        "maxima": found.maxima,
         "objective_value": found.examined.objective,
         "seconds": found.seconds,
         "iterations": found.iterations,
         "rounds": found.rounds,
         "message": found.message,
-        "units": UNITS,
+        "units": {**UNITS, **LATER, **OF_SWIVELS, **OF_GRIP},
     }
 
 
@@ -132,7 +156,9 @@ def load_result(file: File | str) -> Result:
     try:
         with np.load(file, allow_pickle=False) as held:
             facts = json.loads(str(held["about"]))
-            found = {name: held[name] for name in UNITS if name in held.files}
+            found = {
+                name: held[name] for name in (*UNITS, *LATER, *OF_SWIVELS, *OF_GRIP) if name in held.files
+            }
     except (ValueError, KeyError, EOFError) as error:
         raise ResultError(f"{file}: no result of `krhpr optimise`: {error}") from None
     if facts.get("format") != FORMAT:
@@ -157,10 +183,19 @@ def csv_text(found: Trajectory) -> str:
     for leg in range(3):
         columns[f"redundant_{leg + 1} [{unit}]"] = examined.redundant[:, leg]
         columns[f"redundant_rate_{leg + 1} [{unit}/s]"] = examined.redundant_rate[:, leg]
+        if examined.swivel is not None:
+            columns[f"swivel_{leg + 1} [rad]"] = examined.swivel[:, leg]
     for k, (name, actuator_unit) in enumerate(_joints(found)):
-        columns[f"{name} [{actuator_unit}]"] = examined.theta.reshape(len(motion.times), -1)[:, k]
-        columns[f"{name}_rate [{actuator_unit}/s]"] = examined.theta_rate.reshape(len(motion.times), -1)[:, k]
+        for ending, per, values in (
+            ("", "", examined.theta),
+            ("_rate", "/s", examined.theta_rate),
+            ("_acceleration", "/s^2", examined.theta_acceleration),
+        ):
+            columns[f"{name}{ending} [{actuator_unit}{per}]"] = values.reshape(len(motion.times), -1)[:, k]
     columns |= {f"{name} [{UNITS[name]}]": values for name, values in examined.indices.items()}
+    if of_grip := _of_grip(found):
+        columns["opening [m]"] = of_grip["opening"]
+        columns |= {f"centre_{axis} [m]": of_grip["centre"][:, k] for k, axis in enumerate("xy")}
     lines = [f"# {line}" for line in found.report().splitlines()]
     lines.append(",".join(columns))
     lines += [",".join(f"{x:.12g}" for x in row) for row in np.column_stack(list(columns.values()))]
@@ -178,7 +213,7 @@ def ros_text(found: Trajectory) -> str:
         nanoseconds = round(float(times[k]) * 1e9)
         lines.append(f"- positions: {_list(examined.theta[k])}")
         lines.append(f"  velocities: {_list(examined.theta_rate[k])}")
-        lines.append("  accelerations: []")
+        lines.append(f"  accelerations: {_list(examined.theta_acceleration[k])}")
         lines.append("  effort: []")
         seconds, rest = divmod(nanoseconds, 10**9)
         lines.append(f"  time_from_start: {{sec: {seconds}, nanosec: {rest}}}")

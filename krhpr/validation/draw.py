@@ -91,10 +91,10 @@ class Draw:
 
     # -- arguments ---------------------------------------------------------------------------------
 
-    def geometry(self, *kinds: GeometryType) -> dict[str, list[Any]]:
-        """Lengths and angles for the three legs, all different."""
+    def geometry(self, *kinds: GeometryType, legs: int = LEGS) -> dict[str, list[Any]]:
+        """Lengths and angles for the legs, all different."""
         return {
-            field.name: [self.field(field.unit) for _ in range(LEGS)]
+            field.name: [self.field(field.unit) for _ in range(legs)]
             for kind in kinds
             for field in kind.fields
         }

@@ -24,7 +24,7 @@ import casadi
 import numpy as np
 
 from krhpr.codegen.composition import RobotFunction
-from krhpr.codegen.kernel import LEGS, Kernel, Port
+from krhpr.codegen.kernel import Kernel, Port
 from krhpr.codegen.phases import split
 from krhpr.codegen.targets.c_batch import goes_side_by_side
 from krhpr.validation import casadi_exact
@@ -69,7 +69,7 @@ def c_program(subject: Subject, arithmetic: Arithmetic, kind: str = "") -> CProg
 def c_geometry(subject: Subject, geometry: Fields, program: CProgram) -> Any:
     """The C structure, set by the printed `set_geometry`."""
     structure = program.new_struct(f"krhpr_{subject.identifier}_geometry")
-    fields = [geometry[name][leg] for leg in range(LEGS) for name in subject.fields]
+    fields = [geometry[name][leg] for leg in range(subject.code.legs) for name in subject.fields]
     status = program.call(f"krhpr_{subject.identifier}_set_geometry", structure, fields)
     if status != 0:
         raise WrongStatus(f"set_geometry returns {status}")
@@ -143,7 +143,8 @@ def numpy_module(subject: Subject, arithmetic: Arithmetic) -> ModuleType:
         sys.modules[name] = importlib.util.module_from_spec(spec)
         module = importlib.import_module(f"{name}.{subject.identifier}")
         stack = ExitStack()
-        involved = [module, module.rt, module.subleg, module.platform, module.algebra]
+        parts = [getattr(module, part) for part in subject.code.parts if hasattr(module, part)]
+        involved = [module, module.rt, *parts]
         stack.enter_context(exact_numpy(*involved, arithmetic=arithmetic))
         _modules[key] = module, stack
     return _modules[key][0]
@@ -157,9 +158,10 @@ def run_numpy(
     arguments = {
         port.name: _object_array(inputs[port.name], port.full_shape, arithmetic) for port in function.inputs
     }
-    fields = {name: _object_array(geometry[name], (LEGS,), arithmetic) for name in subject.fields}
+    legs = subject.code.legs
+    fields = {name: _object_array(geometry[name], (legs,), arithmetic) for name in subject.fields}
     default = module.DEFAULT_GEOMETRY
-    place = module.Geometry(fields, default.order, default.positive)
+    place = module.Geometry(fields, default.order, default.positive, legs)
     answer, status = getattr(module, function.name)(**arguments, geometry=place, status=True)
     _expect_ok(int(status), function)
     found = answer if len(function.outputs) > 1 else (answer,)
@@ -183,7 +185,7 @@ def casadi_function(subject: Subject, function: RobotFunction) -> casadi.Functio
     key = (subject.folder, subject.identifier, function.name)
     if key not in _functions:
         module = subject.casadi
-        geometry = casadi.SX.sym("geometry", LEGS * len(module.FIELDS))
+        geometry = casadi.SX.sym("geometry", subject.code.legs * len(module.FIELDS))
         _functions[key] = module.FUNCTIONS[function.name](geometry)
     return _functions[key]
 
@@ -194,7 +196,7 @@ def run_casadi(
     """A function of the CasADi text."""
     built = casadi_function(subject, function)
     arguments: list[Any] = [_rows(inputs[port.name], port) for port in function.inputs]
-    arguments.append([geometry[name][leg] for leg in range(LEGS) for name in subject.fields])
+    arguments.append([geometry[name][leg] for leg in range(subject.code.legs) for name in subject.fields])
     parts = subject.code.parts
     constants = _constants(subject, (parts[call.part].kernel(call.kernel) for call in function.calls))
     matrices = casadi_exact.evaluate(built, arguments, arithmetic, lambda value: constants.get(value, value))

@@ -86,7 +86,7 @@ class Subject:
                 prepare_geometry(
                     kind, {field.name: geometry[field.name][leg] for field in kind.fields}, arithmetic
                 )
-                for leg in range(LEGS)
+                for leg in range(self.code.legs)
             ]
             for part, kind in self.geometry_types.items()
         }

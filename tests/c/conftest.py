@@ -21,7 +21,9 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
             small, large = SOME, THOROUGH
         else:
             small, large = COVER, ROBOTS
-        metafunc.parametrize("robot", large if metafunc.config.getoption("--full") else small)
+        full = metafunc.config.getoption("--full")
+        robots = [pytest.param(robot, marks=pytest.mark.larger) for robot in large] if full else small
+        metafunc.parametrize("robot", robots)
 
 
 @pytest.fixture(params=COMPILERS)

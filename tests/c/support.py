@@ -18,7 +18,7 @@ from tests.support import cover, need
 
 HERE = Path(__file__).parent
 SOURCES = c_sources()
-ROBOTS: tuple[str, ...] = krhpr.generated.ROBOTS
+ROBOTS: tuple[str, ...] = (*krhpr.generated.ROBOTS, *krhpr.generated.GRASPING)
 COMPILERS = ("gcc", "clang")
 KINDS = ("", "_batch")
 """A robot's sources: functions of one pose, and batches."""

@@ -30,6 +30,12 @@ FEWER = f"""
 SUBLEGS = tuple(pair for pair in SUBLEGS if f"{{pair[0].space}}_{{pair[0].name}}" in {SUBLEGS})
 """
 
+WITHOUT_JAWS = """
+
+def grasping():
+    return ()
+"""
+
 # an editable installation would fill in what the copy lacks
 MAIN = """
 import sys
@@ -54,6 +60,8 @@ class Site:
         package = unpack_package(folder / "site") / "krhpr"
         with (package / "derivations" / "catalogue.py").open("a") as catalogue:
             catalogue.write(FEWER)
+        with (package / "derivations" / "grasping" / "catalogue.py").open("a") as catalogue:
+            catalogue.write(WITHOUT_JAWS)
         self.generated = package / "generated"
         shutil.rmtree(self.generated)
         output.write(few_files(), self.generated)

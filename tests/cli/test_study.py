@@ -7,6 +7,7 @@ from pathlib import Path
 
 from krhpr.study.forward_accuracy import APPROACHES, CONFIGURATIONS
 from tests.cli.support import Cli
+from tests.support import ROOT
 
 
 def test_the_command(cli: Cli, tmp_path: Path) -> None:
@@ -35,3 +36,41 @@ def test_the_workspace(cli: Cli, tmp_path: Path) -> None:
     assert refused.code == 2 and "--coarser is 7; it must be a divisor of 360" in refused.err
     planar = cli("study", "workspace", "--robot", "planar_rr_a", "--out", str(tmp_path))
     assert planar.code == 2 and "spatial robots" in planar.err
+
+
+def test_grasping(cli: Cli, tmp_path: Path) -> None:
+    example = str(ROOT / "examples" / "grasping_prototype.yaml")
+    done = cli("study", "grasp", "--file", example, "--out", str(tmp_path))
+    assert done.code == 0 and done.out.count("holds: ") == 2
+    assert "0.8061 to 2.2605               0.3508" in done.out and "k = 21.15 N/rad" in done.out
+    table = json.loads((tmp_path / "grasp.json").read_text("utf-8"))
+    assert [len(row["torques_Nm"]) for row in table["trajectories"]] == [401] * 6
+    assert (tmp_path / "grasp.png").stat().st_size > 10_000
+    assert cli("study", "grasp", "--out", str(tmp_path)).out == done.out
+    refused = cli("study", "forward-accuracy", "--file", example)
+    assert refused.code == 2 and "--file belongs to grasp; forward-accuracy has no such option" in refused.err
+    slippery = tmp_path / "slippery.yaml"
+    slippery.write_text(Path(example).read_text("utf-8").replace("friction: 0.5", "friction: 0.01"), "utf-8")
+    done = cli("study", "grasp", "--file", str(slippery), "--out", str(tmp_path))
+    assert done.code == 3 and "DOES NOT HOLD: every pose" in done.out and "not held: (5.73)" in done.out
+    slippery.write_text("robot: arm\n", "utf-8")
+    done = cli("study", "grasp", "--file", str(slippery), "--out", str(tmp_path))
+    assert done.code == 2 and "missing: geometry" in done.err
+
+
+def test_the_dexterity_study(cli: Cli, tmp_path: Path) -> None:
+    done = cli("study", "dexterity", "--out", str(tmp_path))
+    assert done.code == 0 and done.out.count("holds: ") == 4 and "59.96" in done.out
+    facts = json.loads((tmp_path / "dexterity.json").read_text("utf-8"))
+    assert len(facts["position"]) == 721 and round(max(map(max, facts["range"])), 4) == 1.0466
+    assert (tmp_path / "dexterity_ranges.png").stat().st_size > 10_000
+    refused = cli("study", "dexterity", "--seed", "1")
+    assert refused.code == 2 and "--seed belongs to forward-accuracy" in refused.err
+
+
+def test_the_trajectory_study(cli: Cli, tmp_path: Path) -> None:
+    done = cli("study", "trajectory", "--out", str(tmp_path))
+    assert done.code == 0 and done.out.count("holds: ") == 7
+    facts = json.loads((tmp_path / "trajectory.json").read_text("utf-8"))
+    assert len(facts["compared"]) == 20 and len(facts["filtered"]["method one"]) == 301
+    assert (tmp_path / "redundancy_best.png").exists()

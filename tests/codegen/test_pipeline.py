@@ -8,7 +8,7 @@ import pytest
 
 from krhpr.codegen.build import Parts
 from krhpr.codegen.output import MARK, compare
-from krhpr.codegen.pipeline import TARGETS, Derived, derive, print_all
+from krhpr.codegen.pipeline import TARGETS, Derived, all_entries, derive, print_all
 from krhpr.codegen.report import SCHEMA_FILE
 from krhpr.codegen.targets.base import File
 from krhpr.derivations.catalogue import catalogue
@@ -18,7 +18,7 @@ GENERATE = """
 import sys
 from pathlib import Path
 from krhpr.codegen.output import write
-from krhpr.codegen.pipeline import derive, print_all
+from krhpr.codegen.pipeline import all_entries, derive, print_all
 
 write(print_all(derive()), Path(sys.argv[1]))
 """
@@ -73,7 +73,7 @@ def test_parts_are_derived_once_and_shared(derived: Derived) -> None:
 
 
 def test_every_robot_has_its_seconds(derived: Derived) -> None:
-    assert list(derived.seconds) == [entry.identifier for entry in catalogue()]
+    assert list(derived.seconds) == [entry.identifier for entry in all_entries()]
     assert all(seconds > 0 for seconds in derived.seconds.values())
 
 

@@ -94,7 +94,8 @@ def in_reach(part: Part, kernel: Kernel) -> tuple[dict[str, list[Any]] | None, d
     """A geometry and inputs for which the kernel has real values."""
     for seed in range(2000):
         geometry = geometry_of(part, seed)
-        at = {port.name: numbers(port.size, seed + number) for number, port in enumerate(kernel.inputs)}
+        # none of the geometry's numbers: points on one another have no distance that changes
+        at = {port.name: numbers(port.size, seed + number) for number, port in enumerate(kernel.inputs, 1)}
         for name in BRANCHES:
             if name in at:
                 at[name] = [mp.mpf(1)] * len(at[name])

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from krhpr.study.files import save_figures
 from krhpr.study.forward_accuracy import (
     APPROACHES,
     CONFIGURATIONS,
@@ -20,7 +21,7 @@ from krhpr.study.forward_accuracy import (
     Spread,
     forward_accuracy,
 )
-from krhpr.study.histograms import histograms, save_pictures
+from krhpr.study.histograms import accuracy_figures, histograms
 from krhpr.study.trajectory import trajectory
 
 
@@ -72,7 +73,7 @@ def test_histograms_count_every_configuration(tmp_path: Path) -> None:
     for one in histograms(found):
         assert (one.counts.sum(axis=1) == CONFIGURATIONS).all()
         assert len(one.ranges) == one.counts.shape[1]
-    first, second = save_pictures(found, tmp_path / "a"), save_pictures(found, tmp_path / "b")
+    first, second = (save_figures(accuracy_figures(found), tmp_path / name) for name in ("a", "b"))
     assert len(first) == 4
     for one, other in zip(first, second, strict=True):
         assert one.read_bytes() == other.read_bytes()  # a function of the seed alone

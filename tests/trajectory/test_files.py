@@ -15,7 +15,7 @@ from krhpr import trajectory
 from krhpr.trajectory import Method, PathError, ResultError
 from krhpr.trajectory.files import read_request
 from krhpr.trajectory.plot import save_plot
-from krhpr.trajectory.results import UNITS
+from krhpr.trajectory.results import LATER, UNITS
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -111,7 +111,7 @@ def test_results_come_back(tmp_path: Path) -> None:
     paths = trajectory.save(found, tmp_path / "one" / "best")
     assert [path.name for path in paths] == ["best.npz", "best.csv", "best_joints.yaml"]
     again = trajectory.load_result(paths[0])
-    assert set(again.arrays) == set(UNITS) and not again.feasible
+    assert set(again.arrays) == {*UNITS, *LATER} and not again.feasible
     np.testing.assert_array_equal(again.arrays["theta"], found.theta)
     np.testing.assert_array_equal(again.arrays["eta_1"], found.examined.indices["eta_1"])
     assert again.violations == found.violations
@@ -141,6 +141,9 @@ def test_the_ros_layout(tmp_path: Path) -> None:
     point = message["points"][3]
     np.testing.assert_allclose(point["positions"], found.theta[30].ravel(), atol=1e-11)
     np.testing.assert_allclose(point["velocities"], found.examined.theta_rate[30].ravel(), atol=1e-11)
+    np.testing.assert_allclose(
+        point["accelerations"], found.examined.theta_acceleration[30].ravel(), atol=1e-11
+    )
     assert point["time_from_start"] == {"sec": 0, "nanosec": 900_000_000}
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from krhpr.codegen.bake import baked_geometry
 from krhpr.codegen.composition import STATUS_DOC, RobotCode, Status
-from krhpr.codegen.kernel import LEGS
+from krhpr.codegen.kernel import PLACES
 from krhpr.codegen.part import Part
 from krhpr.codegen.targets.base import File, render
 from krhpr.codegen.targets.c_batch import PARAMETERS, SOA_PARAMETERS, batch_view, goes_side_by_side
@@ -76,7 +76,8 @@ class CTarget:
             "positive": positive_fields(robot),
             "default_geometry": default_rows(robot),
             "prototypes": [prototype(robot, function) for function in robot.functions],
-            "legs": LEGS,
+            "legs": robot.legs,
+            "spare": range(PLACES - robot.legs, 0, -1),
             "geometry": [] if robot.baked else [f"const krhpr_{robot.identifier}_geometry *g"],
             "baked": baked_geometry(robot, "geometry") if robot.baked else "",
             "limits": limits_view(robot.limits) if robot.limits else None,

@@ -11,7 +11,6 @@ from collections.abc import Iterable
 
 from krhpr.codegen.bake import baked_geometry
 from krhpr.codegen.composition import RobotCode, RobotFunction
-from krhpr.codegen.kernel import LEGS
 from krhpr.codegen.part import Part
 from krhpr.codegen.tangent import BRANCHES, TangentFunction, tangent_function
 from krhpr.codegen.targets.base import File, render
@@ -48,7 +47,7 @@ class CasadiShimTarget:
             functions=[printer.view() for printer in printers],
             patterns=patterns.declarations(),
             geometry=baked_geometry(robot, "geometry"),
-            legs=LEGS,
+            legs=robot.legs,
         )
         yield File(f"c/casadi/krhpr_{robot.identifier}_casadi.c", text)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from krhpr.codegen.composition import OPTIONAL_INPUTS, RobotCode, RobotFunction
-from krhpr.codegen.kernel import LEGS, Port
+from krhpr.codegen.kernel import Port
 
 
 def default(port: Port) -> str:
@@ -16,10 +16,10 @@ def default(port: Port) -> str:
 def default_constants(robot: RobotCode, functions: Iterable[RobotFunction]) -> dict[str, tuple[float, ...]]:
     """The constants that these functions need, by name."""
     values = {
-        "mode_default": LEGS * robot.default_mode,
-        "assembly_default": LEGS * robot.default_assembly,
+        "mode_default": robot.legs * robot.default_mode,
+        "assembly_default": robot.legs * robot.default_assembly,
         "box_default": tuple(limit for box in robot.default_box for limit in box),
-        "swivel_default": LEGS * (0.0,),
+        "swivel_default": robot.legs * (0.0,),
     }
     needed = {default(port) for function in functions for port in function.inputs}
     return {name: numbers for name, numbers in values.items() if name in needed}

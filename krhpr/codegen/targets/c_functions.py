@@ -21,7 +21,7 @@ from krhpr.codegen.composition import (
     Variable,
     variables,
 )
-from krhpr.codegen.kernel import LEGS, Kernel, Layout, Port
+from krhpr.codegen.kernel import Kernel, Layout, Port
 from krhpr.codegen.part import Part
 from krhpr.codegen.phases import Phases
 from krhpr.codegen.printers.c import print_kernel
@@ -47,7 +47,7 @@ class FunctionView:
     finite: tuple[tuple[str, int], ...]
     fills: tuple[tuple[str, int], ...]
     whole_fills: tuple[tuple[str, int], ...]
-    """Outputs that are NaN as a whole where a guard fails."""
+    """Outputs that are NaN as a whole where any guard fails; what some guards leave is in their own fills."""
     empties: tuple[str, ...]
     zeros: tuple[tuple[str, int], ...]
     shared_locals: tuple[str, ...]
@@ -142,6 +142,10 @@ def function_view(robot: RobotCode, function: RobotFunction, writing: Writing = 
         if variable.kind == "local" and variable.name not in of_roots
     }
     leg_guards = [guard for guard in function.guards if known[guard.variable].per_leg]
+    # a leg's guard has seen to the legs' parts
+    shared = [port for port in function.outputs if not port.per_leg or len(leg_guards) < len(function.guards)]
+    whole = [port for port in shared if all(port in guard.spoilt([port]) for guard in function.guards)]
+    partly = [port for port in shared if port not in whole]
     return FunctionView(
         name=function.name,
         symbol=f"krhpr_{robot.identifier}_{function.name}",
@@ -154,16 +158,11 @@ def function_view(robot: RobotCode, function: RobotFunction, writing: Writing = 
         optional=tuple((port.name, default(port)) for port in function.inputs if default(port)),
         finite=tuple((_address(port, writing), port.full_size) for port in function.inputs),
         fills=tuple((port.name, port.full_size) for port in function.outputs),
-        whole_fills=tuple(
-            (port.name, port.full_size)
-            for port in function.outputs
-            # a leg's guard has seen to the legs' parts
-            if not port.per_leg or len(leg_guards) < len(function.guards)
-        ),
+        whole_fills=tuple((port.name, port.full_size) for port in whole),
         empties=tuple(dict.fromkeys(name for guard in function.guards for name in guard.empties)),
         zeros=tuple((port.name, port.full_size) for port in diagonal),
         shared_locals=tuple(
-            _local(variable, writing, legs=variable.per_leg)
+            _local(variable, writing, robot.legs if variable.per_leg else 0)
             for variable in made.values()
             if not variable.per_leg or variable.name in outside
         ),
@@ -171,7 +170,7 @@ def function_view(robot: RobotCode, function: RobotFunction, writing: Writing = 
         if legs
         else tuple(
             [
-                _local(variable, writing, legs=False)
+                _local(variable, writing, 0)
                 for variable in made.values()
                 if variable.per_leg and variable.name not in outside
             ]
@@ -191,9 +190,9 @@ def function_view(robot: RobotCode, function: RobotFunction, writing: Writing = 
         tail_stores=tuple(plan.tail_stores),
         platform_tail_stores=tuple(plan.platform_tail_stores),
         platform_calls=tuple(plan.platform_calls),
-        leg_guards=tuple(_leg_guard(guard, function, writing) for guard in leg_guards),
+        leg_guards=tuple(_leg_guard(guard, function, writing, partly) for guard in leg_guards),
         platform_guards=tuple(
-            _platform_guard(guard, function, writing) for guard in function.guards if guard not in leg_guards
+            _platform_guard(guard, writing, partly) for guard in function.guards if guard not in leg_guards
         ),
         legs=legs,
         in_sizes=tuple(port.full_size for port in function.inputs),
@@ -334,7 +333,7 @@ class _Plan:
         places, first = [], 0
         for name in pairs.places:
             variable = self.known[name]
-            size = variable.port.size * (LEGS if variable.per_leg else 1)
+            size = variable.port.size * (self.robot.legs if variable.per_leg else 1)
             places.append((name, first, size))
             first += size
         kernel = part.kernel(call.kernel)
@@ -399,7 +398,7 @@ class _Plan:
             self._offsets[key] = " + ".join(
                 term for term in (first, f"{count} * i" if per_leg else "") if term
             )
-            self.angle_count += count * (LEGS if per_leg else 1)
+            self.angle_count += count * (self.robot.legs if per_leg else 1)
             target = self.leg_angle_calls if per_leg else self.shared_angle_calls
             target.append(self._text(call, part, kernel, {"angle": self._offset("angle", key)}))
         return {name: self._offset(name, key) for name in ("sine", "cosine")}
@@ -435,7 +434,7 @@ class _Plan:
                 scalar = not per_leg and not variable.port.shape
                 target = f"*{variable.name}" if scalar else f"{variable.name}[{place}]"
                 stores.append((target, f"tail[{where} + {slot}]" if where else f"tail[{slot}]"))
-        self.tail_count += phases.tail_size * (LEGS if per_leg else 1)
+        self.tail_count += phases.tail_size * (self.robot.legs if per_leg else 1)
         return {name: f"{name} + {where}" if where else name for name in ("tail_y", "tail_x")}
 
     def _text(
@@ -474,8 +473,8 @@ def _address(port: Port, writing: Writing) -> str:
     return port.name if port.full_shape or writing is LANES else f"&{port.name}"
 
 
-def _local(variable: Variable, writing: Writing, *, legs: bool) -> str:
-    size = prod(variable.port.shape) * (LEGS if legs else 1)
+def _local(variable: Variable, writing: Writing, legs: int) -> str:
+    size = prod(variable.port.shape) * (legs or 1)
     array = f"[{size}]" if legs or variable.port.shape else ""
     return f"{writing.real} {variable.name}{array};"
 
@@ -486,10 +485,10 @@ def _holds(guard: Guard, value: str, writing: Writing) -> str:
     return compare(value, writing.all(repr(guard.limit)))
 
 
-def _leg_guard(guard: Guard, function: RobotFunction, writing: Writing) -> GuardView:
+def _leg_guard(guard: Guard, function: RobotFunction, writing: Writing, partly: list[Port]) -> GuardView:
     """A leg's guard: where it fails, that leg's part of every leg-wise output is NaN."""
     leg_named = guard.status in LEG_STATUSES
-    fills: list[tuple[str, int]] = []
+    fills = [(port.name, port.full_size) for port in guard.spoilt(partly) if not port.per_leg]
     for port in guard.spoilt(port for port in function.outputs if port.per_leg):
         if port.layout is Layout.DIAGONAL:
             rows, columns = port.shape
@@ -507,9 +506,9 @@ def _leg_guard(guard: Guard, function: RobotFunction, writing: Writing) -> Guard
     )
 
 
-def _platform_guard(guard: Guard, function: RobotFunction, writing: Writing) -> GuardView:
-    """A guard of the whole platform: where it fails, every output is NaN."""
-    fills = tuple((port.name, port.full_size) for port in guard.spoilt(function.outputs))
+def _platform_guard(guard: Guard, writing: Writing, partly: list[Port]) -> GuardView:
+    """A guard of the whole platform: where it fails, it spoils these outputs beside those that all spoil."""
+    fills = tuple((port.name, port.full_size) for port in guard.spoilt(partly))
     return GuardView(
         _holds(guard, f"{guard.variable}[{guard.index}]", writing), f"KRHPR_{guard.status.name}", fills
     )

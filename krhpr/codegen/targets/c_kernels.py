@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from krhpr.codegen.composition import RobotCode
-from krhpr.codegen.kernel import GEOMETRY_PREFIX, LEGS, GeometryType, Kernel, Port
+from krhpr.codegen.kernel import GEOMETRY_PREFIX, GeometryType, Kernel, Port
 from krhpr.codegen.part import Part
 from krhpr.codegen.printers.c import input_text, lane_text, print_kernel, print_lanes
 from krhpr.codegen.printers.infix import Body, Line, Pair
@@ -145,7 +145,7 @@ def field_names(part: Part) -> list[str]:
 
 def field_count(robot: RobotCode) -> int:
     """Number of fields of all legs."""
-    return LEGS * (len(field_names(robot.subleg)) + len(field_names(robot.platform)))
+    return robot.legs * (len(field_names(robot.subleg)) + len(field_names(robot.platform)))
 
 
 def positive_fields(robot: RobotCode) -> list[str]:
@@ -160,4 +160,4 @@ def positive_fields(robot: RobotCode) -> list[str]:
 def default_rows(robot: RobotCode) -> list[str]:
     """Default fields, a row for each leg."""
     names = [*field_names(robot.subleg), *field_names(robot.platform)]
-    return [", ".join(repr(robot.default_geometry[name][leg]) for name in names) for leg in range(LEGS)]
+    return [", ".join(repr(robot.default_geometry[name][leg]) for name in names) for leg in range(robot.legs)]

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from math import prod
 
 from krhpr.codegen.composition import Call, RobotCode, RobotFunction, Stage, Variable
-from krhpr.codegen.kernel import Kernel, Layout
+from krhpr.codegen.kernel import LEGS, Kernel, Layout
 from krhpr.codegen.part import Part
 from krhpr.codegen.printers.c import print_lanes
 from krhpr.codegen.targets.base import broken
@@ -37,9 +37,15 @@ class LegsView:
 def legs_view(
     robot: RobotCode, function: RobotFunction, known: Mapping[str, Variable], outside: set[str]
 ) -> LegsView | None:
-    """The legs side by side; None where there is no such stage, or one with a procedure in it."""
+    """The legs side by side; None where there is no such stage, or one with a procedure in it, or where the
+    robot has not the three legs for which there are lanes.
+    """
     calls = function.stage(Stage.LEG)
-    if not calls or any(call.repeat is not None or call.each is not None for call in calls):
+    if (
+        robot.legs != LEGS
+        or not calls
+        or any(call.repeat is not None or call.each is not None for call in calls)
+    ):
         return None
     return _Legs(robot, function, known, outside).view()
 

@@ -12,7 +12,7 @@ from math import prod
 
 from krhpr.codegen.composition import Call, RobotCode, RobotFunction, Stage, Variable, variables
 from krhpr.codegen.graph import InputRef
-from krhpr.codegen.kernel import GEOMETRY_PREFIX, LEGS, Kernel, Port
+from krhpr.codegen.kernel import GEOMETRY_PREFIX, Kernel, Port
 from krhpr.codegen.part import Part
 from krhpr.codegen.printers.c import FUNCTIONS, RESERVED, constant, input_text
 from krhpr.codegen.printers.infix import Dialect, Line, Pair, print_body
@@ -122,13 +122,12 @@ class TwinFunction:
             for port in ports:
                 if port.name in self.used and port.name not in BRANCHES:
                     lines.append(f"{qualifier}krhpr_dual *const {port.name} = {_part(array, first)};")
-                first += port.size * (LEGS if port.per_leg else 1)
+                first += port.size * (port.legs if port.per_leg else 1)
         for name in self.used:
             variable = self.known[name]
             if variable.kind == "local" and name not in self.in_loop:
-                lines.append(
-                    f"krhpr_dual {name}[{prod(variable.port.shape) * (LEGS if variable.per_leg else 1)}];"
-                )
+                times = self.function.legs if variable.per_leg else 1
+                lines.append(f"krhpr_dual {name}[{prod(variable.port.shape) * times}];")
         return lines
 
     @property

@@ -7,7 +7,6 @@ from typing import Any
 
 from krhpr.codegen.bake import baked_values, scalars
 from krhpr.codegen.composition import Call, RobotCode, RobotFunction, Stage, Variable, variables
-from krhpr.codegen.kernel import LEGS
 from krhpr.codegen.part import Part
 from krhpr.codegen.printers.python import CASADI
 from krhpr.codegen.targets.base import File, broken, render
@@ -33,10 +32,12 @@ class CasadiTarget:
             "casadi/robot.py.j2",
             robot=robot,
             link_pairs=link_pairs(robot),
+            uses_algebra=any(call.part == "algebra" for f in robot.functions for call in f.calls),
             prepared=_prepared(robot) if robot.baked else {},
             functions=[_function(robot, function) for function in robot.functions if not function.procedure],
             default_geometry=[
-                ", ".join(repr(robot.default_geometry[name][leg]) for name in fields) for leg in range(LEGS)
+                ", ".join(repr(robot.default_geometry[name][leg]) for name in fields)
+                for leg in range(robot.legs)
             ],
         )
         yield File(f"casadi/{robot.identifier}.py", text)

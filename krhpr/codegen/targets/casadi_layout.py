@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from math import prod
 
-from krhpr.codegen.kernel import LEGS, Layout, Port
+from krhpr.codegen.kernel import Layout, Port
 
 
 class Patterns:
@@ -80,7 +80,7 @@ def slots(ports: Iterable[Port], patterns: Patterns) -> list[Slot]:
         shape = port.full_shape
         legs = shape[0] if len(shape) > 2 else 1
         rows, columns = (shape[1], prod(shape[2:])) if len(shape) > 2 else (*shape, 1, 1)[:2]
-        blocks = LEGS if port.layout is Layout.DIAGONAL else 1
+        blocks = port.legs if port.layout is Layout.DIAGONAL else 1
         for leg in range(legs):
             name = f"{port.name}{leg + 1}" if legs > 1 else port.name
             slot = Slot(name, port.name, rows, columns, blocks, leg * rows * columns)

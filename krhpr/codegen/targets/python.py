@@ -24,7 +24,7 @@ from krhpr.codegen.composition import (
     variables,
 )
 from krhpr.codegen.graph import InputRef, Op
-from krhpr.codegen.kernel import Kernel, Port
+from krhpr.codegen.kernel import LEGS, Kernel, Port
 from krhpr.codegen.part import Part
 from krhpr.codegen.printers.infix import Body, Line
 from krhpr.codegen.printers.python import NUMPY, component, print_kernel
@@ -54,6 +54,8 @@ class PythonTarget:
         text = render(
             "python/robot.py.j2",
             robot=robot,
+            usual=robot.legs == LEGS,
+            imports=_imports(robot),
             functions=functions,
             exported=sorted([*_constants(robot), "Geometry", "Status", *(f["name"] for f in functions)]),
             prepared=_prepared(robot) if robot.baked else {},
@@ -63,6 +65,13 @@ class PythonTarget:
             default_assembly=default_assembly,
         )
         yield File(f"python/{robot.identifier}.py", text)
+
+
+def _imports(robot: RobotCode) -> set[str]:
+    """Which of NumPy and the algebra a robot's module needs."""
+    algebra = any(call.part == "algebra" for function in robot.functions for call in function.calls)
+    numpy = robot.baked or any(not function.calls for function in robot.functions)
+    return {name for name, needed in (("algebra", algebra), ("numpy", numpy)) if needed}
 
 
 def _constants(robot: RobotCode) -> list[str]:
@@ -149,7 +158,9 @@ def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
     known = variables(function, robot.parts) if function.calls else {}
     read = function.read(robot.parts, guards=True)
     per_leg = {"mode": "MODES[DEFAULT_MODE]", "assembly": "ASSEMBLIES[DEFAULT_ASSEMBLY]", "swivel": "0.0"}
-    optional = {name: f"({value},) * 3" for name, value in per_leg.items()} | {"box": "DEFAULT_BOX"}
+    optional = {name: f"({value},) * {robot.legs}" for name, value in per_leg.items()} | {
+        "box": "DEFAULT_BOX"
+    }
     optional |= dict.fromkeys(SIGNS, "1.0")
     optional |= {name: repr(value[0] if len(value) == 1 else value) for name, value in NUMBERS.items()}
     present = [port.name for port in function.inputs if port.name in optional]
@@ -219,13 +230,13 @@ def python_port(port: Port) -> str:
 def _call(robot: RobotCode, call: Call, known: Mapping[str, Variable], read: set[str]) -> str:
     kernel = robot.parts[call.part].kernel(call.kernel)
     if call.pairs is not None:
-        return _of_pairs(call, call.pairs, kernel, known)
+        return _of_pairs(call, call.pairs, kernel, known, robot.legs)
     arguments = [f"g.{call.part}"] if kernel.geometry is not None else []
     for port in kernel.inputs:
         if call.each is not None and port.name == call.each.root:
             arguments.append("root")
         else:
-            arguments.append(_argument(known[call.variable_in(port.name)], call.stage))
+            arguments.append(_argument(known[call.variable_in(port.name)], call.stage, robot.legs))
     names = [call.variable_out(port.name) for port in kernel.outputs]
     names = [name if name in read else f"_{name}" for name in names]
     if call.each is not None:
@@ -248,10 +259,10 @@ def _iteration(call: Call, repeat: Repeat, kernel: Kernel, arguments: list[str],
     )
 
 
-def _of_pairs(call: Call, pairs: EachPair, kernel: Kernel, known: Mapping[str, Variable]) -> str:
+def _of_pairs(call: Call, pairs: EachPair, kernel: Kernel, known: Mapping[str, Variable], legs: int) -> str:
     """The kernel for every pair of links, by the runtime."""
     (port,) = kernel.outputs
-    points = " + ".join(_argument(known[name], Stage.PLATFORM) for name in pairs.places)
+    points = " + ".join(_argument(known[name], Stage.PLATFORM, legs) for name in pairs.places)
     return broken(
         f"{call.variable_out(port.name)} = rt.of_pairs",
         [f"{call.part}.{kernel.name}", points, "LINK_PAIRS", "arguments.batch"],
@@ -276,11 +287,11 @@ def _at_roots(call: Call, each: EachRoot, kernel: Kernel, arguments: list[str], 
     return broken(f"{', '.join(names)} = rt.only_root", [step, *rest], indent=8)
 
 
-def _argument(variable: Variable, stage: Stage) -> str:
+def _argument(variable: Variable, stage: Stage, legs: int) -> str:
     if variable.kind == "input":
         return f'arguments.{"leg" if stage is Stage.LEG else "whole"}("{variable.name}")'
     if stage is Stage.PLATFORM and variable.per_leg:
-        return f"rt.legs({variable.name})"
+        return f"rt.legs({variable.name})" if legs == LEGS else f"rt.legs({variable.name}, {legs})"
     return variable.name
 
 
