@@ -8,6 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -50,14 +51,14 @@ def measure(sides: Sequence[int] = SIDES) -> list[Row]:
 
     for side in sides:
         job = grid(np.linspace(-2.5, 0.8, side), workspace.directions(side), np.linspace(0, 2.5, side))
-        rows.append(_timed("grid of orientations", job.nodes, lambda job=job: workspace.run(job)))
+        rows.append(_timed("grid of orientations", job.nodes, partial(workspace.run, job)))
     degree = np.pi / 180
     whole = grid(
         degree * np.arange(TORSION[0], TORSION[1] + 1),
         workspace.directions(360),
         degree * np.arange(TILT[0], TILT[1] + 1),
     )
-    rows.append(_timed("whole grid, 1 degree", whole.nodes, lambda: workspace.run(whole)))
+    rows.append(_timed("whole grid, 1 degree", whole.nodes, partial(workspace.run, whole)))
     span = workspace.torsion(robot, redundancy=BETA)
     torsions = round(span.span / degree) + 1
     for tracing in ("bisect", "march"):
@@ -65,15 +66,15 @@ def measure(sides: Sequence[int] = SIDES) -> list[Row]:
             _timed(
                 f"largest tilts, 1 degree, {tracing}",
                 torsions * 360 * 181,
-                lambda how=tracing: workspace.orientational(robot, redundancy=BETA, tracing=how),
+                partial(workspace.orientational, robot, redundancy=BETA, tracing=tracing),
             )
         )
         rows.append(
             _timed(
                 f"layer z = 350 mm, 1 mm and 1 degree, {tracing}",
                 360 * 1001,
-                lambda how=tracing: workspace.translational(
-                    robot, [0.35], redundancy=BETA, farthest=1.0, tracing=how
+                partial(
+                    workspace.translational, robot, [0.35], redundancy=BETA, farthest=1.0, tracing=tracing
                 ),
             )
         )

@@ -152,7 +152,7 @@ def test_slopes_of_a_whole_robot() -> None:
     def value(x: Any) -> Any:
         parts = np.split(x, np.cumsum([len(part) for part in at])[:-1])
         shaped = [part if len(part) == 3 else part.reshape(3, 3) for part in parts]
-        return np.ravel(function(*shaped))
+        return function(*shaped).full().ravel()
 
     x = np.concatenate(at)
     assert value(x) == pytest.approx(robot.clearances(*(x if len(x) == 3 else x.reshape(3, 3) for x in at)))
