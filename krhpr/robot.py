@@ -346,7 +346,7 @@ class Robot(ForwardKinematics):
         self, p: ArrayLike, Q: ArrayLike, s: ArrayLike, theta: ArrayLike, **options: Unpack[Options]
     ) -> Any:
         """distances (..., pairs) between the axes of links that no joint joins, in the order of
-        `krhpr.trajectory.clearance.pairs(robot)`; spatial robots have it.
+        `krhpr.trajectory.clearance.pairs(robot)`; spatial robots have it, in CasADi too.
         """
         return self._answer("clearances", (p, Q, s, theta), options)
 

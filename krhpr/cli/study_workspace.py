@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 import krhpr
-from krhpr.cli.common import Column, Exit, Step, WrongUse, print_table, progress
+from krhpr.cli.common import Column, Step, WrongUse, print_table, progress
+from krhpr.cli.studying import tell, write
 from krhpr.study.workspace import PRINTED_SPAN, WorkspaceStudy, workspace_study
+from krhpr.study.workspace_pictures import workspace_figures
 
 TENTHS = 10
 """Progress is told so often for each map."""
@@ -31,13 +31,11 @@ def run(options: argparse.Namespace) -> int:
             cluster=_cluster(options.cluster),
             progress=_tenths(step),
         )
-    written = _write(found, options.out)
+    written = write(options.out, "workspace", _facts(found), lambda: workspace_figures(found))
     _print(found)
-    for claim in found.claims():
-        print(f"{'holds' if claim.holds else 'DOES NOT HOLD'}: {claim.text}")
-    for path in written:
-        print(path)
-    return Exit.OK if all(claim.holds for claim in found.claims()) else Exit.DIFFERENCE
+    code = tell(found.claims())
+    print(", ".join(map(str, written)))
+    return code
 
 
 def _cluster(given: str | None) -> str | int | None:
@@ -82,12 +80,9 @@ def _print(found: WorkspaceStudy) -> None:
     print(f"the thesis prints a torsion span of {PRINTED_SPAN:g} degrees, without the details of its bodies")
 
 
-def _write(found: WorkspaceStudy, folder: Path) -> list[Path]:
-    """The numbers, and pictures where they can be drawn."""
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / "workspace.json"
+def _facts(found: WorkspaceStudy) -> dict[str, object]:
     translations, orientations = found.volumes()
-    numbers = {
+    return {
         "settings": found.layers.job.settings(),
         "readings": [
             {
@@ -104,14 +99,6 @@ def _write(found: WorkspaceStudy, folder: Path) -> list[Path]:
         "layers_m": _rows(found.layers["boundary"]),
         "tilt_without_torsion": found.level["boundary"][0].tolist(),
     }
-    path.write_text(json.dumps(numbers, indent=1) + "\n", "utf-8")
-    try:
-        from krhpr.study.workspace_pictures import save_pictures
-
-        return [path, *save_pictures(found, folder)]
-    except ImportError:
-        print('no pictures: matplotlib is not installed (pip install "krhpr[plot]")')
-        return [path]
 
 
 def _rows(values: NDArray[np.float64]) -> list[list[float | None]]:

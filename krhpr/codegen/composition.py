@@ -304,10 +304,9 @@ class RobotFunction:
 
     @property
     def procedure(self) -> bool:
-        """Whether it loops or chooses: it is then no straight line of kernels, and has no CasADi form."""
-        return not self.calls or any(
-            call.repeat is not None or call.each is not None or call.pairs is not None for call in self.calls
-        )
+        """Whether it loops (but over a table) or chooses: it is then no straight line of kernels, and has no
+        CasADi form."""
+        return not self.calls or any(call.repeat is not None or call.each is not None for call in self.calls)
 
     @property
     def each(self) -> EachRoot | None:

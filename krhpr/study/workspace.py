@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 import krhpr
 from krhpr import workspace
 from krhpr.robot import Robot
+from krhpr.study.claims import Claim
 from krhpr.workspace import Measure, Redundancy, Torsion, Workspace, WorkspaceLimits
 
 Floats = NDArray[np.float64]
@@ -39,14 +40,6 @@ class Reading:
     best: float
     worst: float
     """The largest tilt in the best and in the worst direction, without torsion (rad)."""
-
-
-@dataclass(frozen=True)
-class Claim:
-    """What the thesis says of the workspace, and whether it came out."""
-
-    text: str
-    holds: bool
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -167,21 +166,9 @@ PICTURES: dict[str, Callable[[WorkspaceStudy], Any]] = {
 """By the names of their files."""
 
 
-def save_pictures(found: WorkspaceStudy, folder: Path) -> list[Path]:
-    """Write every picture to a folder; no date gets into it."""
-    import matplotlib
-
-    matplotlib.use("Agg")
+def workspace_figures(found: WorkspaceStudy) -> dict[str, Any]:
+    """Every figure by the name of its file."""
     from matplotlib import pyplot
 
-    folder.mkdir(parents=True, exist_ok=True)
-    paths = []
     with pyplot.rc_context(STYLE):
-        for name, picture in PICTURES.items():
-            figure, path = picture(found), folder / f"{name}.png"
-            try:
-                figure.savefig(path, dpi=150, metadata={"Software": None})
-            finally:
-                pyplot.close(figure)
-            paths.append(path)
-    return paths
+        return {name: picture(found) for name, picture in PICTURES.items()}

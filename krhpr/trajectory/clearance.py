@@ -27,7 +27,7 @@ class Segment:
     start: tuple[int, int]
     end: tuple[int, int]
     link: str = ""
-    """As `robot.limits.link_radii` names it; an edge of the platform has no name."""
+    """As `robot.limits.link_radii` names it."""
 
     def radius(self, robot: Robot) -> float:
         """Of the link as a cylinder, m; zero where none is given."""
@@ -86,7 +86,7 @@ def segments(robot: Robot) -> tuple[Segment, ...]:
     ]
     if robot.identifier.endswith("_a"):
         found += [
-            Segment(f"{PLATFORM} edge {i + 1}-{j + 1}", (i, -1), (j, -1))
+            Segment(f"{PLATFORM} edge {i + 1}-{j + 1}", (i, -1), (j, -1), PLATFORM)
             for i, j in combinations(range(3), 2)
         ]
     return tuple(found)

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import krhpr
+from krhpr.study.files import save_figures
 from krhpr.study.workspace import WorkspaceStudy, workspace_study
-from krhpr.study.workspace_pictures import PICTURES, save_pictures
+from krhpr.study.workspace_pictures import PICTURES, workspace_figures
 
 
 @cache
@@ -64,8 +65,8 @@ def test_maps_are_kept(tmp_path: Path) -> None:
 
 
 def test_pictures(tmp_path: Path) -> None:
-    paths = save_pictures(study(), tmp_path)
+    paths = save_figures(workspace_figures(study()), tmp_path)
     assert [path.stem for path in paths] == list(PICTURES)
     assert all(path.stat().st_size > 10_000 for path in paths)
-    again = save_pictures(study(), tmp_path / "again")
+    again = save_figures(workspace_figures(study()), tmp_path / "again")
     assert [path.read_bytes() for path in paths] == [path.read_bytes() for path in again]

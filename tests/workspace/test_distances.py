@@ -143,6 +143,32 @@ def test_slopes_are_those_of_the_distance() -> None:
         assert np.linalg.norm(there[:6].reshape(2, 3).sum(axis=0)) == pytest.approx(1, abs=1e-9)
 
 
+def test_slopes_of_a_whole_robot() -> None:
+    """Of all distances with respect to everything that they depend on, by central differences."""
+    robot = krhpr.load("spatial_rrr_a")
+    at = [np.ravel(x[0]) for x in poses(robot, 6, seed=11)]
+    function = robot.casadi.clearances
+
+    def value(x: Any) -> Any:
+        parts = np.split(x, np.cumsum([len(part) for part in at])[:-1])
+        shaped = [part if len(part) == 3 else part.reshape(3, 3) for part in parts]
+        return function(*shaped).full().ravel()
+
+    x = np.concatenate(at)
+    assert value(x) == pytest.approx(robot.clearances(*(x if len(x) == 3 else x.reshape(3, 3) for x in at)))
+    symbols = [ca.SX.sym(f"x{k}", *function.size_in(k)) for k in range(4)]
+    jacobian = ca.jacobian(function(*symbols), ca.vertcat(*(ca.vec(symbol.T) for symbol in symbols)))
+    slopes = np.array(
+        ca.Function("slopes", symbols, [ca.densify(jacobian)])(
+            *(part if len(part) == 3 else part.reshape(3, 3) for part in at)
+        )
+    )
+    h = 1e-6
+    differences = np.stack([(value(x + h * e) - value(x - h * e)) / (2 * h) for e in np.eye(len(x))], axis=1)
+    assert slopes == pytest.approx(differences, abs=1e-6)
+    assert (np.abs(slopes).max(axis=0) > 1e-3).any()
+
+
 def test_slopes_are_finite_where_links_touch() -> None:
     _, slope = casadi_distance()
     assert np.isfinite(np.array(slope([0, 0, 0, 1, 0, 0, 0.5, -1, 0, 0.5, 1, 0]))).all()

@@ -59,7 +59,7 @@ class PythonTarget:
             functions=functions,
             exported=sorted([*_constants(robot), "Geometry", "Status", *(f["name"] for f in functions)]),
             prepared=_prepared(robot) if robot.baked else {},
-            link_pairs=_link_pairs(robot),
+            link_pairs=link_pairs(robot),
             limits=python_limits(robot.limits) if robot.limits else "",
             default_mode=default_mode,
             default_assembly=default_assembly,
@@ -79,7 +79,7 @@ def _constants(robot: RobotCode) -> list[str]:
     return ["GEOMETRY" if robot.baked else "DEFAULT_GEOMETRY", *(["LIMITS"] if robot.limits else [])]
 
 
-def _link_pairs(robot: RobotCode) -> list[str]:
+def link_pairs(robot: RobotCode) -> list[str]:
     """The ends of every pair of links that a function is called for, in lines."""
     for function in robot.functions:
         for call in function.calls:
