@@ -11,7 +11,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks import every_robot, from_python, machine, pictures, report, scaling, summary
+from benchmarks import every_robot, from_python, machine, pictures, report, scaling, summary, workspaces
 from benchmarks.build import BuildError, Built, Tools, build_contender, build_library
 from benchmarks.contender import Contender, Manifest, Missing
 from benchmarks.measure import Bench, Row
@@ -19,7 +19,7 @@ from benchmarks.ours import c_contenders
 from benchmarks.peers import PEER_PYTHON, PEERS, ROOT, generate
 from benchmarks.workloads import WORKLOADS, Workload
 
-PARTS = ("c", "python", "scaling", "robots")
+PARTS = ("c", "python", "scaling", "robots", "workspaces")
 
 
 def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
@@ -132,11 +132,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     if "robots" in options.only:
         print("every robot", file=sys.stderr)
         robots = every_robot.measure(options.out / "objects", tools, options.robot_rounds)
+    maps = []
+    if "workspaces" in options.only:
+        print("workspaces", file=sys.stderr)
+        maps = workspaces.measure()
     rows: list[Row | from_python.PythonRow] = [row for result in results for row in result.rows]
     rows += [row for result in python for row in result.rows]
     spreads = [series.spread for row in rows for series in row.series.values()]
     warnings = machine.noise_warnings(load, facts["virtual machine"] == "yes", max(spreads, default=0.0))
     sections = [*map(report.c_section, results), *map(report.python_section, python)]
+    sections += [workspaces.section(maps)] if maps else []
     text = report.document(facts, versions | manifest.versions, warnings, sections)
     print(text)
     (options.out / "results.md").write_text(text)
@@ -147,6 +152,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         "rows": report.as_json(results, python),
         "scaling": [point.as_json() for point in points],
         "every robot": [row.as_json() for row in robots],
+        "workspaces": [row.as_json() for row in maps],
     }
     (options.out / "results.json").write_text(json.dumps(data, indent=1, ensure_ascii=False) + "\n")
     if options.pictures is not None:

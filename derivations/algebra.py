@@ -17,11 +17,11 @@ from krhpr.derivations.vectors import cross2, determinant3, dot
 def kernels(space: Space) -> tuple[Kernel, ...]:
     """The kernels of one space."""
     common = (_rate(space), _rate_with_bias(space), _sum(space), _difference(space))
-    own = _rotation() if space is Space.PLANAR else _rotation_error()
+    own = (_rotation(),) if space is Space.PLANAR else (_rotation_error(), _segment_distance())
     return (
         *common,
         _wrist(space),
-        own,
+        *own,
         _spread(space),
         _spread_bound(space),
         _norms(space),
@@ -85,6 +85,49 @@ def _rotation_error() -> Kernel:
     worst = k.maximum(*(k.absolute(product) for product in products))
     k.output("error", k.maximum(worst, 1 - determinant3(Q)))
     return k.kernel()
+
+
+NO_LENGTH = sp.Rational(1, 10**150)
+"""Beside the square of a length nothing, in any unit."""
+
+PARALLEL = sp.Rational(1, 10**15)
+"""Sine squared below which links count as parallel: the numbers that tell more are rounding."""
+
+
+def _segment_distance() -> Kernel:
+    """The nearest points of two segments: of the lines, then held to one segment and to the other.
+
+    The square is convex in (x, y) and two steps, each exact, end at its least value over the unit square.
+    Of parallel segments any point of the first will do to begin with.
+    """
+    k = KernelWriter("segment_distance", "Shortest distance between two straight segments.", "1.7.1")
+    names = ("a_0", "a_1", "b_0", "b_1")
+    docs = ("start of the first", "its end", "start of the second", "its end")
+    a_0, a_1, b_0, b_1 = (
+        k.add_input(Port(name, (3,), Unit.METRE, Frame.BASE, doc))
+        for name, doc in zip(names, docs, strict=True)
+    )
+    u, v, w = k.let("u", a_1 - a_0), k.let("v", b_1 - b_0), k.let("w", a_0 - b_0)
+    uu, vv, uv = (
+        k.let("uu", dot(u, u) + NO_LENGTH),
+        k.let("vv", dot(v, v) + NO_LENGTH),
+        k.let("uv", dot(u, v)),
+    )
+    uw, vw = k.let("uw", dot(u, w)), k.let("vw", dot(v, w))
+    both = k.let("both", uu * vv)
+    area = k.maximum(both - uv**2, PARALLEL * both)
+    first = k.let("x", _held(k, (uv * vw - vv * uw) / area), "on the first, nearest to the second's line")
+    y = k.let("y", _held(k, (uv * first + vw) / vv), "on the second, nearest to that")
+    x = k.let("x_2", _held(k, (uv * y - uw) / uu), "on the first, nearest to that")
+    gap = k.let("gap", w + x * u - y * v)
+    # links in one plane that cross have no distance; what is added keeps slopes finite
+    k.output("distance", sp.sqrt(dot(gap, gap) + NO_LENGTH), Unit.METRE, doc="between the nearest points")
+    return k.kernel()
+
+
+def _held(k: KernelWriter, value: Any) -> Any:
+    """Held between 0 and 1."""
+    return k.minimum(k.maximum(value, sp.Integer(0)), sp.Integer(1))
 
 
 def _rotation() -> Kernel:

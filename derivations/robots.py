@@ -23,6 +23,7 @@ from krhpr.derivations.platforms.base import Platform
 from krhpr.derivations.robot_forward import ForwardFunctions
 from krhpr.derivations.robot_gripper import GripperFunctions
 from krhpr.derivations.robot_indices import IndexFunctions
+from krhpr.derivations.robot_links import LinkFunctions
 from krhpr.derivations.robot_statics import StaticsFunctions
 from krhpr.derivations.sublegs.base import SubLeg
 from krhpr.derivations.terms import Space
@@ -63,7 +64,7 @@ class Robot:
         return tuple(_Functions(self).all())
 
 
-class _Functions(ForwardFunctions, StaticsFunctions, GripperFunctions, IndexFunctions):
+class _Functions(ForwardFunctions, StaticsFunctions, GripperFunctions, IndexFunctions, LinkFunctions):
     """Every function of one robot."""
 
     def all(self) -> Iterable[RobotFunction]:
@@ -101,6 +102,8 @@ class _Functions(ForwardFunctions, StaticsFunctions, GripperFunctions, IndexFunc
             yield self._grasp()
         yield self._passive_joints()
         yield self._link_points()
+        if not self.planar:
+            yield self._clearances()
         yield self._singularity()
         yield self._type_2_of_redundant()
         yield self._indices()

@@ -102,6 +102,13 @@ class Link:
     kind: LinkKind
     start: str
     end: str
+    between: tuple[str, ...] = ()
+    """Other joints that lie on it."""
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """All joints on it, its ends first."""
+        return (self.start, self.end, *self.between)
 
 
 @dataclass(frozen=True)

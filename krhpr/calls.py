@@ -197,6 +197,14 @@ class Calls:
         return self._module.LINKS  # type: ignore[no-any-return]
 
     @property
+    def link_pairs(self) -> tuple[tuple[int, int, int, int], ...]:
+        """The ends of every two links that no joint joins, in the order of `clearances`: points by number,
+        those of `link_points` leg by leg, then where redundant links meet the platform; empty for planar
+        robots.
+        """
+        return getattr(self._module, "LINK_PAIRS", ())
+
+    @property
     def redundant_link(self) -> str:
         """The field with the length of the redundant link from S_i to its attachment; empty where they
         coincide.

@@ -93,5 +93,9 @@ class TrajectoryError(KrhprError, ValueError):
     """A path, an objective or limits of a trajectory that cannot be used."""
 
 
+class WorkspaceError(KrhprError, ValueError):
+    """A workspace that cannot be computed as asked: what is wrong, what is expected."""
+
+
 class PluginError(KrhprError, ValueError):
     """A sub-leg of one's own that cannot be used: which file, what is wrong, and what is expected."""

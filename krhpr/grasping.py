@@ -72,7 +72,10 @@ class GraspingRobot(Calls):
             "P and S are too far from one another, or too near, for the jaws to meet in B; check the joints "
             "and the assembly modes",
         ),
-        Status.NO_GRASP: (NoGrasp, "a jaw would have to pull the object; press harder"),
+        Status.NO_GRASP: (
+            NoGrasp,
+            "a jaw would have to pull the object, or the jaws overlap; press harder, and look at widths",
+        ),
         Status.UNDETERMINED: (
             NoGrasp,
             "the measured force does not determine the others: the object has no width between the contacts, "
@@ -292,7 +295,7 @@ class GraspingRobot(Calls):
         **options: Unpack[Options],
     ) -> Any:
         """(contact_forces (..., 2, 2), loads (..., 4), friction_margins (..., 2), determinant (...),
-        pulls (..., 2)): what the jaws apply to the object between them, (5.38) to (5.43).
+        widths (..., 2), pulls (..., 2)): what the jaws apply to the object between them, (5.38) to (5.43).
 
         `contacts` (..., 2, 2) are the contacts from B, each in its jaw's frame (x from P or S to B), `faces`
         (..., 2) the directions of the faces' normals into the object there, `mass_centre` (..., 2) is from B

@@ -57,24 +57,29 @@ class Limits:
     spherical: tuple[Cone, Cone, Cone] | None = None
     """Of the spherical joints; None where they are not limited, and for planar robots."""
     link_radii: Mapping[str, Numbers] = field(default_factory=_nothing)
-    """Radii (m) of links as cylinders, named as `robot.links` names them, or as the redundant link."""
+    """Radii (m) of links as cylinders, named as `robot.links` names them, or as the redundant link;
+    `platform`: of the platform's edges."""
     clearance: float | None = None
     """The least distance (m) between the surfaces of links that no joint joins."""
+    axis_distance: float | None = None
+    """The least distance (m) of S_i from the first axis of its leg, for type I singularities."""
+    elbow: Interval | None = None
+    """The least and the largest angle (rad) between the links that an elbow joins, for the same."""
 
     def __post_init__(self) -> None:
         for name in ("actuators", "passive", "link_radii"):
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
 
     def __bool__(self) -> bool:
-        return (
-            bool(self.actuators or self.passive or self.spherical or self.link_radii)
-            or self.clearance is not None
+        return bool(self.actuators or self.passive or self.spherical or self.link_radii) or any(
+            value is not None for value in (self.clearance, self.axis_distance, self.elbow)
         )
 
     def __hash__(self) -> int:
         tables = (tuple(sorted(table.items())) for table in (self.actuators, self.passive, self.link_radii))
-        return hash((*tables, self.spherical, self.clearance))
+        return hash((*tables, self.spherical, self.clearance, self.axis_distance, self.elbow))
 
     def __reduce__(self) -> tuple[Any, ...]:
         tables = (dict(self.actuators), dict(self.passive), dict(self.link_radii))
-        return Limits, (tables[0], tables[1], self.spherical, tables[2], self.clearance)
+        of_legs = (tables[0], tables[1], self.spherical, tables[2])
+        return Limits, (*of_legs, self.clearance, self.axis_distance, self.elbow)

@@ -342,6 +342,14 @@ class Robot(ForwardKinematics):
         """
         return self._answer("link_points", (p, Q, s, theta), options)
 
+    def clearances(
+        self, p: ArrayLike, Q: ArrayLike, s: ArrayLike, theta: ArrayLike, **options: Unpack[Options]
+    ) -> Any:
+        """distances (..., pairs) between the axes of links that no joint joins, in the order of
+        `krhpr.trajectory.clearance.pairs(robot)`; spatial robots have it, in CasADi too.
+        """
+        return self._answer("clearances", (p, Q, s, theta), options)
+
     def singularity(
         self, p: ArrayLike, Q: ArrayLike, s: ArrayLike, theta: ArrayLike, **options: Unpack[Options]
     ) -> Any:

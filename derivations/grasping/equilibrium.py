@@ -35,6 +35,7 @@ from krhpr.derivations.grasping.ports import (
     PULLS,
     SENSOR,
     WEIGHT,
+    WIDTHS,
     together,
 )
 from krhpr.derivations.sublegs.carriers import in_plane
@@ -93,6 +94,7 @@ def object_kernel() -> Kernel:
     k.add_output(LOAD, [*total, *(cross2(a, f) for a, f in zip(v, forces, strict=True))])
     k.add_output(MARGINS, [(friction * o) ** 2 - t**2 for o, t in pairs])
     k.add_output(DETERMINANT, det)
+    k.add_output(WIDTHS, [-dot(c, n[0]), dot(c, n[1])])
     k.add_output(PULLS, [dot(weight, m) for m in n])
     size = k.let("size", sum(dot(a, a) for a in v))
     k.output(

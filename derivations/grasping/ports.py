@@ -148,6 +148,14 @@ DETERMINANT = Port(
     "c . h, the determinant of the equilibrium's equations but for its sign: the object's width, or minus "
     "that, where a normal force is measured",
 )
+WIDTHS = Port(
+    "widths",
+    (2,),
+    Unit.METRE,
+    Frame.NONE,
+    "how far the other jaw's contact lies before each jaw's face: negative where the jaws overlap",
+    labels=("right", "left"),
+)
 PULLS = Port(
     "pulls",
     (2,),

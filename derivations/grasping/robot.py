@@ -44,6 +44,7 @@ from krhpr.derivations.grasping.ports import (
     SIDE,
     TWIST,
     WEIGHT,
+    WIDTHS,
     WRENCH,
     of_jaws,
     together,
@@ -475,11 +476,15 @@ class _Functions:
             "measured; and what they are for the robot, as inverse_statics_n takes them.",
             "(5.38) to (5.43)",
             (ANGLE, CONTACT, FACE, MASS_CENTRE, WEIGHT, SENSOR, MEASURED, FRICTION),
-            (CONTACT_FORCES, LOAD, MARGINS, DETERMINANT, PULLS),
+            (CONTACT_FORCES, LOAD, MARGINS, DETERMINANT, WIDTHS, PULLS),
             (self._on_leg("platform", "contact"), self._on_both("held")),
             (
                 replace(
                     self._not("determined", 0, Status.UNDETERMINED), spoils=(forces, loads, MARGINS.name)
+                ),
+                *(
+                    Guard(WIDTHS.name, jaw, Relation.AT_LEAST, 0.0, Status.NO_GRASP, (loads,))
+                    for jaw in range(JAWS)
                 ),
                 *(
                     Guard(forces, 2 * jaw, Relation.AT_LEAST, 0.0, Status.NO_GRASP, (loads,))

@@ -78,7 +78,9 @@ class FiveBar(Linkage):
         second = origin if self.coaxial else "A_2"
         ground = () if self.coaxial else (Link("l_0", LinkKind.FIXED, origin, second),)
         distal = (
-            Link("l_5", LinkKind.DISTAL, "P", "S") if self.coupler else Link("l_6", LinkKind.DISTAL, "E", "S")
+            Link("l_5", LinkKind.DISTAL, "P", "S", ("E",))
+            if self.coupler
+            else Link("l_6", LinkKind.DISTAL, "E", "S")
         )
         return (
             *ground,

@@ -16,6 +16,7 @@ from typing import Any
 
 import matplotlib
 import numpy as np
+import workspaces
 from matplotlib import pyplot
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc
@@ -390,6 +391,7 @@ PICTURES: dict[str, Callable[[], Figure]] = {
     "singularity_locus": singularity_locus,
     "grasping": grasping,
     "grasping_study": grasping_study,
+    **workspaces.PICTURES,
 }
 
 

@@ -667,7 +667,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_grasp(
     const double faces[2], const double mass_centre[2], const double weight[2], const double sensor[4],
     double measured_force, double friction, double *KRHPR_RESTRICT contact_forces,
     double *KRHPR_RESTRICT loads, double *KRHPR_RESTRICT friction_margins,
-    double *KRHPR_RESTRICT determinant, double *KRHPR_RESTRICT pulls)
+    double *KRHPR_RESTRICT determinant, double *KRHPR_RESTRICT widths, double *KRHPR_RESTRICT pulls)
 {
     int status = KRHPR_OK;
     (void)g;
@@ -681,6 +681,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_grasp(
         krhpr_fill_nan(loads, 4);
         krhpr_fill_nan(friction_margins, 2);
         krhpr_fill_nan(determinant, 1);
+        krhpr_fill_nan(widths, 2);
         krhpr_fill_nan(pulls, 2);
         return KRHPR_INVALID_INPUT;
     }
@@ -697,12 +698,14 @@ KRHPR_API int krhpr_planar_grasp_rpr_grasp(
     }
     krhpr_platform_planar_jaws_held(
         v, n, x, mass_centre, weight, sensor, measured_force, friction, contact_forces, loads,
-        friction_margins, determinant, pulls, determined);
+        friction_margins, determinant, widths, pulls, determined);
     const int kept_1 = determined[0] >= 1e-24;
-    const int kept_2 = contact_forces[0] >= 0.0;
-    const int kept_3 = contact_forces[2] >= 0.0;
-    const int kept_4 = friction_margins[0] >= 0.0;
-    const int kept_5 = friction_margins[1] >= 0.0;
+    const int kept_2 = widths[0] >= 0.0;
+    const int kept_3 = widths[1] >= 0.0;
+    const int kept_4 = contact_forces[0] >= 0.0;
+    const int kept_5 = contact_forces[2] >= 0.0;
+    const int kept_6 = friction_margins[0] >= 0.0;
+    const int kept_7 = friction_margins[1] >= 0.0;
     if (!(kept_1)) {
         status = status == KRHPR_OK ? KRHPR_UNDETERMINED : status;
         krhpr_fill_nan(contact_forces, 4);
@@ -715,9 +718,15 @@ KRHPR_API int krhpr_planar_grasp_rpr_grasp(
         status = status == KRHPR_OK ? KRHPR_NO_GRASP : status;
     }
     if (!(kept_4)) {
-        status = status == KRHPR_OK ? KRHPR_SLIPS : status;
+        status = status == KRHPR_OK ? KRHPR_NO_GRASP : status;
     }
     if (!(kept_5)) {
+        status = status == KRHPR_OK ? KRHPR_NO_GRASP : status;
+    }
+    if (!(kept_6)) {
+        status = status == KRHPR_OK ? KRHPR_SLIPS : status;
+    }
+    if (!(kept_7)) {
         status = status == KRHPR_OK ? KRHPR_SLIPS : status;
     }
     if (status != KRHPR_OK) {

@@ -321,6 +321,8 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_statics(
  *          [right, left]
  *   out    determinant (scalar, m): c . h, the determinant of the equilibrium's equations but for its sign:
  *          the object's width, or minus that, where a normal force is measured
+ *   out    widths (2, m): how far the other jaw's contact lies before each jaw's face: negative where the
+ *          jaws overlap [right, left]
  *   out    pulls (2, N, joint frame): part of the weight along the normal of each jaw's face: positive
  *          where it pulls the object away [right, left]
  */
@@ -329,7 +331,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_grasp(
     const double faces[2], const double mass_centre[2], const double weight[2], const double sensor[4],
     double measured_force, double friction, double *KRHPR_RESTRICT contact_forces,
     double *KRHPR_RESTRICT loads, double *KRHPR_RESTRICT friction_margins,
-    double *KRHPR_RESTRICT determinant, double *KRHPR_RESTRICT pulls);
+    double *KRHPR_RESTRICT determinant, double *KRHPR_RESTRICT widths, double *KRHPR_RESTRICT pulls);
 
 #ifndef KRHPR_WITHOUT_BATCHES
 /* end_points: in = pivot (2), angles (2); out = s (4). */
@@ -492,7 +494,7 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_statics_batch(
 KRHPR_API int krhpr_planar_grasp_rpr_forward_statics_soa(
     const krhpr_planar_grasp_rpr_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
-/* grasp: in = angles (2), contacts (4), faces (2), mass_centre (2), weight (2), sensor (4), measured_force (1), friction (1); out = contact_forces (4), loads (4), friction_margins (2), determinant (1), pulls (2). */
+/* grasp: in = angles (2), contacts (4), faces (2), mass_centre (2), weight (2), sensor (4), measured_force (1), friction (1); out = contact_forces (4), loads (4), friction_margins (2), determinant (1), widths (2), pulls (2). */
 KRHPR_API int krhpr_planar_grasp_rpr_grasp_batch(
     const krhpr_planar_grasp_rpr_geometry *g, size_t count, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,

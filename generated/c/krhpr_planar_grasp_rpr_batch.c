@@ -2326,7 +2326,8 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_grasp_lanes(
     const krhpr_lanes_at weight[2], const krhpr_lanes_at sensor[4], const krhpr_lanes_at measured_force[1],
     const krhpr_lanes_at friction[1], krhpr_lanes_at *KRHPR_RESTRICT contact_forces,
     krhpr_lanes_at *KRHPR_RESTRICT loads, krhpr_lanes_at *KRHPR_RESTRICT friction_margins,
-    krhpr_lanes_at *KRHPR_RESTRICT determinant, krhpr_lanes_at *KRHPR_RESTRICT pulls, krhpr_ints *answer)
+    krhpr_lanes_at *KRHPR_RESTRICT determinant, krhpr_lanes_at *KRHPR_RESTRICT widths,
+    krhpr_lanes_at *KRHPR_RESTRICT pulls, krhpr_ints *answer)
 {
     (void)g;
     const krhpr_lanes taint = krhpr_poses_taint(angles, 2) + krhpr_poses_taint(contacts, 4) + krhpr_poses_taint(faces, 2) +
@@ -2349,9 +2350,11 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_grasp_lanes(
     }
     krhpr_platform_planar_jaws_held_lanes(
         v, n, x, mass_centre, weight, sensor, measured_force[0], friction[0], contact_forces, loads,
-        friction_margins, determinant, pulls, determined);
+        friction_margins, determinant, widths, pulls, determined);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     fine &= krhpr_at_most(krhpr_all(1e-24), determined[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), widths[0]);
+    fine &= krhpr_at_most(krhpr_all(0.0), widths[1]);
     fine &= krhpr_at_most(krhpr_all(0.0), contact_forces[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), contact_forces[2]);
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[0]);
@@ -2363,17 +2366,21 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_grasp_lanes(
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
     const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-24), determined[0]);
-    const krhpr_ints kept_2 = krhpr_at_most(krhpr_all(0.0), contact_forces[0]);
-    const krhpr_ints kept_3 = krhpr_at_most(krhpr_all(0.0), contact_forces[2]);
-    const krhpr_ints kept_4 = krhpr_at_most(krhpr_all(0.0), friction_margins[0]);
-    const krhpr_ints kept_5 = krhpr_at_most(krhpr_all(0.0), friction_margins[1]);
+    const krhpr_ints kept_2 = krhpr_at_most(krhpr_all(0.0), widths[0]);
+    const krhpr_ints kept_3 = krhpr_at_most(krhpr_all(0.0), widths[1]);
+    const krhpr_ints kept_4 = krhpr_at_most(krhpr_all(0.0), contact_forces[0]);
+    const krhpr_ints kept_5 = krhpr_at_most(krhpr_all(0.0), contact_forces[2]);
+    const krhpr_ints kept_6 = krhpr_at_most(krhpr_all(0.0), friction_margins[0]);
+    const krhpr_ints kept_7 = krhpr_at_most(krhpr_all(0.0), friction_margins[1]);
     status = krhpr_expect(kept_1, status, KRHPR_UNDETERMINED);
     krhpr_poses_keep(kept_1, contact_forces, 4);
     krhpr_poses_keep(kept_1, friction_margins, 2);
     status = krhpr_expect(kept_2, status, KRHPR_NO_GRASP);
     status = krhpr_expect(kept_3, status, KRHPR_NO_GRASP);
-    status = krhpr_expect(kept_4, status, KRHPR_SLIPS);
-    status = krhpr_expect(kept_5, status, KRHPR_SLIPS);
+    status = krhpr_expect(kept_4, status, KRHPR_NO_GRASP);
+    status = krhpr_expect(kept_5, status, KRHPR_NO_GRASP);
+    status = krhpr_expect(kept_6, status, KRHPR_SLIPS);
+    status = krhpr_expect(kept_7, status, KRHPR_SLIPS);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, loads, 4);
     const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
@@ -2382,6 +2389,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_grasp_lanes(
     krhpr_poses_keep(finite, loads, 4);
     krhpr_poses_keep(finite, friction_margins, 2);
     krhpr_poses_keep(finite, determinant, 1);
+    krhpr_poses_keep(finite, widths, 2);
     krhpr_poses_keep(finite, pulls, 2);
     return 1;
 }
@@ -2416,16 +2424,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes loads_lanes[4];
         krhpr_lanes friction_margins_lanes[2];
         krhpr_lanes determinant_lanes[1];
+        krhpr_lanes widths_lanes[2];
         krhpr_lanes pulls_lanes[2];
         const int doubtful = krhpr_planar_grasp_rpr_grasp_lanes(
             g, angles_lanes, contacts_lanes, faces_lanes, mass_centre_lanes, weight_lanes, sensor_lanes,
             measured_force_lanes, friction_lanes, contact_forces_lanes, loads_lanes, friction_margins_lanes,
-            determinant_lanes, pulls_lanes, &answer);
+            determinant_lanes, widths_lanes, pulls_lanes, &answer);
         krhpr_poses_store(out[0] + k * out_step[0], out_step[0], contact_forces_lanes, 4, here);
         krhpr_poses_store(out[1] + k * out_step[1], out_step[1], loads_lanes, 4, here);
         krhpr_poses_store(out[2] + k * out_step[2], out_step[2], friction_margins_lanes, 2, here);
         krhpr_poses_store(out[3] + k * out_step[3], out_step[3], determinant_lanes, 1, here);
-        krhpr_poses_store(out[4] + k * out_step[4], out_step[4], pulls_lanes, 2, here);
+        krhpr_poses_store(out[4] + k * out_step[4], out_step[4], widths_lanes, 2, here);
+        krhpr_poses_store(out[5] + k * out_step[5], out_step[5], pulls_lanes, 2, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
@@ -2436,7 +2446,7 @@ for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
             in[3] + k * in_step[3], in[4] + k * in_step[4], in[5] + k * in_step[5],
             *(in[6] + k * in_step[6]), *(in[7] + k * in_step[7]), out[0] + k * out_step[0],
             out[1] + k * out_step[1], out[2] + k * out_step[2], out[3] + k * out_step[3],
-            out[4] + k * out_step[4]);
+            out[4] + k * out_step[4], out[5] + k * out_step[5]);
         first = first == KRHPR_OK ? here : first;
         if (status != NULL) {
             status[k * status_step] = here;
@@ -2489,17 +2499,21 @@ KRHPR_API int krhpr_planar_grasp_rpr_grasp_soa(
             krhpr_lanes determinant_room[1];
             double *const determinant_at = out[3] + b * out_step[3] + k;
             krhpr_lanes_at *const determinant_lanes = krhpr_poses_out(determinant_room, determinant_at, row, here);
+            krhpr_lanes widths_room[2];
+            double *const widths_at = out[4] + b * out_step[4] + k;
+            krhpr_lanes_at *const widths_lanes = krhpr_poses_out(widths_room, widths_at, row, here);
             krhpr_lanes pulls_room[2];
-            double *const pulls_at = out[4] + b * out_step[4] + k;
+            double *const pulls_at = out[5] + b * out_step[5] + k;
             krhpr_lanes_at *const pulls_lanes = krhpr_poses_out(pulls_room, pulls_at, row, here);
             const int doubtful = krhpr_planar_grasp_rpr_grasp_lanes(
                 g, angles_lanes, contacts_lanes, faces_lanes, mass_centre_lanes, weight_lanes, sensor_lanes,
                 measured_force_lanes, friction_lanes, contact_forces_lanes, loads_lanes,
-                friction_margins_lanes, determinant_lanes, pulls_lanes, &answer);
+                friction_margins_lanes, determinant_lanes, widths_lanes, pulls_lanes, &answer);
             krhpr_poses_done(contact_forces_room, contact_forces_at, row, 4, here);
             krhpr_poses_done(loads_room, loads_at, row, 4, here);
             krhpr_poses_done(friction_margins_room, friction_margins_at, row, 2, here);
             krhpr_poses_done(determinant_room, determinant_at, row, 1, here);
+            krhpr_poses_done(widths_room, widths_at, row, 2, here);
             krhpr_poses_done(pulls_room, pulls_at, row, 2, here);
             if (doubtful || answers != NULL) {
                 first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);

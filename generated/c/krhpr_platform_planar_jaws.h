@@ -529,13 +529,13 @@ KRHPR_STATIC void krhpr_platform_planar_jaws_contact(
 }
 
 /* Forces of the jaws on the object that they hold, one of the four measured, and what they mean for the
- * robot.  Thesis: (5.38) to (5.43).  (35 add, 52 multiply, 2 divide) */
+ * robot.  Thesis: (5.38) to (5.43).  (37 add, 56 multiply, 2 divide) */
 KRHPR_STATIC void krhpr_platform_planar_jaws_held(
     const double v[4], const double n[4], const double x[4], const double mass_centre[2],
     const double weight[2], const double sensor[4], double measured_force, double friction,
     double *KRHPR_RESTRICT contact_forces, double *KRHPR_RESTRICT loads,
     double *KRHPR_RESTRICT friction_margins, double *KRHPR_RESTRICT determinant,
-    double *KRHPR_RESTRICT pulls, double *KRHPR_RESTRICT determined)
+    double *KRHPR_RESTRICT widths, double *KRHPR_RESTRICT pulls, double *KRHPR_RESTRICT determined)
 {
     const double centre_0 = x[0] * mass_centre[0] - x[1] * mass_centre[1]; /* from B to the mass centre */
     const double centre_1 = x[1] * mass_centre[0] + x[0] * mass_centre[1];
@@ -573,6 +573,8 @@ KRHPR_STATIC void krhpr_platform_planar_jaws_held(
     friction_margins[0] = f_o1 * f_o1 * t4 - f_p1 * f_p1;
     friction_margins[1] = t4 * (t3 * t3) - f_p2 * f_p2;
     *determinant = det;
+    widths[0] = -(n[0] * c_0 + n[1] * c_1);
+    widths[1] = n[2] * c_0 + n[3] * c_1;
     pulls[0] = n[0] * weight[0] + n[1] * weight[1];
     pulls[1] = n[2] * weight[0] + n[3] * weight[1];
     determined[0] = det * det / size;

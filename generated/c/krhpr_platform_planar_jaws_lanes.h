@@ -523,14 +523,14 @@ KRHPR_INLINE void krhpr_platform_planar_jaws_contact_lanes(
 }
 
 /* Forces of the jaws on the object that they hold, one of the four measured, and what they mean for the
- * robot.  Thesis: (5.38) to (5.43).  (35 add, 52 multiply, 2 divide) */
+ * robot.  Thesis: (5.38) to (5.43).  (37 add, 56 multiply, 2 divide) */
 KRHPR_INLINE void krhpr_platform_planar_jaws_held_lanes(
     const krhpr_lanes_at v[4], const krhpr_lanes_at n[4], const krhpr_lanes_at x[4],
     const krhpr_lanes_at mass_centre[2], const krhpr_lanes_at weight[2], const krhpr_lanes_at sensor[4],
     krhpr_lanes measured_force, krhpr_lanes friction, krhpr_lanes_at *KRHPR_RESTRICT contact_forces,
     krhpr_lanes_at *KRHPR_RESTRICT loads, krhpr_lanes_at *KRHPR_RESTRICT friction_margins,
-    krhpr_lanes_at *KRHPR_RESTRICT determinant, krhpr_lanes_at *KRHPR_RESTRICT pulls,
-    krhpr_lanes_at *KRHPR_RESTRICT determined)
+    krhpr_lanes_at *KRHPR_RESTRICT determinant, krhpr_lanes_at *KRHPR_RESTRICT widths,
+    krhpr_lanes_at *KRHPR_RESTRICT pulls, krhpr_lanes_at *KRHPR_RESTRICT determined)
 {
     const krhpr_lanes centre_0 = x[0] * mass_centre[0] - x[1] * mass_centre[1]; /* from B to the mass centre */
     const krhpr_lanes centre_1 = x[1] * mass_centre[0] + x[0] * mass_centre[1];
@@ -568,6 +568,8 @@ KRHPR_INLINE void krhpr_platform_planar_jaws_held_lanes(
     friction_margins[0] = f_o1 * f_o1 * t4 - f_p1 * f_p1;
     friction_margins[1] = t4 * (t3 * t3) - f_p2 * f_p2;
     *determinant = det;
+    widths[0] = -(n[0] * c_0 + n[1] * c_1);
+    widths[1] = n[2] * c_0 + n[3] * c_1;
     pulls[0] = n[0] * weight[0] + n[1] * weight[1];
     pulls[1] = n[2] * weight[0] + n[3] * weight[1];
     determined[0] = det * det / size;

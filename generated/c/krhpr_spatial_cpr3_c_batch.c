@@ -2858,6 +2858,132 @@ KRHPR_API int krhpr_spatial_cpr3_c_link_points_soa(
 }
 #endif
 
+/* clearances of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_cpr3_c_clearances_lanes(
+    const krhpr_spatial_cpr3_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT distances,
+    krhpr_ints *answer)
+{
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
+        krhpr_poses_taint(theta, 9);
+    krhpr_lanes points[36];
+    krhpr_lanes attachment[9];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_lanes w[9];
+        krhpr_lanes b[3];
+        krhpr_lanes travel[3];
+        krhpr_subleg_cpr3_posture_lanes(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b, travel);
+        krhpr_subleg_cpr3_points_lanes(&g->subleg, i, w, s + 3 * i, points + 12 * i);
+        krhpr_platform_spatial_c_attachment_lanes(&g->platform, i, s + 3 * i, attachment + 3 * i);
+    }
+    static const int ends[108] = {
+        0, 9, 12, 21, 0, 9, 15, 21, 0, 9, 18, 21, 0, 9, 24, 33, 0, 9, 27, 33, 0, 9, 30, 33, 3, 9, 12, 21, 3,
+        9, 15, 21, 3, 9, 18, 21, 3, 9, 24, 33, 3, 9, 27, 33, 3, 9, 30, 33, 6, 9, 12, 21, 6, 9, 15, 21, 6, 9,
+        18, 21, 6, 9, 24, 33, 6, 9, 27, 33, 6, 9, 30, 33, 12, 21, 24, 33, 12, 21, 27, 33, 12, 21, 30, 33,
+        15, 21, 24, 33, 15, 21, 27, 33, 15, 21, 30, 33, 18, 21, 24, 33, 18, 21, 27, 33, 18, 21, 30, 33
+    };
+    krhpr_lanes points_of_links[45];
+    for (int k = 0; k < 36; ++k) {
+        points_of_links[k] = points[k];
+    }
+    for (int k = 0; k < 9; ++k) {
+        points_of_links[36 + k] = attachment[k];
+    }
+    for (int pair = 0; pair < 27; ++pair) {
+        krhpr_algebra_spatial_segment_distance_lanes(
+            points_of_links + ends[4 * pair + 0], points_of_links + ends[4 * pair + 1],
+            points_of_links + ends[4 * pair + 2], points_of_links + ends[4 * pair + 3], distances + pair);
+    }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return 0;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, distances, 27);
+    return 1;
+}
+
+KRHPR_API int krhpr_spatial_cpr3_c_clearances_batch(
+    const krhpr_spatial_cpr3_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t together = krhpr_poses_together(count);
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+        const int here = krhpr_poses_here(count - (size_t)k);
+        krhpr_ints answer;
+        krhpr_lanes p_lanes[3];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes Q_lanes[9];
+        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes distances_lanes[27];
+        const int doubtful = krhpr_spatial_cpr3_c_clearances_lanes(
+            g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], distances_lanes, 27, here);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
+    }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_cpr3_c_clearances(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+#ifndef KRHPR_WITHOUT_SOA
+KRHPR_API int krhpr_spatial_cpr3_c_clearances_soa(
+    const krhpr_spatial_cpr3_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[3];
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes Q_room[9];
+            const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            krhpr_lanes theta_room[9];
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            krhpr_lanes distances_room[27];
+            double *const distances_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const distances_lanes = krhpr_poses_out(distances_room, distances_at, row, here);
+            const int doubtful = krhpr_spatial_cpr3_c_clearances_lanes(
+                g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
+            krhpr_poses_done(distances_room, distances_at, row, 27, here);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
+        }
+    }
+    return first;
+}
+#endif
+
 /* singularity of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
 KRHPR_OUTLINE int krhpr_spatial_cpr3_c_singularity_lanes(
     const krhpr_spatial_cpr3_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],

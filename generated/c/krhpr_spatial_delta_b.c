@@ -1159,6 +1159,84 @@ KRHPR_API int krhpr_spatial_delta_b_link_points(
     return status;
 }
 
+KRHPR_API int krhpr_spatial_delta_b_clearances(
+    const krhpr_spatial_delta_b_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT distances)
+{
+    int status = KRHPR_OK;
+    double points[63];
+    double attachment[9];
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(distances, 183);
+        return KRHPR_INVALID_INPUT;
+    }
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes w_legs[9];
+        krhpr_lanes b_legs[3];
+        krhpr_lanes u_legs[6];
+        krhpr_lanes points_legs[21];
+        krhpr_lanes attachment_legs[3];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_delta_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, w_legs, b_legs, u_legs);
+        krhpr_subleg_delta_points_lanes(&g->subleg, i, w_legs, s_legs, points_legs);
+        krhpr_platform_spatial_b_attachment_lanes(&g->platform, i, Q_legs, s_legs, attachment_legs);
+        krhpr_legs_store(points, 21, points_legs, 21, i);
+        krhpr_legs_store(attachment, 3, attachment_legs, 3, i);
+    }
+    static const int ends[732] = {
+        0, 9, 3, 12, 0, 9, 6, 15, 0, 9, 12, 18, 0, 9, 15, 18, 0, 9, 21, 30, 0, 9, 24, 33, 0, 9, 27, 36, 0,
+        9, 30, 39, 0, 9, 33, 39, 0, 9, 36, 39, 0, 9, 42, 51, 0, 9, 45, 54, 0, 9, 48, 57, 0, 9, 51, 60, 0, 9,
+        54, 60, 0, 9, 57, 60, 0, 9, 18, 63, 0, 9, 39, 66, 0, 9, 60, 69, 3, 12, 6, 15, 3, 12, 9, 18, 3, 12,
+        15, 18, 3, 12, 21, 30, 3, 12, 24, 33, 3, 12, 27, 36, 3, 12, 30, 39, 3, 12, 33, 39, 3, 12, 36, 39, 3,
+        12, 42, 51, 3, 12, 45, 54, 3, 12, 48, 57, 3, 12, 51, 60, 3, 12, 54, 60, 3, 12, 57, 60, 3, 12, 18,
+        63, 3, 12, 39, 66, 3, 12, 60, 69, 6, 15, 9, 18, 6, 15, 12, 18, 6, 15, 21, 30, 6, 15, 24, 33, 6, 15,
+        27, 36, 6, 15, 30, 39, 6, 15, 33, 39, 6, 15, 36, 39, 6, 15, 42, 51, 6, 15, 45, 54, 6, 15, 48, 57, 6,
+        15, 51, 60, 6, 15, 54, 60, 6, 15, 57, 60, 6, 15, 18, 63, 6, 15, 39, 66, 6, 15, 60, 69, 9, 18, 21,
+        30, 9, 18, 24, 33, 9, 18, 27, 36, 9, 18, 30, 39, 9, 18, 33, 39, 9, 18, 36, 39, 9, 18, 42, 51, 9, 18,
+        45, 54, 9, 18, 48, 57, 9, 18, 51, 60, 9, 18, 54, 60, 9, 18, 57, 60, 9, 18, 39, 66, 9, 18, 60, 69,
+        12, 18, 21, 30, 12, 18, 24, 33, 12, 18, 27, 36, 12, 18, 30, 39, 12, 18, 33, 39, 12, 18, 36, 39, 12,
+        18, 42, 51, 12, 18, 45, 54, 12, 18, 48, 57, 12, 18, 51, 60, 12, 18, 54, 60, 12, 18, 57, 60, 12, 18,
+        39, 66, 12, 18, 60, 69, 15, 18, 21, 30, 15, 18, 24, 33, 15, 18, 27, 36, 15, 18, 30, 39, 15, 18, 33,
+        39, 15, 18, 36, 39, 15, 18, 42, 51, 15, 18, 45, 54, 15, 18, 48, 57, 15, 18, 51, 60, 15, 18, 54, 60,
+        15, 18, 57, 60, 15, 18, 39, 66, 15, 18, 60, 69, 21, 30, 24, 33, 21, 30, 27, 36, 21, 30, 33, 39, 21,
+        30, 36, 39, 21, 30, 42, 51, 21, 30, 45, 54, 21, 30, 48, 57, 21, 30, 51, 60, 21, 30, 54, 60, 21, 30,
+        57, 60, 21, 30, 18, 63, 21, 30, 39, 66, 21, 30, 60, 69, 24, 33, 27, 36, 24, 33, 30, 39, 24, 33, 36,
+        39, 24, 33, 42, 51, 24, 33, 45, 54, 24, 33, 48, 57, 24, 33, 51, 60, 24, 33, 54, 60, 24, 33, 57, 60,
+        24, 33, 18, 63, 24, 33, 39, 66, 24, 33, 60, 69, 27, 36, 30, 39, 27, 36, 33, 39, 27, 36, 42, 51, 27,
+        36, 45, 54, 27, 36, 48, 57, 27, 36, 51, 60, 27, 36, 54, 60, 27, 36, 57, 60, 27, 36, 18, 63, 27, 36,
+        39, 66, 27, 36, 60, 69, 30, 39, 42, 51, 30, 39, 45, 54, 30, 39, 48, 57, 30, 39, 51, 60, 30, 39, 54,
+        60, 30, 39, 57, 60, 30, 39, 18, 63, 30, 39, 60, 69, 33, 39, 42, 51, 33, 39, 45, 54, 33, 39, 48, 57,
+        33, 39, 51, 60, 33, 39, 54, 60, 33, 39, 57, 60, 33, 39, 18, 63, 33, 39, 60, 69, 36, 39, 42, 51, 36,
+        39, 45, 54, 36, 39, 48, 57, 36, 39, 51, 60, 36, 39, 54, 60, 36, 39, 57, 60, 36, 39, 18, 63, 36, 39,
+        60, 69, 42, 51, 45, 54, 42, 51, 48, 57, 42, 51, 54, 60, 42, 51, 57, 60, 42, 51, 18, 63, 42, 51, 39,
+        66, 42, 51, 60, 69, 45, 54, 48, 57, 45, 54, 51, 60, 45, 54, 57, 60, 45, 54, 18, 63, 45, 54, 39, 66,
+        45, 54, 60, 69, 48, 57, 51, 60, 48, 57, 54, 60, 48, 57, 18, 63, 48, 57, 39, 66, 48, 57, 60, 69, 51,
+        60, 18, 63, 51, 60, 39, 66, 54, 60, 18, 63, 54, 60, 39, 66, 57, 60, 18, 63, 57, 60, 39, 66, 18, 63,
+        39, 66, 18, 63, 60, 69, 39, 66, 60, 69
+    };
+    double points_of_links[72];
+    for (int k = 0; k < 63; ++k) {
+        points_of_links[k] = points[k];
+    }
+    for (int k = 0; k < 9; ++k) {
+        points_of_links[63 + k] = attachment[k];
+    }
+    for (int pair = 0; pair < 183; ++pair) {
+        krhpr_algebra_spatial_segment_distance(
+            points_of_links + ends[4 * pair + 0], points_of_links + ends[4 * pair + 1],
+            points_of_links + ends[4 * pair + 2], points_of_links + ends[4 * pair + 3], distances + pair);
+    }
+    return status;
+}
+
 KRHPR_API int krhpr_spatial_delta_b_singularity(
     const krhpr_spatial_delta_b_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors,

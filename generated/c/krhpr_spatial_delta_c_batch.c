@@ -3092,6 +3092,156 @@ KRHPR_API int krhpr_spatial_delta_c_link_points_soa(
 }
 #endif
 
+/* clearances of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_delta_c_clearances_lanes(
+    const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT distances,
+    krhpr_ints *answer)
+{
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
+        krhpr_poses_taint(theta, 9);
+    krhpr_lanes points[63];
+    krhpr_lanes attachment[9];
+    krhpr_lanes angle[9];
+    krhpr_lanes sine[9];
+    krhpr_lanes cosine[9];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_delta_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
+    }
+    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_lanes w[9];
+        krhpr_lanes b[3];
+        krhpr_lanes u[6];
+        krhpr_subleg_delta_posture_lanes(&g->subleg, i, s + 3 * i, sine + 3 * i, cosine + 3 * i, w, b, u);
+        krhpr_subleg_delta_points_lanes(&g->subleg, i, w, s + 3 * i, points + 21 * i);
+        krhpr_platform_spatial_c_attachment_lanes(&g->platform, i, s + 3 * i, attachment + 3 * i);
+    }
+    static const int ends[540] = {
+        0, 9, 3, 12, 0, 9, 6, 15, 0, 9, 12, 18, 0, 9, 15, 18, 0, 9, 21, 30, 0, 9, 24, 33, 0, 9, 27, 36, 0,
+        9, 30, 39, 0, 9, 33, 39, 0, 9, 36, 39, 0, 9, 42, 51, 0, 9, 45, 54, 0, 9, 48, 57, 0, 9, 51, 60, 0, 9,
+        54, 60, 0, 9, 57, 60, 3, 12, 6, 15, 3, 12, 9, 18, 3, 12, 15, 18, 3, 12, 21, 30, 3, 12, 24, 33, 3,
+        12, 27, 36, 3, 12, 30, 39, 3, 12, 33, 39, 3, 12, 36, 39, 3, 12, 42, 51, 3, 12, 45, 54, 3, 12, 48,
+        57, 3, 12, 51, 60, 3, 12, 54, 60, 3, 12, 57, 60, 6, 15, 9, 18, 6, 15, 12, 18, 6, 15, 21, 30, 6, 15,
+        24, 33, 6, 15, 27, 36, 6, 15, 30, 39, 6, 15, 33, 39, 6, 15, 36, 39, 6, 15, 42, 51, 6, 15, 45, 54, 6,
+        15, 48, 57, 6, 15, 51, 60, 6, 15, 54, 60, 6, 15, 57, 60, 9, 18, 21, 30, 9, 18, 24, 33, 9, 18, 27,
+        36, 9, 18, 30, 39, 9, 18, 33, 39, 9, 18, 36, 39, 9, 18, 42, 51, 9, 18, 45, 54, 9, 18, 48, 57, 9, 18,
+        51, 60, 9, 18, 54, 60, 9, 18, 57, 60, 12, 18, 21, 30, 12, 18, 24, 33, 12, 18, 27, 36, 12, 18, 30,
+        39, 12, 18, 33, 39, 12, 18, 36, 39, 12, 18, 42, 51, 12, 18, 45, 54, 12, 18, 48, 57, 12, 18, 51, 60,
+        12, 18, 54, 60, 12, 18, 57, 60, 15, 18, 21, 30, 15, 18, 24, 33, 15, 18, 27, 36, 15, 18, 30, 39, 15,
+        18, 33, 39, 15, 18, 36, 39, 15, 18, 42, 51, 15, 18, 45, 54, 15, 18, 48, 57, 15, 18, 51, 60, 15, 18,
+        54, 60, 15, 18, 57, 60, 21, 30, 24, 33, 21, 30, 27, 36, 21, 30, 33, 39, 21, 30, 36, 39, 21, 30, 42,
+        51, 21, 30, 45, 54, 21, 30, 48, 57, 21, 30, 51, 60, 21, 30, 54, 60, 21, 30, 57, 60, 24, 33, 27, 36,
+        24, 33, 30, 39, 24, 33, 36, 39, 24, 33, 42, 51, 24, 33, 45, 54, 24, 33, 48, 57, 24, 33, 51, 60, 24,
+        33, 54, 60, 24, 33, 57, 60, 27, 36, 30, 39, 27, 36, 33, 39, 27, 36, 42, 51, 27, 36, 45, 54, 27, 36,
+        48, 57, 27, 36, 51, 60, 27, 36, 54, 60, 27, 36, 57, 60, 30, 39, 42, 51, 30, 39, 45, 54, 30, 39, 48,
+        57, 30, 39, 51, 60, 30, 39, 54, 60, 30, 39, 57, 60, 33, 39, 42, 51, 33, 39, 45, 54, 33, 39, 48, 57,
+        33, 39, 51, 60, 33, 39, 54, 60, 33, 39, 57, 60, 36, 39, 42, 51, 36, 39, 45, 54, 36, 39, 48, 57, 36,
+        39, 51, 60, 36, 39, 54, 60, 36, 39, 57, 60, 42, 51, 45, 54, 42, 51, 48, 57, 42, 51, 54, 60, 42, 51,
+        57, 60, 45, 54, 48, 57, 45, 54, 51, 60, 45, 54, 57, 60, 48, 57, 51, 60, 48, 57, 54, 60
+    };
+    krhpr_lanes points_of_links[72];
+    for (int k = 0; k < 63; ++k) {
+        points_of_links[k] = points[k];
+    }
+    for (int k = 0; k < 9; ++k) {
+        points_of_links[63 + k] = attachment[k];
+    }
+    for (int pair = 0; pair < 135; ++pair) {
+        krhpr_algebra_spatial_segment_distance_lanes(
+            points_of_links + ends[4 * pair + 0], points_of_links + ends[4 * pair + 1],
+            points_of_links + ends[4 * pair + 2], points_of_links + ends[4 * pair + 3], distances + pair);
+    }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return 0;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, distances, 135);
+    return 1;
+}
+
+KRHPR_API int krhpr_spatial_delta_c_clearances_batch(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t together = krhpr_poses_together(count);
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+        const int here = krhpr_poses_here(count - (size_t)k);
+        krhpr_ints answer;
+        krhpr_lanes p_lanes[3];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes Q_lanes[9];
+        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes distances_lanes[135];
+        const int doubtful = krhpr_spatial_delta_c_clearances_lanes(
+            g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], distances_lanes, 135, here);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
+    }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_delta_c_clearances(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+#ifndef KRHPR_WITHOUT_SOA
+KRHPR_API int krhpr_spatial_delta_c_clearances_soa(
+    const krhpr_spatial_delta_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[3];
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes Q_room[9];
+            const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            krhpr_lanes theta_room[9];
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            krhpr_lanes distances_room[135];
+            double *const distances_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const distances_lanes = krhpr_poses_out(distances_room, distances_at, row, here);
+            const int doubtful = krhpr_spatial_delta_c_clearances_lanes(
+                g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
+            krhpr_poses_done(distances_room, distances_at, row, 135, here);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
+        }
+    }
+    return first;
+}
+#endif
+
 /* singularity of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
 KRHPR_OUTLINE int krhpr_spatial_delta_c_singularity_lanes(
     const krhpr_spatial_delta_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],

@@ -1003,6 +1003,94 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_link_points(
     return status;
 }
 
+KRHPR_API int krhpr_spatial_p_fivebar_a_clearances(
+    const krhpr_spatial_p_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT distances)
+{
+    int status = KRHPR_OK;
+    double points[63];
+    double attachment[9];
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(distances, 243);
+        return KRHPR_INVALID_INPUT;
+    }
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_1_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes points_legs[21];
+        krhpr_lanes attachment_legs[3];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_p_fivebar_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
+        krhpr_subleg_p_fivebar_points_lanes(&g->subleg, i, d_legs, u_1_legs, u_2_legs, s_legs, points_legs);
+        krhpr_platform_spatial_a_attachment_lanes(&g->platform, i, p_legs, Q_legs, attachment_legs);
+        krhpr_legs_store(points, 21, points_legs, 21, i);
+        krhpr_legs_store(attachment, 3, attachment_legs, 3, i);
+    }
+    static const int ends[972] = {
+        0, 3, 6, 9, 0, 3, 6, 12, 0, 3, 12, 15, 0, 3, 15, 18, 0, 3, 21, 24, 0, 3, 24, 27, 0, 3, 27, 30, 0, 3,
+        27, 33, 0, 3, 33, 36, 0, 3, 36, 39, 0, 3, 42, 45, 0, 3, 45, 48, 0, 3, 48, 51, 0, 3, 48, 54, 0, 3,
+        54, 57, 0, 3, 57, 60, 0, 3, 18, 63, 0, 3, 39, 66, 0, 3, 60, 69, 0, 3, 63, 66, 0, 3, 63, 69, 0, 3,
+        66, 69, 3, 6, 12, 15, 3, 6, 15, 18, 3, 6, 21, 24, 3, 6, 24, 27, 3, 6, 27, 30, 3, 6, 27, 33, 3, 6,
+        33, 36, 3, 6, 36, 39, 3, 6, 42, 45, 3, 6, 45, 48, 3, 6, 48, 51, 3, 6, 48, 54, 3, 6, 54, 57, 3, 6,
+        57, 60, 3, 6, 18, 63, 3, 6, 39, 66, 3, 6, 60, 69, 3, 6, 63, 66, 3, 6, 63, 69, 3, 6, 66, 69, 6, 9,
+        12, 15, 6, 9, 21, 24, 6, 9, 24, 27, 6, 9, 27, 30, 6, 9, 27, 33, 6, 9, 33, 36, 6, 9, 36, 39, 6, 9,
+        42, 45, 6, 9, 45, 48, 6, 9, 48, 51, 6, 9, 48, 54, 6, 9, 54, 57, 6, 9, 57, 60, 6, 9, 18, 63, 6, 9,
+        39, 66, 6, 9, 60, 69, 6, 9, 63, 66, 6, 9, 63, 69, 6, 9, 66, 69, 6, 12, 15, 18, 6, 12, 21, 24, 6, 12,
+        24, 27, 6, 12, 27, 30, 6, 12, 27, 33, 6, 12, 33, 36, 6, 12, 36, 39, 6, 12, 42, 45, 6, 12, 45, 48, 6,
+        12, 48, 51, 6, 12, 48, 54, 6, 12, 54, 57, 6, 12, 57, 60, 6, 12, 18, 63, 6, 12, 39, 66, 6, 12, 60,
+        69, 6, 12, 63, 66, 6, 12, 63, 69, 6, 12, 66, 69, 12, 15, 21, 24, 12, 15, 24, 27, 12, 15, 27, 30, 12,
+        15, 27, 33, 12, 15, 33, 36, 12, 15, 36, 39, 12, 15, 42, 45, 12, 15, 45, 48, 12, 15, 48, 51, 12, 15,
+        48, 54, 12, 15, 54, 57, 12, 15, 57, 60, 12, 15, 18, 63, 12, 15, 39, 66, 12, 15, 60, 69, 12, 15, 63,
+        66, 12, 15, 63, 69, 12, 15, 66, 69, 15, 18, 21, 24, 15, 18, 24, 27, 15, 18, 27, 30, 15, 18, 27, 33,
+        15, 18, 33, 36, 15, 18, 36, 39, 15, 18, 42, 45, 15, 18, 45, 48, 15, 18, 48, 51, 15, 18, 48, 54, 15,
+        18, 54, 57, 15, 18, 57, 60, 15, 18, 39, 66, 15, 18, 60, 69, 15, 18, 63, 66, 15, 18, 63, 69, 15, 18,
+        66, 69, 21, 24, 27, 30, 21, 24, 27, 33, 21, 24, 33, 36, 21, 24, 36, 39, 21, 24, 42, 45, 21, 24, 45,
+        48, 21, 24, 48, 51, 21, 24, 48, 54, 21, 24, 54, 57, 21, 24, 57, 60, 21, 24, 18, 63, 21, 24, 39, 66,
+        21, 24, 60, 69, 21, 24, 63, 66, 21, 24, 63, 69, 21, 24, 66, 69, 24, 27, 33, 36, 24, 27, 36, 39, 24,
+        27, 42, 45, 24, 27, 45, 48, 24, 27, 48, 51, 24, 27, 48, 54, 24, 27, 54, 57, 24, 27, 57, 60, 24, 27,
+        18, 63, 24, 27, 39, 66, 24, 27, 60, 69, 24, 27, 63, 66, 24, 27, 63, 69, 24, 27, 66, 69, 27, 30, 33,
+        36, 27, 30, 42, 45, 27, 30, 45, 48, 27, 30, 48, 51, 27, 30, 48, 54, 27, 30, 54, 57, 27, 30, 57, 60,
+        27, 30, 18, 63, 27, 30, 39, 66, 27, 30, 60, 69, 27, 30, 63, 66, 27, 30, 63, 69, 27, 30, 66, 69, 27,
+        33, 36, 39, 27, 33, 42, 45, 27, 33, 45, 48, 27, 33, 48, 51, 27, 33, 48, 54, 27, 33, 54, 57, 27, 33,
+        57, 60, 27, 33, 18, 63, 27, 33, 39, 66, 27, 33, 60, 69, 27, 33, 63, 66, 27, 33, 63, 69, 27, 33, 66,
+        69, 33, 36, 42, 45, 33, 36, 45, 48, 33, 36, 48, 51, 33, 36, 48, 54, 33, 36, 54, 57, 33, 36, 57, 60,
+        33, 36, 18, 63, 33, 36, 39, 66, 33, 36, 60, 69, 33, 36, 63, 66, 33, 36, 63, 69, 33, 36, 66, 69, 36,
+        39, 42, 45, 36, 39, 45, 48, 36, 39, 48, 51, 36, 39, 48, 54, 36, 39, 54, 57, 36, 39, 57, 60, 36, 39,
+        18, 63, 36, 39, 60, 69, 36, 39, 63, 66, 36, 39, 63, 69, 36, 39, 66, 69, 42, 45, 48, 51, 42, 45, 48,
+        54, 42, 45, 54, 57, 42, 45, 57, 60, 42, 45, 18, 63, 42, 45, 39, 66, 42, 45, 60, 69, 42, 45, 63, 66,
+        42, 45, 63, 69, 42, 45, 66, 69, 45, 48, 54, 57, 45, 48, 57, 60, 45, 48, 18, 63, 45, 48, 39, 66, 45,
+        48, 60, 69, 45, 48, 63, 66, 45, 48, 63, 69, 45, 48, 66, 69, 48, 51, 54, 57, 48, 51, 18, 63, 48, 51,
+        39, 66, 48, 51, 60, 69, 48, 51, 63, 66, 48, 51, 63, 69, 48, 51, 66, 69, 48, 54, 57, 60, 48, 54, 18,
+        63, 48, 54, 39, 66, 48, 54, 60, 69, 48, 54, 63, 66, 48, 54, 63, 69, 48, 54, 66, 69, 54, 57, 18, 63,
+        54, 57, 39, 66, 54, 57, 60, 69, 54, 57, 63, 66, 54, 57, 63, 69, 54, 57, 66, 69, 57, 60, 18, 63, 57,
+        60, 39, 66, 57, 60, 63, 66, 57, 60, 63, 69, 57, 60, 66, 69, 18, 63, 39, 66, 18, 63, 60, 69, 18, 63,
+        66, 69, 39, 66, 60, 69, 39, 66, 63, 69, 60, 69, 63, 66
+    };
+    double points_of_links[72];
+    for (int k = 0; k < 63; ++k) {
+        points_of_links[k] = points[k];
+    }
+    for (int k = 0; k < 9; ++k) {
+        points_of_links[63 + k] = attachment[k];
+    }
+    for (int pair = 0; pair < 243; ++pair) {
+        krhpr_algebra_spatial_segment_distance(
+            points_of_links + ends[4 * pair + 0], points_of_links + ends[4 * pair + 1],
+            points_of_links + ends[4 * pair + 2], points_of_links + ends[4 * pair + 3], distances + pair);
+    }
+    return status;
+}
+
 KRHPR_API int krhpr_spatial_p_fivebar_a_singularity(
     const krhpr_spatial_p_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors,

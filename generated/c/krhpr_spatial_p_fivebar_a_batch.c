@@ -2697,6 +2697,174 @@ KRHPR_API int krhpr_spatial_p_fivebar_a_link_points_soa(
 }
 #endif
 
+/* clearances of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_clearances_lanes(
+    const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT distances,
+    krhpr_ints *answer)
+{
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
+        krhpr_poses_taint(theta, 9);
+    krhpr_lanes points[63];
+    krhpr_lanes attachment[9];
+    krhpr_lanes angle[6];
+    krhpr_lanes sine[6];
+    krhpr_lanes cosine[6];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_p_fivebar_posture_angles_lanes(theta + 3 * i, angle + 2 * i);
+    }
+    krhpr_lanes_sincos_each(6, angle, sine, cosine);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_lanes d[2];
+        krhpr_lanes u_1[2];
+        krhpr_lanes u_2[2];
+        krhpr_subleg_p_fivebar_posture_lanes(
+            &g->subleg, i, s + 3 * i, sine + 2 * i, cosine + 2 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_points_lanes(&g->subleg, i, d, u_1, u_2, s + 3 * i, points + 21 * i);
+        krhpr_platform_spatial_a_attachment_lanes(&g->platform, i, p, Q, attachment + 3 * i);
+    }
+    static const int ends[972] = {
+        0, 3, 6, 9, 0, 3, 6, 12, 0, 3, 12, 15, 0, 3, 15, 18, 0, 3, 21, 24, 0, 3, 24, 27, 0, 3, 27, 30, 0, 3,
+        27, 33, 0, 3, 33, 36, 0, 3, 36, 39, 0, 3, 42, 45, 0, 3, 45, 48, 0, 3, 48, 51, 0, 3, 48, 54, 0, 3,
+        54, 57, 0, 3, 57, 60, 0, 3, 18, 63, 0, 3, 39, 66, 0, 3, 60, 69, 0, 3, 63, 66, 0, 3, 63, 69, 0, 3,
+        66, 69, 3, 6, 12, 15, 3, 6, 15, 18, 3, 6, 21, 24, 3, 6, 24, 27, 3, 6, 27, 30, 3, 6, 27, 33, 3, 6,
+        33, 36, 3, 6, 36, 39, 3, 6, 42, 45, 3, 6, 45, 48, 3, 6, 48, 51, 3, 6, 48, 54, 3, 6, 54, 57, 3, 6,
+        57, 60, 3, 6, 18, 63, 3, 6, 39, 66, 3, 6, 60, 69, 3, 6, 63, 66, 3, 6, 63, 69, 3, 6, 66, 69, 6, 9,
+        12, 15, 6, 9, 21, 24, 6, 9, 24, 27, 6, 9, 27, 30, 6, 9, 27, 33, 6, 9, 33, 36, 6, 9, 36, 39, 6, 9,
+        42, 45, 6, 9, 45, 48, 6, 9, 48, 51, 6, 9, 48, 54, 6, 9, 54, 57, 6, 9, 57, 60, 6, 9, 18, 63, 6, 9,
+        39, 66, 6, 9, 60, 69, 6, 9, 63, 66, 6, 9, 63, 69, 6, 9, 66, 69, 6, 12, 15, 18, 6, 12, 21, 24, 6, 12,
+        24, 27, 6, 12, 27, 30, 6, 12, 27, 33, 6, 12, 33, 36, 6, 12, 36, 39, 6, 12, 42, 45, 6, 12, 45, 48, 6,
+        12, 48, 51, 6, 12, 48, 54, 6, 12, 54, 57, 6, 12, 57, 60, 6, 12, 18, 63, 6, 12, 39, 66, 6, 12, 60,
+        69, 6, 12, 63, 66, 6, 12, 63, 69, 6, 12, 66, 69, 12, 15, 21, 24, 12, 15, 24, 27, 12, 15, 27, 30, 12,
+        15, 27, 33, 12, 15, 33, 36, 12, 15, 36, 39, 12, 15, 42, 45, 12, 15, 45, 48, 12, 15, 48, 51, 12, 15,
+        48, 54, 12, 15, 54, 57, 12, 15, 57, 60, 12, 15, 18, 63, 12, 15, 39, 66, 12, 15, 60, 69, 12, 15, 63,
+        66, 12, 15, 63, 69, 12, 15, 66, 69, 15, 18, 21, 24, 15, 18, 24, 27, 15, 18, 27, 30, 15, 18, 27, 33,
+        15, 18, 33, 36, 15, 18, 36, 39, 15, 18, 42, 45, 15, 18, 45, 48, 15, 18, 48, 51, 15, 18, 48, 54, 15,
+        18, 54, 57, 15, 18, 57, 60, 15, 18, 39, 66, 15, 18, 60, 69, 15, 18, 63, 66, 15, 18, 63, 69, 15, 18,
+        66, 69, 21, 24, 27, 30, 21, 24, 27, 33, 21, 24, 33, 36, 21, 24, 36, 39, 21, 24, 42, 45, 21, 24, 45,
+        48, 21, 24, 48, 51, 21, 24, 48, 54, 21, 24, 54, 57, 21, 24, 57, 60, 21, 24, 18, 63, 21, 24, 39, 66,
+        21, 24, 60, 69, 21, 24, 63, 66, 21, 24, 63, 69, 21, 24, 66, 69, 24, 27, 33, 36, 24, 27, 36, 39, 24,
+        27, 42, 45, 24, 27, 45, 48, 24, 27, 48, 51, 24, 27, 48, 54, 24, 27, 54, 57, 24, 27, 57, 60, 24, 27,
+        18, 63, 24, 27, 39, 66, 24, 27, 60, 69, 24, 27, 63, 66, 24, 27, 63, 69, 24, 27, 66, 69, 27, 30, 33,
+        36, 27, 30, 42, 45, 27, 30, 45, 48, 27, 30, 48, 51, 27, 30, 48, 54, 27, 30, 54, 57, 27, 30, 57, 60,
+        27, 30, 18, 63, 27, 30, 39, 66, 27, 30, 60, 69, 27, 30, 63, 66, 27, 30, 63, 69, 27, 30, 66, 69, 27,
+        33, 36, 39, 27, 33, 42, 45, 27, 33, 45, 48, 27, 33, 48, 51, 27, 33, 48, 54, 27, 33, 54, 57, 27, 33,
+        57, 60, 27, 33, 18, 63, 27, 33, 39, 66, 27, 33, 60, 69, 27, 33, 63, 66, 27, 33, 63, 69, 27, 33, 66,
+        69, 33, 36, 42, 45, 33, 36, 45, 48, 33, 36, 48, 51, 33, 36, 48, 54, 33, 36, 54, 57, 33, 36, 57, 60,
+        33, 36, 18, 63, 33, 36, 39, 66, 33, 36, 60, 69, 33, 36, 63, 66, 33, 36, 63, 69, 33, 36, 66, 69, 36,
+        39, 42, 45, 36, 39, 45, 48, 36, 39, 48, 51, 36, 39, 48, 54, 36, 39, 54, 57, 36, 39, 57, 60, 36, 39,
+        18, 63, 36, 39, 60, 69, 36, 39, 63, 66, 36, 39, 63, 69, 36, 39, 66, 69, 42, 45, 48, 51, 42, 45, 48,
+        54, 42, 45, 54, 57, 42, 45, 57, 60, 42, 45, 18, 63, 42, 45, 39, 66, 42, 45, 60, 69, 42, 45, 63, 66,
+        42, 45, 63, 69, 42, 45, 66, 69, 45, 48, 54, 57, 45, 48, 57, 60, 45, 48, 18, 63, 45, 48, 39, 66, 45,
+        48, 60, 69, 45, 48, 63, 66, 45, 48, 63, 69, 45, 48, 66, 69, 48, 51, 54, 57, 48, 51, 18, 63, 48, 51,
+        39, 66, 48, 51, 60, 69, 48, 51, 63, 66, 48, 51, 63, 69, 48, 51, 66, 69, 48, 54, 57, 60, 48, 54, 18,
+        63, 48, 54, 39, 66, 48, 54, 60, 69, 48, 54, 63, 66, 48, 54, 63, 69, 48, 54, 66, 69, 54, 57, 18, 63,
+        54, 57, 39, 66, 54, 57, 60, 69, 54, 57, 63, 66, 54, 57, 63, 69, 54, 57, 66, 69, 57, 60, 18, 63, 57,
+        60, 39, 66, 57, 60, 63, 66, 57, 60, 63, 69, 57, 60, 66, 69, 18, 63, 39, 66, 18, 63, 60, 69, 18, 63,
+        66, 69, 39, 66, 60, 69, 39, 66, 63, 69, 60, 69, 63, 66
+    };
+    krhpr_lanes points_of_links[72];
+    for (int k = 0; k < 63; ++k) {
+        points_of_links[k] = points[k];
+    }
+    for (int k = 0; k < 9; ++k) {
+        points_of_links[63 + k] = attachment[k];
+    }
+    for (int pair = 0; pair < 243; ++pair) {
+        krhpr_algebra_spatial_segment_distance_lanes(
+            points_of_links + ends[4 * pair + 0], points_of_links + ends[4 * pair + 1],
+            points_of_links + ends[4 * pair + 2], points_of_links + ends[4 * pair + 3], distances + pair);
+    }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return 0;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, distances, 243);
+    return 1;
+}
+
+KRHPR_API int krhpr_spatial_p_fivebar_a_clearances_batch(
+    const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t together = krhpr_poses_together(count);
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+        const int here = krhpr_poses_here(count - (size_t)k);
+        krhpr_ints answer;
+        krhpr_lanes p_lanes[3];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes Q_lanes[9];
+        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes distances_lanes[243];
+        const int doubtful = krhpr_spatial_p_fivebar_a_clearances_lanes(
+            g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], distances_lanes, 243, here);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
+    }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_p_fivebar_a_clearances(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+#ifndef KRHPR_WITHOUT_SOA
+KRHPR_API int krhpr_spatial_p_fivebar_a_clearances_soa(
+    const krhpr_spatial_p_fivebar_a_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[3];
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes Q_room[9];
+            const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            krhpr_lanes theta_room[9];
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            krhpr_lanes distances_room[243];
+            double *const distances_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const distances_lanes = krhpr_poses_out(distances_room, distances_at, row, here);
+            const int doubtful = krhpr_spatial_p_fivebar_a_clearances_lanes(
+                g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
+            krhpr_poses_done(distances_room, distances_at, row, 243, here);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
+        }
+    }
+    return first;
+}
+#endif
+
 /* singularity of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
 KRHPR_OUTLINE int krhpr_spatial_p_fivebar_a_singularity_lanes(
     const krhpr_spatial_p_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],

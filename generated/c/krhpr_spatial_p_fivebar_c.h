@@ -378,6 +378,19 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_link_points(
     const krhpr_spatial_p_fivebar_c_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment);
 
+/* Distances between the axes of every two links that no joint joins: of the legs, the redundant links, and
+ * in arrangement (a) the platform's edges.  They have kinks where the nearest points pass from an end of a
+ * link to another.  Thesis: 1.7.1.
+ *   in     p (3, m, base frame): position of O'
+ *   in     Q (3 x 3, base frame): orientation, base from platform
+ *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
+ *   in     theta (3 x 3, rad or m, joint frame): actuated joints [d, theta_2, theta_3]
+ *   out    distances (132, m): shortest distances between the axes of links that no joint joins
+ */
+KRHPR_API int krhpr_spatial_p_fivebar_c_clearances(
+    const krhpr_spatial_p_fivebar_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT distances);
+
 /* Determinants of the legs and their factors; the factors of det J and margins that are positive inside the
  * working box.  Free of type II singularities if all d_i >= 0 and at most one is zero (the thesis says
  * completely free, which holds only with this slide limit); det J_a = (sqrt3/2)(d_1 + d_2 + d_3), det J_n =
@@ -754,6 +767,14 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_link_points_batch(
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
 KRHPR_API int krhpr_spatial_p_fivebar_c_link_points_soa(
+    const krhpr_spatial_p_fivebar_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* clearances: in = p (3), Q (9), s (9), theta (9); out = distances (132). */
+KRHPR_API int krhpr_spatial_p_fivebar_c_clearances_batch(
+    const krhpr_spatial_p_fivebar_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_p_fivebar_c_clearances_soa(
     const krhpr_spatial_p_fivebar_c_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 /* singularity: in = p (3), Q (9), s (9), theta (9); out = type_1 (3), factors (9), type_2 (2), margins (2). */

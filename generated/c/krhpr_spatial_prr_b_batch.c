@@ -2789,6 +2789,148 @@ KRHPR_API int krhpr_spatial_prr_b_link_points_soa(
 }
 #endif
 
+/* clearances of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_prr_b_clearances_lanes(
+    const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT distances,
+    krhpr_ints *answer)
+{
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
+        krhpr_poses_taint(theta, 9);
+    krhpr_lanes points[45];
+    krhpr_lanes attachment[9];
+    krhpr_lanes angle[3];
+    krhpr_lanes sine[3];
+    krhpr_lanes cosine[3];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_subleg_prr_posture_angles_lanes(theta + 3 * i, angle + 1 * i);
+    }
+    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_lanes d[2];
+        krhpr_lanes v_1[2];
+        krhpr_subleg_prr_posture_lanes(&g->subleg, i, s + 3 * i, sine + 1 * i, cosine + 1 * i, d, v_1);
+        krhpr_subleg_prr_points_lanes(&g->subleg, i, d, v_1, s + 3 * i, points + 15 * i);
+        krhpr_platform_spatial_b_attachment_lanes(&g->platform, i, Q, s + 3 * i, attachment + 3 * i);
+    }
+    static const int ends[372] = {
+        0, 3, 6, 9, 0, 3, 9, 12, 0, 3, 15, 18, 0, 3, 18, 21, 0, 3, 21, 24, 0, 3, 24, 27, 0, 3, 30, 33, 0, 3,
+        33, 36, 0, 3, 36, 39, 0, 3, 39, 42, 0, 3, 12, 45, 0, 3, 27, 48, 0, 3, 42, 51, 3, 6, 9, 12, 3, 6, 15,
+        18, 3, 6, 18, 21, 3, 6, 21, 24, 3, 6, 24, 27, 3, 6, 30, 33, 3, 6, 33, 36, 3, 6, 36, 39, 3, 6, 39,
+        42, 3, 6, 12, 45, 3, 6, 27, 48, 3, 6, 42, 51, 6, 9, 15, 18, 6, 9, 18, 21, 6, 9, 21, 24, 6, 9, 24,
+        27, 6, 9, 30, 33, 6, 9, 33, 36, 6, 9, 36, 39, 6, 9, 39, 42, 6, 9, 12, 45, 6, 9, 27, 48, 6, 9, 42,
+        51, 9, 12, 15, 18, 9, 12, 18, 21, 9, 12, 21, 24, 9, 12, 24, 27, 9, 12, 30, 33, 9, 12, 33, 36, 9, 12,
+        36, 39, 9, 12, 39, 42, 9, 12, 27, 48, 9, 12, 42, 51, 15, 18, 21, 24, 15, 18, 24, 27, 15, 18, 30, 33,
+        15, 18, 33, 36, 15, 18, 36, 39, 15, 18, 39, 42, 15, 18, 12, 45, 15, 18, 27, 48, 15, 18, 42, 51, 18,
+        21, 24, 27, 18, 21, 30, 33, 18, 21, 33, 36, 18, 21, 36, 39, 18, 21, 39, 42, 18, 21, 12, 45, 18, 21,
+        27, 48, 18, 21, 42, 51, 21, 24, 30, 33, 21, 24, 33, 36, 21, 24, 36, 39, 21, 24, 39, 42, 21, 24, 12,
+        45, 21, 24, 27, 48, 21, 24, 42, 51, 24, 27, 30, 33, 24, 27, 33, 36, 24, 27, 36, 39, 24, 27, 39, 42,
+        24, 27, 12, 45, 24, 27, 42, 51, 30, 33, 36, 39, 30, 33, 39, 42, 30, 33, 12, 45, 30, 33, 27, 48, 30,
+        33, 42, 51, 33, 36, 39, 42, 33, 36, 12, 45, 33, 36, 27, 48, 33, 36, 42, 51, 36, 39, 12, 45, 36, 39,
+        27, 48, 36, 39, 42, 51, 39, 42, 12, 45, 39, 42, 27, 48, 12, 45, 27, 48, 12, 45, 42, 51, 27, 48, 42,
+        51
+    };
+    krhpr_lanes points_of_links[54];
+    for (int k = 0; k < 45; ++k) {
+        points_of_links[k] = points[k];
+    }
+    for (int k = 0; k < 9; ++k) {
+        points_of_links[45 + k] = attachment[k];
+    }
+    for (int pair = 0; pair < 93; ++pair) {
+        krhpr_algebra_spatial_segment_distance_lanes(
+            points_of_links + ends[4 * pair + 0], points_of_links + ends[4 * pair + 1],
+            points_of_links + ends[4 * pair + 2], points_of_links + ends[4 * pair + 3], distances + pair);
+    }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return 0;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, distances, 93);
+    return 1;
+}
+
+KRHPR_API int krhpr_spatial_prr_b_clearances_batch(
+    const krhpr_spatial_prr_b_geometry *g, size_t count, const double *const in[], const ptrdiff_t in_step[],
+    double *const out[], const ptrdiff_t out_step[], int *status, ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t together = krhpr_poses_together(count);
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+        const int here = krhpr_poses_here(count - (size_t)k);
+        krhpr_ints answer;
+        krhpr_lanes p_lanes[3];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes Q_lanes[9];
+        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes distances_lanes[93];
+        const int doubtful = krhpr_spatial_prr_b_clearances_lanes(
+            g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], distances_lanes, 93, here);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
+    }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_prr_b_clearances(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+#ifndef KRHPR_WITHOUT_SOA
+KRHPR_API int krhpr_spatial_prr_b_clearances_soa(
+    const krhpr_spatial_prr_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[3];
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes Q_room[9];
+            const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            krhpr_lanes theta_room[9];
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            krhpr_lanes distances_room[93];
+            double *const distances_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const distances_lanes = krhpr_poses_out(distances_room, distances_at, row, here);
+            const int doubtful = krhpr_spatial_prr_b_clearances_lanes(
+                g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
+            krhpr_poses_done(distances_room, distances_at, row, 93, here);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
+        }
+    }
+    return first;
+}
+#endif
+
 /* singularity of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
 KRHPR_OUTLINE int krhpr_spatial_prr_b_singularity_lanes(
     const krhpr_spatial_prr_b_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],

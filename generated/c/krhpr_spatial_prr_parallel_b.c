@@ -955,6 +955,69 @@ KRHPR_API int krhpr_spatial_prr_parallel_b_link_points(
     return status;
 }
 
+KRHPR_API int krhpr_spatial_prr_parallel_b_clearances(
+    const krhpr_spatial_prr_parallel_b_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT distances)
+{
+    int status = KRHPR_OK;
+    double points[45];
+    double attachment[9];
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(distances, 93);
+        return KRHPR_INVALID_INPUT;
+    }
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes points_legs[15];
+        krhpr_lanes attachment_legs[3];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_prr_parallel_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_prr_parallel_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
+        krhpr_subleg_prr_parallel_points_lanes(&g->subleg, i, d_legs, v_1_legs, s_legs, points_legs);
+        krhpr_platform_spatial_b_attachment_lanes(&g->platform, i, Q_legs, s_legs, attachment_legs);
+        krhpr_legs_store(points, 15, points_legs, 15, i);
+        krhpr_legs_store(attachment, 3, attachment_legs, 3, i);
+    }
+    static const int ends[372] = {
+        0, 3, 6, 9, 0, 3, 9, 12, 0, 3, 15, 18, 0, 3, 18, 21, 0, 3, 21, 24, 0, 3, 24, 27, 0, 3, 30, 33, 0, 3,
+        33, 36, 0, 3, 36, 39, 0, 3, 39, 42, 0, 3, 12, 45, 0, 3, 27, 48, 0, 3, 42, 51, 3, 6, 9, 12, 3, 6, 15,
+        18, 3, 6, 18, 21, 3, 6, 21, 24, 3, 6, 24, 27, 3, 6, 30, 33, 3, 6, 33, 36, 3, 6, 36, 39, 3, 6, 39,
+        42, 3, 6, 12, 45, 3, 6, 27, 48, 3, 6, 42, 51, 6, 9, 15, 18, 6, 9, 18, 21, 6, 9, 21, 24, 6, 9, 24,
+        27, 6, 9, 30, 33, 6, 9, 33, 36, 6, 9, 36, 39, 6, 9, 39, 42, 6, 9, 12, 45, 6, 9, 27, 48, 6, 9, 42,
+        51, 9, 12, 15, 18, 9, 12, 18, 21, 9, 12, 21, 24, 9, 12, 24, 27, 9, 12, 30, 33, 9, 12, 33, 36, 9, 12,
+        36, 39, 9, 12, 39, 42, 9, 12, 27, 48, 9, 12, 42, 51, 15, 18, 21, 24, 15, 18, 24, 27, 15, 18, 30, 33,
+        15, 18, 33, 36, 15, 18, 36, 39, 15, 18, 39, 42, 15, 18, 12, 45, 15, 18, 27, 48, 15, 18, 42, 51, 18,
+        21, 24, 27, 18, 21, 30, 33, 18, 21, 33, 36, 18, 21, 36, 39, 18, 21, 39, 42, 18, 21, 12, 45, 18, 21,
+        27, 48, 18, 21, 42, 51, 21, 24, 30, 33, 21, 24, 33, 36, 21, 24, 36, 39, 21, 24, 39, 42, 21, 24, 12,
+        45, 21, 24, 27, 48, 21, 24, 42, 51, 24, 27, 30, 33, 24, 27, 33, 36, 24, 27, 36, 39, 24, 27, 39, 42,
+        24, 27, 12, 45, 24, 27, 42, 51, 30, 33, 36, 39, 30, 33, 39, 42, 30, 33, 12, 45, 30, 33, 27, 48, 30,
+        33, 42, 51, 33, 36, 39, 42, 33, 36, 12, 45, 33, 36, 27, 48, 33, 36, 42, 51, 36, 39, 12, 45, 36, 39,
+        27, 48, 36, 39, 42, 51, 39, 42, 12, 45, 39, 42, 27, 48, 12, 45, 27, 48, 12, 45, 42, 51, 27, 48, 42,
+        51
+    };
+    double points_of_links[54];
+    for (int k = 0; k < 45; ++k) {
+        points_of_links[k] = points[k];
+    }
+    for (int k = 0; k < 9; ++k) {
+        points_of_links[45 + k] = attachment[k];
+    }
+    for (int pair = 0; pair < 93; ++pair) {
+        krhpr_algebra_spatial_segment_distance(
+            points_of_links + ends[4 * pair + 0], points_of_links + ends[4 * pair + 1],
+            points_of_links + ends[4 * pair + 2], points_of_links + ends[4 * pair + 3], distances + pair);
+    }
+    return status;
+}
+
 KRHPR_API int krhpr_spatial_prr_parallel_b_singularity(
     const krhpr_spatial_prr_parallel_b_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors,

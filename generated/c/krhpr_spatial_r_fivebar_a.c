@@ -1098,6 +1098,87 @@ KRHPR_API int krhpr_spatial_r_fivebar_a_link_points(
     return status;
 }
 
+KRHPR_API int krhpr_spatial_r_fivebar_a_clearances(
+    const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT distances)
+{
+    int status = KRHPR_OK;
+    double points[54];
+    double attachment[9];
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(distances, 180);
+        return KRHPR_INVALID_INPUT;
+    }
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes x_legs[3];
+        krhpr_lanes e_2_legs[3];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_1_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes points_legs[18];
+        krhpr_lanes attachment_legs[3];
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_r_fivebar_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, u_1_legs, u_2_legs);
+        krhpr_subleg_r_fivebar_points_lanes(
+            &g->subleg, i, x_legs, d_legs, u_1_legs, u_2_legs, s_legs, points_legs);
+        krhpr_platform_spatial_a_attachment_lanes(&g->platform, i, p_legs, Q_legs, attachment_legs);
+        krhpr_legs_store(points, 18, points_legs, 18, i);
+        krhpr_legs_store(attachment, 3, attachment_legs, 3, i);
+    }
+    static const int ends[720] = {
+        0, 3, 9, 12, 0, 3, 12, 15, 0, 3, 18, 21, 0, 3, 21, 24, 0, 3, 21, 27, 0, 3, 27, 30, 0, 3, 30, 33, 0,
+        3, 36, 39, 0, 3, 39, 42, 0, 3, 39, 45, 0, 3, 45, 48, 0, 3, 48, 51, 0, 3, 15, 54, 0, 3, 33, 57, 0, 3,
+        51, 60, 0, 3, 54, 57, 0, 3, 54, 60, 0, 3, 57, 60, 3, 6, 9, 12, 3, 6, 18, 21, 3, 6, 21, 24, 3, 6, 21,
+        27, 3, 6, 27, 30, 3, 6, 30, 33, 3, 6, 36, 39, 3, 6, 39, 42, 3, 6, 39, 45, 3, 6, 45, 48, 3, 6, 48,
+        51, 3, 6, 15, 54, 3, 6, 33, 57, 3, 6, 51, 60, 3, 6, 54, 57, 3, 6, 54, 60, 3, 6, 57, 60, 3, 9, 12,
+        15, 3, 9, 18, 21, 3, 9, 21, 24, 3, 9, 21, 27, 3, 9, 27, 30, 3, 9, 30, 33, 3, 9, 36, 39, 3, 9, 39,
+        42, 3, 9, 39, 45, 3, 9, 45, 48, 3, 9, 48, 51, 3, 9, 15, 54, 3, 9, 33, 57, 3, 9, 51, 60, 3, 9, 54,
+        57, 3, 9, 54, 60, 3, 9, 57, 60, 9, 12, 18, 21, 9, 12, 21, 24, 9, 12, 21, 27, 9, 12, 27, 30, 9, 12,
+        30, 33, 9, 12, 36, 39, 9, 12, 39, 42, 9, 12, 39, 45, 9, 12, 45, 48, 9, 12, 48, 51, 9, 12, 15, 54, 9,
+        12, 33, 57, 9, 12, 51, 60, 9, 12, 54, 57, 9, 12, 54, 60, 9, 12, 57, 60, 12, 15, 18, 21, 12, 15, 21,
+        24, 12, 15, 21, 27, 12, 15, 27, 30, 12, 15, 30, 33, 12, 15, 36, 39, 12, 15, 39, 42, 12, 15, 39, 45,
+        12, 15, 45, 48, 12, 15, 48, 51, 12, 15, 33, 57, 12, 15, 51, 60, 12, 15, 54, 57, 12, 15, 54, 60, 12,
+        15, 57, 60, 18, 21, 27, 30, 18, 21, 30, 33, 18, 21, 36, 39, 18, 21, 39, 42, 18, 21, 39, 45, 18, 21,
+        45, 48, 18, 21, 48, 51, 18, 21, 15, 54, 18, 21, 33, 57, 18, 21, 51, 60, 18, 21, 54, 57, 18, 21, 54,
+        60, 18, 21, 57, 60, 21, 24, 27, 30, 21, 24, 36, 39, 21, 24, 39, 42, 21, 24, 39, 45, 21, 24, 45, 48,
+        21, 24, 48, 51, 21, 24, 15, 54, 21, 24, 33, 57, 21, 24, 51, 60, 21, 24, 54, 57, 21, 24, 54, 60, 21,
+        24, 57, 60, 21, 27, 30, 33, 21, 27, 36, 39, 21, 27, 39, 42, 21, 27, 39, 45, 21, 27, 45, 48, 21, 27,
+        48, 51, 21, 27, 15, 54, 21, 27, 33, 57, 21, 27, 51, 60, 21, 27, 54, 57, 21, 27, 54, 60, 21, 27, 57,
+        60, 27, 30, 36, 39, 27, 30, 39, 42, 27, 30, 39, 45, 27, 30, 45, 48, 27, 30, 48, 51, 27, 30, 15, 54,
+        27, 30, 33, 57, 27, 30, 51, 60, 27, 30, 54, 57, 27, 30, 54, 60, 27, 30, 57, 60, 30, 33, 36, 39, 30,
+        33, 39, 42, 30, 33, 39, 45, 30, 33, 45, 48, 30, 33, 48, 51, 30, 33, 15, 54, 30, 33, 51, 60, 30, 33,
+        54, 57, 30, 33, 54, 60, 30, 33, 57, 60, 36, 39, 45, 48, 36, 39, 48, 51, 36, 39, 15, 54, 36, 39, 33,
+        57, 36, 39, 51, 60, 36, 39, 54, 57, 36, 39, 54, 60, 36, 39, 57, 60, 39, 42, 45, 48, 39, 42, 15, 54,
+        39, 42, 33, 57, 39, 42, 51, 60, 39, 42, 54, 57, 39, 42, 54, 60, 39, 42, 57, 60, 39, 45, 48, 51, 39,
+        45, 15, 54, 39, 45, 33, 57, 39, 45, 51, 60, 39, 45, 54, 57, 39, 45, 54, 60, 39, 45, 57, 60, 45, 48,
+        15, 54, 45, 48, 33, 57, 45, 48, 51, 60, 45, 48, 54, 57, 45, 48, 54, 60, 45, 48, 57, 60, 48, 51, 15,
+        54, 48, 51, 33, 57, 48, 51, 54, 57, 48, 51, 54, 60, 48, 51, 57, 60, 15, 54, 33, 57, 15, 54, 51, 60,
+        15, 54, 57, 60, 33, 57, 51, 60, 33, 57, 54, 60, 51, 60, 54, 57
+    };
+    double points_of_links[63];
+    for (int k = 0; k < 54; ++k) {
+        points_of_links[k] = points[k];
+    }
+    for (int k = 0; k < 9; ++k) {
+        points_of_links[54 + k] = attachment[k];
+    }
+    for (int pair = 0; pair < 180; ++pair) {
+        krhpr_algebra_spatial_segment_distance(
+            points_of_links + ends[4 * pair + 0], points_of_links + ends[4 * pair + 1],
+            points_of_links + ends[4 * pair + 2], points_of_links + ends[4 * pair + 3], distances + pair);
+    }
+    return status;
+}
+
 KRHPR_API int krhpr_spatial_r_fivebar_a_singularity(
     const krhpr_spatial_r_fivebar_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors,

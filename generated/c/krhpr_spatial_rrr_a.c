@@ -919,6 +919,71 @@ KRHPR_API int krhpr_spatial_rrr_a_link_points(
     return status;
 }
 
+KRHPR_API int krhpr_spatial_rrr_a_clearances(
+    const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT distances)
+{
+    int status = KRHPR_OK;
+    double points[36];
+    double attachment[9];
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(distances, 87);
+        return KRHPR_INVALID_INPUT;
+    }
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes x_legs[3];
+        krhpr_lanes e_2_legs[3];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes points_legs[12];
+        krhpr_lanes attachment_legs[3];
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_subleg_rrr_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_1_legs);
+        krhpr_subleg_rrr_points_lanes(&g->subleg, i, x_legs, d_legs, v_1_legs, s_legs, points_legs);
+        krhpr_platform_spatial_a_attachment_lanes(&g->platform, i, p_legs, Q_legs, attachment_legs);
+        krhpr_legs_store(points, 12, points_legs, 12, i);
+        krhpr_legs_store(attachment, 3, attachment_legs, 3, i);
+    }
+    static const int ends[348] = {
+        0, 3, 6, 9, 0, 3, 12, 15, 0, 3, 15, 18, 0, 3, 18, 21, 0, 3, 24, 27, 0, 3, 27, 30, 0, 3, 30, 33, 0,
+        3, 9, 36, 0, 3, 21, 39, 0, 3, 33, 42, 0, 3, 36, 39, 0, 3, 36, 42, 0, 3, 39, 42, 3, 6, 12, 15, 3, 6,
+        15, 18, 3, 6, 18, 21, 3, 6, 24, 27, 3, 6, 27, 30, 3, 6, 30, 33, 3, 6, 9, 36, 3, 6, 21, 39, 3, 6, 33,
+        42, 3, 6, 36, 39, 3, 6, 36, 42, 3, 6, 39, 42, 6, 9, 12, 15, 6, 9, 15, 18, 6, 9, 18, 21, 6, 9, 24,
+        27, 6, 9, 27, 30, 6, 9, 30, 33, 6, 9, 21, 39, 6, 9, 33, 42, 6, 9, 36, 39, 6, 9, 36, 42, 6, 9, 39,
+        42, 12, 15, 18, 21, 12, 15, 24, 27, 12, 15, 27, 30, 12, 15, 30, 33, 12, 15, 9, 36, 12, 15, 21, 39,
+        12, 15, 33, 42, 12, 15, 36, 39, 12, 15, 36, 42, 12, 15, 39, 42, 15, 18, 24, 27, 15, 18, 27, 30, 15,
+        18, 30, 33, 15, 18, 9, 36, 15, 18, 21, 39, 15, 18, 33, 42, 15, 18, 36, 39, 15, 18, 36, 42, 15, 18,
+        39, 42, 18, 21, 24, 27, 18, 21, 27, 30, 18, 21, 30, 33, 18, 21, 9, 36, 18, 21, 33, 42, 18, 21, 36,
+        39, 18, 21, 36, 42, 18, 21, 39, 42, 24, 27, 30, 33, 24, 27, 9, 36, 24, 27, 21, 39, 24, 27, 33, 42,
+        24, 27, 36, 39, 24, 27, 36, 42, 24, 27, 39, 42, 27, 30, 9, 36, 27, 30, 21, 39, 27, 30, 33, 42, 27,
+        30, 36, 39, 27, 30, 36, 42, 27, 30, 39, 42, 30, 33, 9, 36, 30, 33, 21, 39, 30, 33, 36, 39, 30, 33,
+        36, 42, 30, 33, 39, 42, 9, 36, 21, 39, 9, 36, 33, 42, 9, 36, 39, 42, 21, 39, 33, 42, 21, 39, 36, 42,
+        33, 42, 36, 39
+    };
+    double points_of_links[45];
+    for (int k = 0; k < 36; ++k) {
+        points_of_links[k] = points[k];
+    }
+    for (int k = 0; k < 9; ++k) {
+        points_of_links[36 + k] = attachment[k];
+    }
+    for (int pair = 0; pair < 87; ++pair) {
+        krhpr_algebra_spatial_segment_distance(
+            points_of_links + ends[4 * pair + 0], points_of_links + ends[4 * pair + 1],
+            points_of_links + ends[4 * pair + 2], points_of_links + ends[4 * pair + 3], distances + pair);
+    }
+    return status;
+}
+
 KRHPR_API int krhpr_spatial_rrr_a_singularity(
     const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors,

@@ -325,6 +325,19 @@ KRHPR_API int krhpr_spatial_rrr_a_link_points(
     const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment);
 
+/* Distances between the axes of every two links that no joint joins: of the legs, the redundant links, and
+ * in arrangement (a) the platform's edges.  They have kinks where the nearest points pass from an end of a
+ * link to another.  Thesis: 1.7.1.
+ *   in     p (3, m, base frame): position of O'
+ *   in     Q (3 x 3, base frame): orientation, base from platform
+ *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
+ *   in     theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
+ *   out    distances (87, m): shortest distances between the axes of links that no joint joins
+ */
+KRHPR_API int krhpr_spatial_rrr_a_clearances(
+    const krhpr_spatial_rrr_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT distances);
+
 /* Determinants of the legs and their factors; the factors of det J and margins that are positive inside the
  * working box.  Singular where the three redundant links' lines meet in a point or are parallel (det J_a =
  * 0), or where S_1, S_2, S_3 are collinear (det J_n = 0; excluded for l < 3 R_p / 4, (1.35)).  Thesis: 1.4,
@@ -708,6 +721,14 @@ KRHPR_API int krhpr_spatial_rrr_a_link_points_batch(
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
 KRHPR_API int krhpr_spatial_rrr_a_link_points_soa(
+    const krhpr_spatial_rrr_a_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* clearances: in = p (3), Q (9), s (9), theta (9); out = distances (87). */
+KRHPR_API int krhpr_spatial_rrr_a_clearances_batch(
+    const krhpr_spatial_rrr_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_rrr_a_clearances_soa(
     const krhpr_spatial_rrr_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 /* singularity: in = p (3), Q (9), s (9), theta (9); out = type_1 (3), factors (6), type_2 (2), margins (2). */

@@ -2722,6 +2722,190 @@ KRHPR_API int krhpr_spatial_tripteron_c_link_points_soa(
 }
 #endif
 
+/* clearances of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_tripteron_c_clearances_lanes(
+    const krhpr_spatial_tripteron_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT distances,
+    krhpr_ints *answer)
+{
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
+        krhpr_poses_taint(theta, 9);
+    krhpr_lanes points[72];
+    krhpr_lanes radicand[3];
+    krhpr_lanes regularity[3];
+    krhpr_lanes attachment[9];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_lanes rho[3];
+        krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
+        krhpr_subleg_tripteron_points_lanes(
+            &g->subleg, i, rho, s + 3 * i, points + 24 * i, &radicand[i], &regularity[i]);
+        krhpr_platform_spatial_c_attachment_lanes(&g->platform, i, s + 3 * i, attachment + 3 * i);
+    }
+    static const int ends[1260] = {
+        0, 3, 6, 21, 0, 3, 9, 12, 0, 3, 12, 21, 0, 3, 15, 18, 0, 3, 18, 21, 0, 3, 24, 27, 0, 3, 27, 30, 0,
+        3, 30, 45, 0, 3, 24, 33, 0, 3, 33, 36, 0, 3, 36, 45, 0, 3, 24, 39, 0, 3, 39, 42, 0, 3, 42, 45, 0, 3,
+        48, 51, 0, 3, 51, 54, 0, 3, 54, 69, 0, 3, 48, 57, 0, 3, 57, 60, 0, 3, 60, 69, 0, 3, 48, 63, 0, 3,
+        63, 66, 0, 3, 66, 69, 3, 6, 0, 9, 3, 6, 9, 12, 3, 6, 12, 21, 3, 6, 0, 15, 3, 6, 15, 18, 3, 6, 18,
+        21, 3, 6, 24, 27, 3, 6, 27, 30, 3, 6, 30, 45, 3, 6, 24, 33, 3, 6, 33, 36, 3, 6, 36, 45, 3, 6, 24,
+        39, 3, 6, 39, 42, 3, 6, 42, 45, 3, 6, 48, 51, 3, 6, 51, 54, 3, 6, 54, 69, 3, 6, 48, 57, 3, 6, 57,
+        60, 3, 6, 60, 69, 3, 6, 48, 63, 3, 6, 63, 66, 3, 6, 66, 69, 6, 21, 0, 9, 6, 21, 9, 12, 6, 21, 0, 15,
+        6, 21, 15, 18, 6, 21, 24, 27, 6, 21, 27, 30, 6, 21, 30, 45, 6, 21, 24, 33, 6, 21, 33, 36, 6, 21, 36,
+        45, 6, 21, 24, 39, 6, 21, 39, 42, 6, 21, 42, 45, 6, 21, 48, 51, 6, 21, 51, 54, 6, 21, 54, 69, 6, 21,
+        48, 57, 6, 21, 57, 60, 6, 21, 60, 69, 6, 21, 48, 63, 6, 21, 63, 66, 6, 21, 66, 69, 0, 9, 12, 21, 0,
+        9, 15, 18, 0, 9, 18, 21, 0, 9, 24, 27, 0, 9, 27, 30, 0, 9, 30, 45, 0, 9, 24, 33, 0, 9, 33, 36, 0, 9,
+        36, 45, 0, 9, 24, 39, 0, 9, 39, 42, 0, 9, 42, 45, 0, 9, 48, 51, 0, 9, 51, 54, 0, 9, 54, 69, 0, 9,
+        48, 57, 0, 9, 57, 60, 0, 9, 60, 69, 0, 9, 48, 63, 0, 9, 63, 66, 0, 9, 66, 69, 9, 12, 0, 15, 9, 12,
+        15, 18, 9, 12, 18, 21, 9, 12, 24, 27, 9, 12, 27, 30, 9, 12, 30, 45, 9, 12, 24, 33, 9, 12, 33, 36, 9,
+        12, 36, 45, 9, 12, 24, 39, 9, 12, 39, 42, 9, 12, 42, 45, 9, 12, 48, 51, 9, 12, 51, 54, 9, 12, 54,
+        69, 9, 12, 48, 57, 9, 12, 57, 60, 9, 12, 60, 69, 9, 12, 48, 63, 9, 12, 63, 66, 9, 12, 66, 69, 12,
+        21, 0, 15, 12, 21, 15, 18, 12, 21, 24, 27, 12, 21, 27, 30, 12, 21, 30, 45, 12, 21, 24, 33, 12, 21,
+        33, 36, 12, 21, 36, 45, 12, 21, 24, 39, 12, 21, 39, 42, 12, 21, 42, 45, 12, 21, 48, 51, 12, 21, 51,
+        54, 12, 21, 54, 69, 12, 21, 48, 57, 12, 21, 57, 60, 12, 21, 60, 69, 12, 21, 48, 63, 12, 21, 63, 66,
+        12, 21, 66, 69, 0, 15, 18, 21, 0, 15, 24, 27, 0, 15, 27, 30, 0, 15, 30, 45, 0, 15, 24, 33, 0, 15,
+        33, 36, 0, 15, 36, 45, 0, 15, 24, 39, 0, 15, 39, 42, 0, 15, 42, 45, 0, 15, 48, 51, 0, 15, 51, 54, 0,
+        15, 54, 69, 0, 15, 48, 57, 0, 15, 57, 60, 0, 15, 60, 69, 0, 15, 48, 63, 0, 15, 63, 66, 0, 15, 66,
+        69, 15, 18, 24, 27, 15, 18, 27, 30, 15, 18, 30, 45, 15, 18, 24, 33, 15, 18, 33, 36, 15, 18, 36, 45,
+        15, 18, 24, 39, 15, 18, 39, 42, 15, 18, 42, 45, 15, 18, 48, 51, 15, 18, 51, 54, 15, 18, 54, 69, 15,
+        18, 48, 57, 15, 18, 57, 60, 15, 18, 60, 69, 15, 18, 48, 63, 15, 18, 63, 66, 15, 18, 66, 69, 18, 21,
+        24, 27, 18, 21, 27, 30, 18, 21, 30, 45, 18, 21, 24, 33, 18, 21, 33, 36, 18, 21, 36, 45, 18, 21, 24,
+        39, 18, 21, 39, 42, 18, 21, 42, 45, 18, 21, 48, 51, 18, 21, 51, 54, 18, 21, 54, 69, 18, 21, 48, 57,
+        18, 21, 57, 60, 18, 21, 60, 69, 18, 21, 48, 63, 18, 21, 63, 66, 18, 21, 66, 69, 24, 27, 30, 45, 24,
+        27, 33, 36, 24, 27, 36, 45, 24, 27, 39, 42, 24, 27, 42, 45, 24, 27, 48, 51, 24, 27, 51, 54, 24, 27,
+        54, 69, 24, 27, 48, 57, 24, 27, 57, 60, 24, 27, 60, 69, 24, 27, 48, 63, 24, 27, 63, 66, 24, 27, 66,
+        69, 27, 30, 24, 33, 27, 30, 33, 36, 27, 30, 36, 45, 27, 30, 24, 39, 27, 30, 39, 42, 27, 30, 42, 45,
+        27, 30, 48, 51, 27, 30, 51, 54, 27, 30, 54, 69, 27, 30, 48, 57, 27, 30, 57, 60, 27, 30, 60, 69, 27,
+        30, 48, 63, 27, 30, 63, 66, 27, 30, 66, 69, 30, 45, 24, 33, 30, 45, 33, 36, 30, 45, 24, 39, 30, 45,
+        39, 42, 30, 45, 48, 51, 30, 45, 51, 54, 30, 45, 54, 69, 30, 45, 48, 57, 30, 45, 57, 60, 30, 45, 60,
+        69, 30, 45, 48, 63, 30, 45, 63, 66, 30, 45, 66, 69, 24, 33, 36, 45, 24, 33, 39, 42, 24, 33, 42, 45,
+        24, 33, 48, 51, 24, 33, 51, 54, 24, 33, 54, 69, 24, 33, 48, 57, 24, 33, 57, 60, 24, 33, 60, 69, 24,
+        33, 48, 63, 24, 33, 63, 66, 24, 33, 66, 69, 33, 36, 24, 39, 33, 36, 39, 42, 33, 36, 42, 45, 33, 36,
+        48, 51, 33, 36, 51, 54, 33, 36, 54, 69, 33, 36, 48, 57, 33, 36, 57, 60, 33, 36, 60, 69, 33, 36, 48,
+        63, 33, 36, 63, 66, 33, 36, 66, 69, 36, 45, 24, 39, 36, 45, 39, 42, 36, 45, 48, 51, 36, 45, 51, 54,
+        36, 45, 54, 69, 36, 45, 48, 57, 36, 45, 57, 60, 36, 45, 60, 69, 36, 45, 48, 63, 36, 45, 63, 66, 36,
+        45, 66, 69, 24, 39, 42, 45, 24, 39, 48, 51, 24, 39, 51, 54, 24, 39, 54, 69, 24, 39, 48, 57, 24, 39,
+        57, 60, 24, 39, 60, 69, 24, 39, 48, 63, 24, 39, 63, 66, 24, 39, 66, 69, 39, 42, 48, 51, 39, 42, 51,
+        54, 39, 42, 54, 69, 39, 42, 48, 57, 39, 42, 57, 60, 39, 42, 60, 69, 39, 42, 48, 63, 39, 42, 63, 66,
+        39, 42, 66, 69, 42, 45, 48, 51, 42, 45, 51, 54, 42, 45, 54, 69, 42, 45, 48, 57, 42, 45, 57, 60, 42,
+        45, 60, 69, 42, 45, 48, 63, 42, 45, 63, 66, 42, 45, 66, 69, 48, 51, 54, 69, 48, 51, 57, 60, 48, 51,
+        60, 69, 48, 51, 63, 66, 48, 51, 66, 69, 51, 54, 48, 57, 51, 54, 57, 60, 51, 54, 60, 69, 51, 54, 48,
+        63, 51, 54, 63, 66, 51, 54, 66, 69, 54, 69, 48, 57, 54, 69, 57, 60, 54, 69, 48, 63, 54, 69, 63, 66,
+        48, 57, 60, 69, 48, 57, 63, 66, 48, 57, 66, 69, 57, 60, 48, 63, 57, 60, 63, 66, 57, 60, 66, 69, 60,
+        69, 48, 63, 60, 69, 63, 66, 48, 63, 66, 69
+    };
+    krhpr_lanes points_of_links[81];
+    for (int k = 0; k < 72; ++k) {
+        points_of_links[k] = points[k];
+    }
+    for (int k = 0; k < 9; ++k) {
+        points_of_links[72 + k] = attachment[k];
+    }
+    for (int pair = 0; pair < 315; ++pair) {
+        krhpr_algebra_spatial_segment_distance_lanes(
+            points_of_links + ends[4 * pair + 0], points_of_links + ends[4 * pair + 1],
+            points_of_links + ends[4 * pair + 2], points_of_links + ends[4 * pair + 3], distances + pair);
+    }
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
+        fine &= krhpr_at_most(krhpr_all(1e-24), regularity[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return 0;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    for (int i = 0; i < 3; ++i) {
+        const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(0.0), radicand[i]);
+        status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
+        const krhpr_ints kept_2 = krhpr_at_most(krhpr_all(1e-24), regularity[i]);
+        status = krhpr_expect(kept_2, status, KRHPR_SINGULAR_LEG_1 + i);
+    }
+    const krhpr_ints valid = krhpr_is_ok(status);
+    krhpr_poses_keep(valid, distances, 315);
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, distances, 315);
+    return 1;
+}
+
+KRHPR_API int krhpr_spatial_tripteron_c_clearances_batch(
+    const krhpr_spatial_tripteron_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t together = krhpr_poses_together(count);
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+        const int here = krhpr_poses_here(count - (size_t)k);
+        krhpr_ints answer;
+        krhpr_lanes p_lanes[3];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes Q_lanes[9];
+        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes distances_lanes[315];
+        const int doubtful = krhpr_spatial_tripteron_c_clearances_lanes(
+            g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], distances_lanes, 315, here);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
+    }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_tripteron_c_clearances(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+#ifndef KRHPR_WITHOUT_SOA
+KRHPR_API int krhpr_spatial_tripteron_c_clearances_soa(
+    const krhpr_spatial_tripteron_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[3];
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes Q_room[9];
+            const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            krhpr_lanes theta_room[9];
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            krhpr_lanes distances_room[315];
+            double *const distances_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const distances_lanes = krhpr_poses_out(distances_room, distances_at, row, here);
+            const int doubtful = krhpr_spatial_tripteron_c_clearances_lanes(
+                g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
+            krhpr_poses_done(distances_room, distances_at, row, 315, here);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
+        }
+    }
+    return first;
+}
+#endif
+
 /* singularity of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
 KRHPR_OUTLINE int krhpr_spatial_tripteron_c_singularity_lanes(
     const krhpr_spatial_tripteron_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],

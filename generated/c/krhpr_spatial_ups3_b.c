@@ -990,6 +990,56 @@ KRHPR_API int krhpr_spatial_ups3_b_link_points(
     return status;
 }
 
+KRHPR_API int krhpr_spatial_ups3_b_clearances(
+    const krhpr_spatial_ups3_b_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT distances)
+{
+    int status = KRHPR_OK;
+    double points[36];
+    double attachment[9];
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(distances, 48);
+        return KRHPR_INVALID_INPUT;
+    }
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes w_legs[9];
+        krhpr_lanes b_legs[3];
+        krhpr_lanes points_legs[12];
+        krhpr_lanes attachment_legs[3];
+        krhpr_subleg_ups3_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs);
+        krhpr_subleg_ups3_points_lanes(&g->subleg, i, s_legs, points_legs);
+        krhpr_platform_spatial_b_attachment_lanes(&g->platform, i, Q_legs, s_legs, attachment_legs);
+        krhpr_legs_store(points, 12, points_legs, 12, i);
+        krhpr_legs_store(attachment, 3, attachment_legs, 3, i);
+    }
+    static const int ends[192] = {
+        0, 9, 12, 21, 0, 9, 15, 21, 0, 9, 18, 21, 0, 9, 24, 33, 0, 9, 27, 33, 0, 9, 30, 33, 0, 9, 21, 39, 0,
+        9, 33, 42, 3, 9, 12, 21, 3, 9, 15, 21, 3, 9, 18, 21, 3, 9, 24, 33, 3, 9, 27, 33, 3, 9, 30, 33, 3, 9,
+        21, 39, 3, 9, 33, 42, 6, 9, 12, 21, 6, 9, 15, 21, 6, 9, 18, 21, 6, 9, 24, 33, 6, 9, 27, 33, 6, 9,
+        30, 33, 6, 9, 21, 39, 6, 9, 33, 42, 12, 21, 24, 33, 12, 21, 27, 33, 12, 21, 30, 33, 12, 21, 9, 36,
+        12, 21, 33, 42, 15, 21, 24, 33, 15, 21, 27, 33, 15, 21, 30, 33, 15, 21, 9, 36, 15, 21, 33, 42, 18,
+        21, 24, 33, 18, 21, 27, 33, 18, 21, 30, 33, 18, 21, 9, 36, 18, 21, 33, 42, 24, 33, 9, 36, 24, 33,
+        21, 39, 27, 33, 9, 36, 27, 33, 21, 39, 30, 33, 9, 36, 30, 33, 21, 39, 9, 36, 21, 39, 9, 36, 33, 42,
+        21, 39, 33, 42
+    };
+    double points_of_links[45];
+    for (int k = 0; k < 36; ++k) {
+        points_of_links[k] = points[k];
+    }
+    for (int k = 0; k < 9; ++k) {
+        points_of_links[36 + k] = attachment[k];
+    }
+    for (int pair = 0; pair < 48; ++pair) {
+        krhpr_algebra_spatial_segment_distance(
+            points_of_links + ends[4 * pair + 0], points_of_links + ends[4 * pair + 1],
+            points_of_links + ends[4 * pair + 2], points_of_links + ends[4 * pair + 3], distances + pair);
+    }
+    return status;
+}
+
 KRHPR_API int krhpr_spatial_ups3_b_singularity(
     const krhpr_spatial_ups3_b_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT type_1, double *KRHPR_RESTRICT factors,

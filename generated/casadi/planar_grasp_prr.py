@@ -577,6 +577,7 @@ def grasp(geometry: Any) -> Any:
             rt.Port("loads", (4,), "shared"),
             rt.Port("friction_margins", (2,), "shared"),
             rt.Port("determinant", (), "shared"),
+            rt.Port("widths", (2,), "shared"),
             rt.Port("pulls", (2,), "shared"),
         ),
         geometry,
@@ -590,10 +591,10 @@ def grasp(geometry: Any) -> Any:
         v += v_i
         n += n_i
         x += x_i
-    contact_forces, loads, friction_margins, determinant, pulls, _determined = platform.held(
+    contact_forces, loads, friction_margins, determinant, widths, pulls, _determined = platform.held(
             v, n, x, call.whole("mass_centre"), call.whole("weight"), call.whole("sensor"),
             call.whole("measured_force"), call.whole("friction"))
-    return call.function({"contact_forces": contact_forces, "loads": loads, "friction_margins": friction_margins, "determinant": determinant, "pulls": pulls})
+    return call.function({"contact_forces": contact_forces, "loads": loads, "friction_margins": friction_margins, "determinant": determinant, "widths": widths, "pulls": pulls})
 
 
 FUNCTIONS = {

@@ -61,6 +61,11 @@ class Call:
         return ca.Function(self.name, list(inputs.values()), values, list(inputs), names)
 
 
+def of_pairs(kernel: Any, points: Sequence[Any], pairs: Sequence[tuple[int, ...]]) -> list[Any]:
+    """What a kernel gives for every pair of links: at the points, three components each, whose numbers it is given."""
+    return [x for ends in pairs for x in kernel(*(points[3 * end : 3 * end + 3] for end in ends))]
+
+
 def leg_fields(geometry: Any, names: Sequence[str], leg: int) -> dict[str, Any]:
     """One leg's fields of a flat geometry vector (the order of `Geometry.flat`)."""
     first = leg * len(names)

@@ -20,6 +20,14 @@ from . import platform_spatial_c as platform
 from . import runtime as rt
 from . import subleg_cpr3 as subleg
 
+LINK_PAIRS = (
+    (0, 3, 4, 7), (0, 3, 5, 7), (0, 3, 6, 7), (0, 3, 8, 11), (0, 3, 9, 11), (0, 3, 10, 11), (1, 3, 4,
+    7), (1, 3, 5, 7), (1, 3, 6, 7), (1, 3, 8, 11), (1, 3, 9, 11), (1, 3, 10, 11), (2, 3, 4, 7), (2, 3,
+    5, 7), (2, 3, 6, 7), (2, 3, 8, 11), (2, 3, 9, 11), (2, 3, 10, 11), (4, 7, 8, 11), (4, 7, 9, 11), (4,
+    7, 10, 11), (5, 7, 8, 11), (5, 7, 9, 11), (5, 7, 10, 11), (6, 7, 8, 11), (6, 7, 9, 11), (6, 7, 10,
+    11),
+)
+
 FIELDS = (*subleg.FIELDS, *platform.FIELDS)
 DEFAULT_GEOMETRY = (
     0.0, 0.25, 2.0943951023931953, 0.05, 0.9553166181245092, 0.0, 0.03, 0.0, -0.01, 0.9553166181245092, 2.0943951023931953, 0.0, -0.02, 0.005, 0.9553166181245092, 4.1887902047863905, 0.01, 0.0, 0.04, 0.0,
@@ -647,6 +655,36 @@ def link_points(geometry: Any) -> Any:
     return call.function({"points": points, "attachment": attachment})
 
 
+def clearances(geometry: Any) -> Any:
+    """Distances between the axes of every two links that no joint joins: of the legs, the redundant
+    links, and in arrangement (a) the platform's edges.  They have kinks where the nearest points
+    pass from an end of a link to another."""
+    call = rt.Call(
+        "clearances",
+        (
+            rt.Port("p", (3,), "shared"),
+            rt.Port("Q", (3, 3), "shared"),
+            rt.Port("s", (3, 3), "stacked"),
+            rt.Port("theta", (3, 3), "stacked"),
+        ),
+        (
+            rt.Port("distances", (27,), "shared"),
+        ),
+        geometry,
+    )
+    points: list[Any] = []
+    attachment: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        w_i, _b, _travel = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        points_i = subleg.points(subleg.prepare(fields), w_i, call.leg("s", i))
+        attachment_i = platform.attachment(platform.prepare(fields), call.leg("s", i))
+        points += points_i
+        attachment += attachment_i
+    distances = rt.of_pairs(algebra.segment_distance, points + attachment, LINK_PAIRS)
+    return call.function({"distances": distances})
+
+
 def singularity(geometry: Any) -> Any:
     """Determinants of the legs and their factors; the factors of det J and margins that are positive
     inside the working box.  Free of type II singularities if all d_i >= 0 and at most one is zero
@@ -911,6 +949,7 @@ FUNCTIONS = {
     "grasp": grasp,
     "passive_joints": passive_joints,
     "link_points": link_points,
+    "clearances": clearances,
     "singularity": singularity,
     "type_2_of_redundant": type_2_of_redundant,
     "indices": indices,

@@ -20,6 +20,24 @@ from . import platform_spatial_b as platform
 from . import runtime as rt
 from . import subleg_prr_parallel as subleg
 
+LINK_PAIRS = (
+    (0, 1, 2, 3), (0, 1, 3, 4), (0, 1, 5, 6), (0, 1, 6, 7), (0, 1, 7, 8), (0, 1, 8, 9), (0, 1, 10, 11),
+    (0, 1, 11, 12), (0, 1, 12, 13), (0, 1, 13, 14), (0, 1, 4, 15), (0, 1, 9, 16), (0, 1, 14, 17), (1, 2,
+    3, 4), (1, 2, 5, 6), (1, 2, 6, 7), (1, 2, 7, 8), (1, 2, 8, 9), (1, 2, 10, 11), (1, 2, 11, 12), (1,
+    2, 12, 13), (1, 2, 13, 14), (1, 2, 4, 15), (1, 2, 9, 16), (1, 2, 14, 17), (2, 3, 5, 6), (2, 3, 6,
+    7), (2, 3, 7, 8), (2, 3, 8, 9), (2, 3, 10, 11), (2, 3, 11, 12), (2, 3, 12, 13), (2, 3, 13, 14), (2,
+    3, 4, 15), (2, 3, 9, 16), (2, 3, 14, 17), (3, 4, 5, 6), (3, 4, 6, 7), (3, 4, 7, 8), (3, 4, 8, 9),
+    (3, 4, 10, 11), (3, 4, 11, 12), (3, 4, 12, 13), (3, 4, 13, 14), (3, 4, 9, 16), (3, 4, 14, 17), (5,
+    6, 7, 8), (5, 6, 8, 9), (5, 6, 10, 11), (5, 6, 11, 12), (5, 6, 12, 13), (5, 6, 13, 14), (5, 6, 4,
+    15), (5, 6, 9, 16), (5, 6, 14, 17), (6, 7, 8, 9), (6, 7, 10, 11), (6, 7, 11, 12), (6, 7, 12, 13),
+    (6, 7, 13, 14), (6, 7, 4, 15), (6, 7, 9, 16), (6, 7, 14, 17), (7, 8, 10, 11), (7, 8, 11, 12), (7, 8,
+    12, 13), (7, 8, 13, 14), (7, 8, 4, 15), (7, 8, 9, 16), (7, 8, 14, 17), (8, 9, 10, 11), (8, 9, 11,
+    12), (8, 9, 12, 13), (8, 9, 13, 14), (8, 9, 4, 15), (8, 9, 14, 17), (10, 11, 12, 13), (10, 11, 13,
+    14), (10, 11, 4, 15), (10, 11, 9, 16), (10, 11, 14, 17), (11, 12, 13, 14), (11, 12, 4, 15), (11, 12,
+    9, 16), (11, 12, 14, 17), (12, 13, 4, 15), (12, 13, 9, 16), (12, 13, 14, 17), (13, 14, 4, 15), (13,
+    14, 9, 16), (4, 15, 9, 16), (4, 15, 14, 17), (9, 16, 14, 17),
+)
+
 FIELDS = (*subleg.FIELDS, *platform.FIELDS)
 DEFAULT_GEOMETRY = (
     0.0, 0.25, 1.5707963267948966, 0.05, 0.0, 0.3, 0.45, 0.0, 0.125, 0.05,
@@ -668,6 +686,36 @@ def link_points(geometry: Any) -> Any:
     return call.function({"points": points, "attachment": attachment})
 
 
+def clearances(geometry: Any) -> Any:
+    """Distances between the axes of every two links that no joint joins: of the legs, the redundant
+    links, and in arrangement (a) the platform's edges.  They have kinks where the nearest points
+    pass from an end of a link to another."""
+    call = rt.Call(
+        "clearances",
+        (
+            rt.Port("p", (3,), "shared"),
+            rt.Port("Q", (3, 3), "shared"),
+            rt.Port("s", (3, 3), "stacked"),
+            rt.Port("theta", (3, 3), "stacked"),
+        ),
+        (
+            rt.Port("distances", (93,), "shared"),
+        ),
+        geometry,
+    )
+    points: list[Any] = []
+    attachment: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        d_i, v_1_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        points_i = subleg.points(subleg.prepare(fields), d_i, v_1_i, call.leg("s", i))
+        attachment_i = platform.attachment(platform.prepare(fields), call.leg("Q", i), call.leg("s", i))
+        points += points_i
+        attachment += attachment_i
+    distances = rt.of_pairs(algebra.segment_distance, points + attachment, LINK_PAIRS)
+    return call.function({"distances": distances})
+
+
 def singularity(geometry: Any) -> Any:
     """Determinants of the legs and their factors; the factors of det J and margins that are positive
     inside the working box.  Singular where d_1 + d_2 + d_3 = 0 (lines through one point; det J_a =
@@ -981,6 +1029,7 @@ FUNCTIONS = {
     "grasp": grasp,
     "passive_joints": passive_joints,
     "link_points": link_points,
+    "clearances": clearances,
     "singularity": singularity,
     "type_2_of_redundant": type_2_of_redundant,
     "indices": indices,

@@ -20,6 +20,31 @@ from . import platform_spatial_b as platform
 from . import runtime as rt
 from . import subleg_r_fivebar as subleg
 
+LINK_PAIRS = (
+    (0, 1, 3, 4), (0, 1, 4, 5), (0, 1, 6, 7), (0, 1, 7, 8), (0, 1, 7, 9), (0, 1, 9, 10), (0, 1, 10, 11),
+    (0, 1, 12, 13), (0, 1, 13, 14), (0, 1, 13, 15), (0, 1, 15, 16), (0, 1, 16, 17), (0, 1, 5, 18), (0,
+    1, 11, 19), (0, 1, 17, 20), (1, 2, 3, 4), (1, 2, 6, 7), (1, 2, 7, 8), (1, 2, 7, 9), (1, 2, 9, 10),
+    (1, 2, 10, 11), (1, 2, 12, 13), (1, 2, 13, 14), (1, 2, 13, 15), (1, 2, 15, 16), (1, 2, 16, 17), (1,
+    2, 5, 18), (1, 2, 11, 19), (1, 2, 17, 20), (1, 3, 4, 5), (1, 3, 6, 7), (1, 3, 7, 8), (1, 3, 7, 9),
+    (1, 3, 9, 10), (1, 3, 10, 11), (1, 3, 12, 13), (1, 3, 13, 14), (1, 3, 13, 15), (1, 3, 15, 16), (1,
+    3, 16, 17), (1, 3, 5, 18), (1, 3, 11, 19), (1, 3, 17, 20), (3, 4, 6, 7), (3, 4, 7, 8), (3, 4, 7, 9),
+    (3, 4, 9, 10), (3, 4, 10, 11), (3, 4, 12, 13), (3, 4, 13, 14), (3, 4, 13, 15), (3, 4, 15, 16), (3,
+    4, 16, 17), (3, 4, 5, 18), (3, 4, 11, 19), (3, 4, 17, 20), (4, 5, 6, 7), (4, 5, 7, 8), (4, 5, 7, 9),
+    (4, 5, 9, 10), (4, 5, 10, 11), (4, 5, 12, 13), (4, 5, 13, 14), (4, 5, 13, 15), (4, 5, 15, 16), (4,
+    5, 16, 17), (4, 5, 11, 19), (4, 5, 17, 20), (6, 7, 9, 10), (6, 7, 10, 11), (6, 7, 12, 13), (6, 7,
+    13, 14), (6, 7, 13, 15), (6, 7, 15, 16), (6, 7, 16, 17), (6, 7, 5, 18), (6, 7, 11, 19), (6, 7, 17,
+    20), (7, 8, 9, 10), (7, 8, 12, 13), (7, 8, 13, 14), (7, 8, 13, 15), (7, 8, 15, 16), (7, 8, 16, 17),
+    (7, 8, 5, 18), (7, 8, 11, 19), (7, 8, 17, 20), (7, 9, 10, 11), (7, 9, 12, 13), (7, 9, 13, 14), (7,
+    9, 13, 15), (7, 9, 15, 16), (7, 9, 16, 17), (7, 9, 5, 18), (7, 9, 11, 19), (7, 9, 17, 20), (9, 10,
+    12, 13), (9, 10, 13, 14), (9, 10, 13, 15), (9, 10, 15, 16), (9, 10, 16, 17), (9, 10, 5, 18), (9, 10,
+    11, 19), (9, 10, 17, 20), (10, 11, 12, 13), (10, 11, 13, 14), (10, 11, 13, 15), (10, 11, 15, 16),
+    (10, 11, 16, 17), (10, 11, 5, 18), (10, 11, 17, 20), (12, 13, 15, 16), (12, 13, 16, 17), (12, 13, 5,
+    18), (12, 13, 11, 19), (12, 13, 17, 20), (13, 14, 15, 16), (13, 14, 5, 18), (13, 14, 11, 19), (13,
+    14, 17, 20), (13, 15, 16, 17), (13, 15, 5, 18), (13, 15, 11, 19), (13, 15, 17, 20), (15, 16, 5, 18),
+    (15, 16, 11, 19), (15, 16, 17, 20), (16, 17, 5, 18), (16, 17, 11, 19), (5, 18, 11, 19), (5, 18, 17,
+    20), (11, 19, 17, 20),
+)
+
 FIELDS = (*subleg.FIELDS, *platform.FIELDS)
 DEFAULT_GEOMETRY = (
     0.0, 0.25, 2.0943951023931953, 0.05, 0.15, 0.3, 0.3, 0.45, 0.3, 0.0, 0.125, 0.05,
@@ -709,6 +734,37 @@ def link_points(geometry: Any) -> Any:
     return call.function({"points": points, "attachment": attachment})
 
 
+def clearances(geometry: Any) -> Any:
+    """Distances between the axes of every two links that no joint joins: of the legs, the redundant
+    links, and in arrangement (a) the platform's edges.  They have kinks where the nearest points
+    pass from an end of a link to another."""
+    call = rt.Call(
+        "clearances",
+        (
+            rt.Port("p", (3,), "shared"),
+            rt.Port("Q", (3, 3), "shared"),
+            rt.Port("s", (3, 3), "stacked"),
+            rt.Port("theta", (3, 3), "stacked"),
+        ),
+        (
+            rt.Port("distances", (132,), "shared"),
+        ),
+        geometry,
+    )
+    points: list[Any] = []
+    attachment: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        x_i, _e_2, d_i, u_1_i, u_2_i = subleg.posture(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        points_i = subleg.points(subleg.prepare(fields), x_i, d_i, u_1_i, u_2_i, call.leg("s", i))
+        attachment_i = platform.attachment(platform.prepare(fields), call.leg("Q", i), call.leg("s", i))
+        points += points_i
+        attachment += attachment_i
+    distances = rt.of_pairs(algebra.segment_distance, points + attachment, LINK_PAIRS)
+    return call.function({"distances": distances})
+
+
 def singularity(geometry: Any) -> Any:
     """Determinants of the legs and their factors; the factors of det J and margins that are positive
     inside the working box.  Singular where d_1 + d_2 + d_3 = 0 (lines through one point; det J_a =
@@ -1025,6 +1081,7 @@ FUNCTIONS = {
     "grasp": grasp,
     "passive_joints": passive_joints,
     "link_points": link_points,
+    "clearances": clearances,
     "singularity": singularity,
     "type_2_of_redundant": type_2_of_redundant,
     "indices": indices,

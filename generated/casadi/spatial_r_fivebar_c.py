@@ -20,6 +20,23 @@ from . import platform_spatial_c as platform
 from . import runtime as rt
 from . import subleg_r_fivebar as subleg
 
+LINK_PAIRS = (
+    (0, 1, 3, 4), (0, 1, 4, 5), (0, 1, 6, 7), (0, 1, 7, 8), (0, 1, 7, 9), (0, 1, 9, 10), (0, 1, 10, 11),
+    (0, 1, 12, 13), (0, 1, 13, 14), (0, 1, 13, 15), (0, 1, 15, 16), (0, 1, 16, 17), (1, 2, 3, 4), (1, 2,
+    6, 7), (1, 2, 7, 8), (1, 2, 7, 9), (1, 2, 9, 10), (1, 2, 10, 11), (1, 2, 12, 13), (1, 2, 13, 14),
+    (1, 2, 13, 15), (1, 2, 15, 16), (1, 2, 16, 17), (1, 3, 4, 5), (1, 3, 6, 7), (1, 3, 7, 8), (1, 3, 7,
+    9), (1, 3, 9, 10), (1, 3, 10, 11), (1, 3, 12, 13), (1, 3, 13, 14), (1, 3, 13, 15), (1, 3, 15, 16),
+    (1, 3, 16, 17), (3, 4, 6, 7), (3, 4, 7, 8), (3, 4, 7, 9), (3, 4, 9, 10), (3, 4, 10, 11), (3, 4, 12,
+    13), (3, 4, 13, 14), (3, 4, 13, 15), (3, 4, 15, 16), (3, 4, 16, 17), (4, 5, 6, 7), (4, 5, 7, 8), (4,
+    5, 7, 9), (4, 5, 9, 10), (4, 5, 10, 11), (4, 5, 12, 13), (4, 5, 13, 14), (4, 5, 13, 15), (4, 5, 15,
+    16), (4, 5, 16, 17), (6, 7, 9, 10), (6, 7, 10, 11), (6, 7, 12, 13), (6, 7, 13, 14), (6, 7, 13, 15),
+    (6, 7, 15, 16), (6, 7, 16, 17), (7, 8, 9, 10), (7, 8, 12, 13), (7, 8, 13, 14), (7, 8, 13, 15), (7,
+    8, 15, 16), (7, 8, 16, 17), (7, 9, 10, 11), (7, 9, 12, 13), (7, 9, 13, 14), (7, 9, 13, 15), (7, 9,
+    15, 16), (7, 9, 16, 17), (9, 10, 12, 13), (9, 10, 13, 14), (9, 10, 13, 15), (9, 10, 15, 16), (9, 10,
+    16, 17), (10, 11, 12, 13), (10, 11, 13, 14), (10, 11, 13, 15), (10, 11, 15, 16), (10, 11, 16, 17),
+    (12, 13, 15, 16), (12, 13, 16, 17), (13, 14, 15, 16), (13, 15, 16, 17),
+)
+
 FIELDS = (*subleg.FIELDS, *platform.FIELDS)
 DEFAULT_GEOMETRY = (
     0.0, 0.25, 2.0943951023931953, 0.05, 0.15, 0.3, 0.3, 0.45, 0.3, 0.0,
@@ -707,6 +724,37 @@ def link_points(geometry: Any) -> Any:
     return call.function({"points": points, "attachment": attachment})
 
 
+def clearances(geometry: Any) -> Any:
+    """Distances between the axes of every two links that no joint joins: of the legs, the redundant
+    links, and in arrangement (a) the platform's edges.  They have kinks where the nearest points
+    pass from an end of a link to another."""
+    call = rt.Call(
+        "clearances",
+        (
+            rt.Port("p", (3,), "shared"),
+            rt.Port("Q", (3, 3), "shared"),
+            rt.Port("s", (3, 3), "stacked"),
+            rt.Port("theta", (3, 3), "stacked"),
+        ),
+        (
+            rt.Port("distances", (87,), "shared"),
+        ),
+        geometry,
+    )
+    points: list[Any] = []
+    attachment: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        x_i, _e_2, d_i, u_1_i, u_2_i = subleg.posture(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        points_i = subleg.points(subleg.prepare(fields), x_i, d_i, u_1_i, u_2_i, call.leg("s", i))
+        attachment_i = platform.attachment(platform.prepare(fields), call.leg("s", i))
+        points += points_i
+        attachment += attachment_i
+    distances = rt.of_pairs(algebra.segment_distance, points + attachment, LINK_PAIRS)
+    return call.function({"distances": distances})
+
+
 def singularity(geometry: Any) -> Any:
     """Determinants of the legs and their factors; the factors of det J and margins that are positive
     inside the working box.  Free of type II singularities if all d_i >= 0 and at most one is zero
@@ -1006,6 +1054,7 @@ FUNCTIONS = {
     "grasp": grasp,
     "passive_joints": passive_joints,
     "link_points": link_points,
+    "clearances": clearances,
     "singularity": singularity,
     "type_2_of_redundant": type_2_of_redundant,
     "indices": indices,

@@ -20,6 +20,23 @@ from . import platform_spatial_a as platform
 from . import runtime as rt
 from . import subleg_rrrr as subleg
 
+LINK_PAIRS = (
+    (0, 1, 2, 3), (0, 1, 4, 5), (0, 1, 5, 6), (0, 1, 6, 7), (0, 1, 8, 9), (0, 1, 9, 10), (0, 1, 10, 11),
+    (0, 1, 3, 12), (0, 1, 7, 13), (0, 1, 11, 14), (0, 1, 12, 13), (0, 1, 12, 14), (0, 1, 13, 14), (1, 2,
+    4, 5), (1, 2, 5, 6), (1, 2, 6, 7), (1, 2, 8, 9), (1, 2, 9, 10), (1, 2, 10, 11), (1, 2, 3, 12), (1,
+    2, 7, 13), (1, 2, 11, 14), (1, 2, 12, 13), (1, 2, 12, 14), (1, 2, 13, 14), (2, 3, 4, 5), (2, 3, 5,
+    6), (2, 3, 6, 7), (2, 3, 8, 9), (2, 3, 9, 10), (2, 3, 10, 11), (2, 3, 7, 13), (2, 3, 11, 14), (2, 3,
+    12, 13), (2, 3, 12, 14), (2, 3, 13, 14), (4, 5, 6, 7), (4, 5, 8, 9), (4, 5, 9, 10), (4, 5, 10, 11),
+    (4, 5, 3, 12), (4, 5, 7, 13), (4, 5, 11, 14), (4, 5, 12, 13), (4, 5, 12, 14), (4, 5, 13, 14), (5, 6,
+    8, 9), (5, 6, 9, 10), (5, 6, 10, 11), (5, 6, 3, 12), (5, 6, 7, 13), (5, 6, 11, 14), (5, 6, 12, 13),
+    (5, 6, 12, 14), (5, 6, 13, 14), (6, 7, 8, 9), (6, 7, 9, 10), (6, 7, 10, 11), (6, 7, 3, 12), (6, 7,
+    11, 14), (6, 7, 12, 13), (6, 7, 12, 14), (6, 7, 13, 14), (8, 9, 10, 11), (8, 9, 3, 12), (8, 9, 7,
+    13), (8, 9, 11, 14), (8, 9, 12, 13), (8, 9, 12, 14), (8, 9, 13, 14), (9, 10, 3, 12), (9, 10, 7, 13),
+    (9, 10, 11, 14), (9, 10, 12, 13), (9, 10, 12, 14), (9, 10, 13, 14), (10, 11, 3, 12), (10, 11, 7,
+    13), (10, 11, 12, 13), (10, 11, 12, 14), (10, 11, 13, 14), (3, 12, 7, 13), (3, 12, 11, 14), (3, 12,
+    13, 14), (7, 13, 11, 14), (7, 13, 12, 14), (11, 14, 12, 13),
+)
+
 FIELDS = (*subleg.FIELDS, *platform.FIELDS)
 DEFAULT_GEOMETRY = (
     0.0, 0.25, 2.0943951023931953, 0.05, 0.3, 0.45, 0.0, 0.125, 0.05,
@@ -638,6 +655,37 @@ def link_points(geometry: Any) -> Any:
     return call.function({"points": points, "attachment": attachment})
 
 
+def clearances(geometry: Any) -> Any:
+    """Distances between the axes of every two links that no joint joins: of the legs, the redundant
+    links, and in arrangement (a) the platform's edges.  They have kinks where the nearest points
+    pass from an end of a link to another."""
+    call = rt.Call(
+        "clearances",
+        (
+            rt.Port("p", (3,), "shared"),
+            rt.Port("Q", (3, 3), "shared"),
+            rt.Port("s", (3, 3), "stacked"),
+            rt.Port("theta", (3, 4), "stacked"),
+        ),
+        (
+            rt.Port("distances", (87,), "shared"),
+        ),
+        geometry,
+    )
+    points: list[Any] = []
+    attachment: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        x_i, e_2_i, _d, v_i, _e_4 = subleg.posture(
+            subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        points_i = subleg.points(subleg.prepare(fields), x_i, e_2_i, v_i, call.leg("s", i))
+        attachment_i = platform.attachment(platform.prepare(fields), call.leg("p", i), call.leg("Q", i))
+        points += points_i
+        attachment += attachment_i
+    distances = rt.of_pairs(algebra.segment_distance, points + attachment, LINK_PAIRS)
+    return call.function({"distances": distances})
+
+
 def singularity(geometry: Any) -> Any:
     """Determinants of the legs and their factors; the factors of det J and margins that are positive
     inside the working box.  Singular where the three redundant links' lines meet in a point or are
@@ -918,6 +966,7 @@ FUNCTIONS = {
     "forward_statics": forward_statics,
     "passive_joints": passive_joints,
     "link_points": link_points,
+    "clearances": clearances,
     "singularity": singularity,
     "type_2_of_redundant": type_2_of_redundant,
     "indices": indices,

@@ -95,6 +95,39 @@ def rotation_error(Q: Any) -> tuple[Any, ...]:
     )
 
 
+def segment_distance(a_0: Any, a_1: Any, b_0: Any, b_1: Any) -> tuple[Any, ...]:
+    """Shortest distance between two straight segments.  Thesis: 1.7.1.  (34 add, 31 multiply, 3
+    divide, 1 square root, 7 select)"""
+    a_0_0, a_0_1, a_0_2 = a_0
+    a_1_0, a_1_1, a_1_2 = a_1
+    b_0_0, b_0_1, b_0_2 = b_0
+    b_1_0, b_1_1, b_1_2 = b_1
+    u_0 = a_1_0 - a_0_0
+    u_1 = a_1_1 - a_0_1
+    u_2 = a_1_2 - a_0_2
+    v_0 = b_1_0 - b_0_0
+    v_1 = b_1_1 - b_0_1
+    v_2 = b_1_2 - b_0_2
+    w_0 = a_0_0 - b_0_0
+    w_1 = a_0_1 - b_0_1
+    w_2 = a_0_2 - b_0_2
+    uu = 1e-150 + u_0 * u_0 + u_1 * u_1 + u_2 * u_2
+    vv = 1e-150 + v_0 * v_0 + v_1 * v_1 + v_2 * v_2
+    uv = u_0 * v_0 + u_1 * v_1 + u_2 * v_2
+    uw = u_0 * w_0 + u_1 * w_1 + u_2 * w_2
+    vw = v_0 * w_0 + v_1 * w_1 + v_2 * w_2
+    both = uu * vv
+    x = np.fmin(np.fmax((uv * vw - vv * uw) / np.fmax(both - uv * uv, both * 1e-15), 0), 1)  # on the first, nearest to the second's line
+    y = np.fmin(np.fmax((vw + uv * x) / vv, 0), 1)  # on the second, nearest to that
+    x_2 = np.fmin(np.fmax((uv * y - uw) / uu, 0), 1)  # on the first, nearest to that
+    gap_0 = w_0 + u_0 * x_2 - v_0 * y
+    gap_1 = w_1 + u_1 * x_2 - v_1 * y
+    gap_2 = w_2 + u_2 * x_2 - v_2 * y
+    return (
+        np.sqrt(1e-150 + gap_0 * gap_0 + gap_1 * gap_1 + gap_2 * gap_2),
+    )
+
+
 def spread(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
     """Largest and smallest singular value of M, squared.  Thesis: 1.8.  (128 add, 208 multiply, 2
     divide, 4 square root, 2 sine cosine, 2 arctangent)"""

@@ -471,9 +471,10 @@ SIGNATURES = {
             rt.Port("loads", (4,), "N, N m", "base", "F_n of (5.36): force on the environment, and moments about B by the right and by the left jaw", "shared", ("f_x", "f_y", "m_r", "m_l", )),
             rt.Port("friction_margins", (2,), "mixed", "-", "(mu f_o)^2 - f_p^2 of each contact (N^2): negative where it slips", "shared", ("right", "left", )),
             rt.Port("determinant", (), "m", "-", "c . h, the determinant of the equilibrium's equations but for its sign: the object's width, or minus that, where a normal force is measured", "shared", ()),
+            rt.Port("widths", (2,), "m", "-", "how far the other jaw's contact lies before each jaw's face: negative where the jaws overlap", "shared", ("right", "left", )),
             rt.Port("pulls", (2,), "N", "joint", "part of the weight along the normal of each jaw's face: positive where it pulls the object away", "shared", ("right", "left", )),
         ),
-        "(2),(2,2),(2),(2),(2),(2,2),(),()->(2,2),(4),(2),(),(2),()",
+        "(2),(2,2),(2),(2),(2),(2,2),(),()->(2,2),(4),(2),(),(2),(2),()",
     ),
 }
 
@@ -552,6 +553,7 @@ class Grasp(NamedTuple):
     loads: Any
     friction_margins: Any
     determinant: Any
+    widths: Any
     pulls: Any
 
 
@@ -1338,13 +1340,15 @@ def grasp(
             where it slips [right, left]
         determinant (...) [m]: c . h, the determinant of the equilibrium's equations but for its
             sign: the object's width, or minus that, where a normal force is measured
+        widths (..., 2) [m]: how far the other jaw's contact lies before each jaw's face:
+            negative where the jaws overlap [right, left]
         pulls (..., 2) [N]: part of the weight along the normal of each jaw's face: positive
             where it pulls the object away [right, left]
     """
     arguments = rt.Arguments(SIGNATURES["grasp"], (angles, contacts, faces, mass_centre, weight, sensor, measured_force, friction,), 2)
     with rt.quiet():
         v, n, x = platform.contact(arguments.leg("angles"), arguments.leg("contacts"), arguments.leg("faces"))
-        contact_forces, loads, friction_margins, determinant, pulls, determined = platform.held(
+        contact_forces, loads, friction_margins, determinant, widths, pulls, determined = platform.held(
             rt.legs(v, 2), rt.legs(n, 2), rt.legs(x, 2), arguments.whole("mass_centre"),
             arguments.whole("weight"), arguments.whole("sensor"), arguments.whole("measured_force"),
             arguments.whole("friction"))
@@ -1354,10 +1358,13 @@ def grasp(
                 "loads": loads,
                 "friction_margins": friction_margins,
                 "determinant": determinant,
+                "widths": widths,
                 "pulls": pulls,
             },
             (
                 rt.Guard(determined[0], True, 1e-24, Status.UNDETERMINED, False, ("contact_forces", "loads", "friction_margins", )),
+                rt.Guard(widths[0], True, 0.0, Status.NO_GRASP, False, ("loads", )),
+                rt.Guard(widths[1], True, 0.0, Status.NO_GRASP, False, ("loads", )),
                 rt.Guard(contact_forces[0], True, 0.0, Status.NO_GRASP, False, ("loads", )),
                 rt.Guard(contact_forces[2], True, 0.0, Status.NO_GRASP, False, ("loads", )),
                 rt.Guard(friction_margins[0], True, 0.0, Status.SLIPS, False, ("loads", )),

@@ -603,7 +603,7 @@ def held(
     v: Any, n: Any, x: Any, mass_centre: Any, weight: Any, sensor: Any,
     measured_force: Any, friction: Any) -> tuple[Any, ...]:
     """Forces of the jaws on the object that they hold, one of the four measured, and what they mean
-    for the robot.  Thesis: (5.38) to (5.43).  (35 add, 52 multiply, 2 divide)"""
+    for the robot.  Thesis: (5.38) to (5.43).  (37 add, 56 multiply, 2 divide)"""
     v_00, v_01, v_10, v_11 = v
     n_00, n_01, n_10, n_11 = n
     x_00, x_01, _x_10, _x_11 = x
@@ -656,6 +656,10 @@ def held(
         ),
         (  # determinant
             det,
+        ),
+        (  # widths
+            -(n_00 * c_0 + n_01 * c_1),
+            n_10 * c_0 + n_11 * c_1,
         ),
         (  # pulls
             n_00 * weight_0 + n_01 * weight_1,

@@ -241,6 +241,16 @@ def repeat(step: Callable[[Any], Any], start: Any, tolerance: float, limit: int)
     return state, (change,)
 
 
+def of_pairs(
+    kernel: Callable[..., Any], points: tuple[Any, ...], pairs: Sequence[tuple[int, ...]], batch: tuple[int, ...]
+) -> tuple[Any, ...]:
+    """What `kernel` gives for every pair of links: at the points, three components each, whose numbers it is given."""
+    whole = np.stack([np.broadcast_to(part, batch) for part in points])
+    ends = 3 * np.asarray(pairs)
+    (found,) = kernel(*(tuple(whole[ends[:, end] + axis] for axis in range(3)) for end in range(ends.shape[1])))
+    return tuple(found)
+
+
 def at_roots(
     step: Callable[[Any], Any], polynomial: tuple[Any, ...], error: float, tolerance: float, order: int
 ) -> tuple[Any, ...]:

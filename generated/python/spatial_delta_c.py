@@ -29,6 +29,7 @@ __all__ = [
     "DEFAULT_GEOMETRY",
     "Geometry",
     "Status",
+    "clearances",
     "constraints",
     "end_points",
     "forward",
@@ -92,6 +93,31 @@ LINKS = (
     ("R", "parallelogram", "K_1", "S"),
     ("R", "parallelogram", "K_2", "S"),
     ("R", "parallelogram", "K_3", "S"),
+)
+LINK_PAIRS = (
+    (0, 3, 1, 4), (0, 3, 2, 5), (0, 3, 4, 6), (0, 3, 5, 6), (0, 3, 7, 10), (0, 3, 8, 11), (0, 3, 9, 12),
+    (0, 3, 10, 13), (0, 3, 11, 13), (0, 3, 12, 13), (0, 3, 14, 17), (0, 3, 15, 18), (0, 3, 16, 19), (0,
+    3, 17, 20), (0, 3, 18, 20), (0, 3, 19, 20), (1, 4, 2, 5), (1, 4, 3, 6), (1, 4, 5, 6), (1, 4, 7, 10),
+    (1, 4, 8, 11), (1, 4, 9, 12), (1, 4, 10, 13), (1, 4, 11, 13), (1, 4, 12, 13), (1, 4, 14, 17), (1, 4,
+    15, 18), (1, 4, 16, 19), (1, 4, 17, 20), (1, 4, 18, 20), (1, 4, 19, 20), (2, 5, 3, 6), (2, 5, 4, 6),
+    (2, 5, 7, 10), (2, 5, 8, 11), (2, 5, 9, 12), (2, 5, 10, 13), (2, 5, 11, 13), (2, 5, 12, 13), (2, 5,
+    14, 17), (2, 5, 15, 18), (2, 5, 16, 19), (2, 5, 17, 20), (2, 5, 18, 20), (2, 5, 19, 20), (3, 6, 7,
+    10), (3, 6, 8, 11), (3, 6, 9, 12), (3, 6, 10, 13), (3, 6, 11, 13), (3, 6, 12, 13), (3, 6, 14, 17),
+    (3, 6, 15, 18), (3, 6, 16, 19), (3, 6, 17, 20), (3, 6, 18, 20), (3, 6, 19, 20), (4, 6, 7, 10), (4,
+    6, 8, 11), (4, 6, 9, 12), (4, 6, 10, 13), (4, 6, 11, 13), (4, 6, 12, 13), (4, 6, 14, 17), (4, 6, 15,
+    18), (4, 6, 16, 19), (4, 6, 17, 20), (4, 6, 18, 20), (4, 6, 19, 20), (5, 6, 7, 10), (5, 6, 8, 11),
+    (5, 6, 9, 12), (5, 6, 10, 13), (5, 6, 11, 13), (5, 6, 12, 13), (5, 6, 14, 17), (5, 6, 15, 18), (5,
+    6, 16, 19), (5, 6, 17, 20), (5, 6, 18, 20), (5, 6, 19, 20), (7, 10, 8, 11), (7, 10, 9, 12), (7, 10,
+    11, 13), (7, 10, 12, 13), (7, 10, 14, 17), (7, 10, 15, 18), (7, 10, 16, 19), (7, 10, 17, 20), (7,
+    10, 18, 20), (7, 10, 19, 20), (8, 11, 9, 12), (8, 11, 10, 13), (8, 11, 12, 13), (8, 11, 14, 17), (8,
+    11, 15, 18), (8, 11, 16, 19), (8, 11, 17, 20), (8, 11, 18, 20), (8, 11, 19, 20), (9, 12, 10, 13),
+    (9, 12, 11, 13), (9, 12, 14, 17), (9, 12, 15, 18), (9, 12, 16, 19), (9, 12, 17, 20), (9, 12, 18,
+    20), (9, 12, 19, 20), (10, 13, 14, 17), (10, 13, 15, 18), (10, 13, 16, 19), (10, 13, 17, 20), (10,
+    13, 18, 20), (10, 13, 19, 20), (11, 13, 14, 17), (11, 13, 15, 18), (11, 13, 16, 19), (11, 13, 17,
+    20), (11, 13, 18, 20), (11, 13, 19, 20), (12, 13, 14, 17), (12, 13, 15, 18), (12, 13, 16, 19), (12,
+    13, 17, 20), (12, 13, 18, 20), (12, 13, 19, 20), (14, 17, 15, 18), (14, 17, 16, 19), (14, 17, 18,
+    20), (14, 17, 19, 20), (15, 18, 16, 19), (15, 18, 17, 20), (15, 18, 19, 20), (16, 19, 17, 20), (16,
+    19, 18, 20),
 )
 REDUNDANT_LINK = ""
 HOME_P = (0.0, 0.0, 0.35)
@@ -590,6 +616,21 @@ SIGNATURES = {
             rt.Port("attachment", (3, 3), "m", "base", "joint or slider on the platform", "stacked", ()),
         ),
         "(3),(3,3),(3,3),(3,3)->(3,7,3),(3,3),()",
+    ),
+    "clearances": rt.Signature(
+        "clearances",
+        "Distances between the axes of every two links that no joint joins: of the legs, the redundant links, and in arrangement (a) the platform's edges.  They have kinks where the nearest points pass from an end of a link to another.",
+        "1.7.1",
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("theta_1", "theta_2", "theta_3", )),
+        ),
+        (
+            rt.Port("distances", (135,), "m", "-", "shortest distances between the axes of links that no joint joins", "shared", ()),
+        ),
+        "(3),(3,3),(3,3),(3,3)->(135),()",
     ),
     "singularity": rt.Signature(
         "singularity",
@@ -1890,6 +1931,44 @@ def link_points(
             },
         )
     answer = LinkPoints(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def clearances(
+    p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
+    """Distances between the axes of every two links that no joint joins: of the legs, the redundant
+    links, and in arrangement (a) the platform's edges.  They have kinks where the nearest points
+    pass from an end of a link to another.
+
+    Thesis: 1.7.1.
+
+    Args:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
+        theta (..., 3, 3) [rad or m]: actuated joints [theta_1, theta_2, theta_3]
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        distances (..., 135) [m]: shortest distances between the axes of links that no joint
+            joins
+    """
+    arguments = rt.Arguments(SIGNATURES["clearances"], (p, Q, s, theta,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        w, _b, _u = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        points = subleg.points(g.subleg, w, arguments.leg("s"))
+        attachment = platform.attachment(g.platform, arguments.leg("s"))
+        distances = rt.of_pairs(
+            algebra.segment_distance, rt.legs(points) + rt.legs(attachment), LINK_PAIRS, arguments.batch)
+        results = arguments.finish(
+            {
+                "distances": distances,
+            },
+        )
+    answer = results[0]
     return (answer, results[-1]) if status else answer
 
 

@@ -29,6 +29,7 @@ __all__ = [
     "DEFAULT_GEOMETRY",
     "Geometry",
     "Status",
+    "clearances",
     "constraints",
     "end_points",
     "forward",
@@ -90,6 +91,39 @@ LINKS = (
     ("l_2", "crank", "D", "C"),
     ("l_3", "rod", "C", "P"),
     ("l_5", "distal", "P", "S"),
+)
+LINK_PAIRS = (
+    (0, 1, 2, 3), (0, 1, 2, 4), (0, 1, 4, 5), (0, 1, 5, 6), (0, 1, 7, 8), (0, 1, 8, 9), (0, 1, 9, 10),
+    (0, 1, 9, 11), (0, 1, 11, 12), (0, 1, 12, 13), (0, 1, 14, 15), (0, 1, 15, 16), (0, 1, 16, 17), (0,
+    1, 16, 18), (0, 1, 18, 19), (0, 1, 19, 20), (0, 1, 6, 21), (0, 1, 13, 22), (0, 1, 20, 23), (1, 2, 4,
+    5), (1, 2, 5, 6), (1, 2, 7, 8), (1, 2, 8, 9), (1, 2, 9, 10), (1, 2, 9, 11), (1, 2, 11, 12), (1, 2,
+    12, 13), (1, 2, 14, 15), (1, 2, 15, 16), (1, 2, 16, 17), (1, 2, 16, 18), (1, 2, 18, 19), (1, 2, 19,
+    20), (1, 2, 6, 21), (1, 2, 13, 22), (1, 2, 20, 23), (2, 3, 4, 5), (2, 3, 7, 8), (2, 3, 8, 9), (2, 3,
+    9, 10), (2, 3, 9, 11), (2, 3, 11, 12), (2, 3, 12, 13), (2, 3, 14, 15), (2, 3, 15, 16), (2, 3, 16,
+    17), (2, 3, 16, 18), (2, 3, 18, 19), (2, 3, 19, 20), (2, 3, 6, 21), (2, 3, 13, 22), (2, 3, 20, 23),
+    (2, 4, 5, 6), (2, 4, 7, 8), (2, 4, 8, 9), (2, 4, 9, 10), (2, 4, 9, 11), (2, 4, 11, 12), (2, 4, 12,
+    13), (2, 4, 14, 15), (2, 4, 15, 16), (2, 4, 16, 17), (2, 4, 16, 18), (2, 4, 18, 19), (2, 4, 19, 20),
+    (2, 4, 6, 21), (2, 4, 13, 22), (2, 4, 20, 23), (4, 5, 7, 8), (4, 5, 8, 9), (4, 5, 9, 10), (4, 5, 9,
+    11), (4, 5, 11, 12), (4, 5, 12, 13), (4, 5, 14, 15), (4, 5, 15, 16), (4, 5, 16, 17), (4, 5, 16, 18),
+    (4, 5, 18, 19), (4, 5, 19, 20), (4, 5, 6, 21), (4, 5, 13, 22), (4, 5, 20, 23), (5, 6, 7, 8), (5, 6,
+    8, 9), (5, 6, 9, 10), (5, 6, 9, 11), (5, 6, 11, 12), (5, 6, 12, 13), (5, 6, 14, 15), (5, 6, 15, 16),
+    (5, 6, 16, 17), (5, 6, 16, 18), (5, 6, 18, 19), (5, 6, 19, 20), (5, 6, 13, 22), (5, 6, 20, 23), (7,
+    8, 9, 10), (7, 8, 9, 11), (7, 8, 11, 12), (7, 8, 12, 13), (7, 8, 14, 15), (7, 8, 15, 16), (7, 8, 16,
+    17), (7, 8, 16, 18), (7, 8, 18, 19), (7, 8, 19, 20), (7, 8, 6, 21), (7, 8, 13, 22), (7, 8, 20, 23),
+    (8, 9, 11, 12), (8, 9, 12, 13), (8, 9, 14, 15), (8, 9, 15, 16), (8, 9, 16, 17), (8, 9, 16, 18), (8,
+    9, 18, 19), (8, 9, 19, 20), (8, 9, 6, 21), (8, 9, 13, 22), (8, 9, 20, 23), (9, 10, 11, 12), (9, 10,
+    14, 15), (9, 10, 15, 16), (9, 10, 16, 17), (9, 10, 16, 18), (9, 10, 18, 19), (9, 10, 19, 20), (9,
+    10, 6, 21), (9, 10, 13, 22), (9, 10, 20, 23), (9, 11, 12, 13), (9, 11, 14, 15), (9, 11, 15, 16), (9,
+    11, 16, 17), (9, 11, 16, 18), (9, 11, 18, 19), (9, 11, 19, 20), (9, 11, 6, 21), (9, 11, 13, 22), (9,
+    11, 20, 23), (11, 12, 14, 15), (11, 12, 15, 16), (11, 12, 16, 17), (11, 12, 16, 18), (11, 12, 18,
+    19), (11, 12, 19, 20), (11, 12, 6, 21), (11, 12, 13, 22), (11, 12, 20, 23), (12, 13, 14, 15), (12,
+    13, 15, 16), (12, 13, 16, 17), (12, 13, 16, 18), (12, 13, 18, 19), (12, 13, 19, 20), (12, 13, 6,
+    21), (12, 13, 20, 23), (14, 15, 16, 17), (14, 15, 16, 18), (14, 15, 18, 19), (14, 15, 19, 20), (14,
+    15, 6, 21), (14, 15, 13, 22), (14, 15, 20, 23), (15, 16, 18, 19), (15, 16, 19, 20), (15, 16, 6, 21),
+    (15, 16, 13, 22), (15, 16, 20, 23), (16, 17, 18, 19), (16, 17, 6, 21), (16, 17, 13, 22), (16, 17,
+    20, 23), (16, 18, 19, 20), (16, 18, 6, 21), (16, 18, 13, 22), (16, 18, 20, 23), (18, 19, 6, 21),
+    (18, 19, 13, 22), (18, 19, 20, 23), (19, 20, 6, 21), (19, 20, 13, 22), (6, 21, 13, 22), (6, 21, 20,
+    23), (13, 22, 20, 23),
 )
 REDUNDANT_LINK = "l_r"
 HOME_P = (0.0, 0.0, 0.35)
@@ -584,6 +618,21 @@ SIGNATURES = {
             rt.Port("attachment", (3, 3), "m", "base", "joint or slider on the platform", "stacked", ()),
         ),
         "(3),(3,3),(3,3),(3,3)->(3,7,3),(3,3),()",
+    ),
+    "clearances": rt.Signature(
+        "clearances",
+        "Distances between the axes of every two links that no joint joins: of the legs, the redundant links, and in arrangement (a) the platform's edges.  They have kinks where the nearest points pass from an end of a link to another.",
+        "1.7.1",
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("d", "theta_2", "theta_3", )),
+        ),
+        (
+            rt.Port("distances", (186,), "m", "-", "shortest distances between the axes of links that no joint joins", "shared", ()),
+        ),
+        "(3),(3,3),(3,3),(3,3)->(186),()",
     ),
     "singularity": rt.Signature(
         "singularity",
@@ -1883,6 +1932,44 @@ def link_points(
             },
         )
     answer = LinkPoints(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def clearances(
+    p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
+    """Distances between the axes of every two links that no joint joins: of the legs, the redundant
+    links, and in arrangement (a) the platform's edges.  They have kinks where the nearest points
+    pass from an end of a link to another.
+
+    Thesis: 1.7.1.
+
+    Args:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
+        theta (..., 3, 3) [rad or m]: actuated joints [d, theta_2, theta_3]
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        distances (..., 186) [m]: shortest distances between the axes of links that no joint
+            joins
+    """
+    arguments = rt.Arguments(SIGNATURES["clearances"], (p, Q, s, theta,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        points = subleg.points(g.subleg, d, u_1, u_2, arguments.leg("s"))
+        attachment = platform.attachment(g.platform, arguments.leg("Q"), arguments.leg("s"))
+        distances = rt.of_pairs(
+            algebra.segment_distance, rt.legs(points) + rt.legs(attachment), LINK_PAIRS, arguments.batch)
+        results = arguments.finish(
+            {
+                "distances": distances,
+            },
+        )
+    answer = results[0]
     return (answer, results[-1]) if status else answer
 
 

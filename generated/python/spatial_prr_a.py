@@ -29,6 +29,7 @@ __all__ = [
     "DEFAULT_GEOMETRY",
     "Geometry",
     "Status",
+    "clearances",
     "constraints",
     "end_points",
     "forward",
@@ -83,6 +84,30 @@ LINKS = (
     ("d", "slide", "c", "D"),
     ("l_2", "proximal", "D", "E"),
     ("l_3", "distal", "E", "S"),
+)
+LINK_PAIRS = (
+    (0, 1, 2, 3), (0, 1, 3, 4), (0, 1, 5, 6), (0, 1, 6, 7), (0, 1, 7, 8), (0, 1, 8, 9), (0, 1, 10, 11),
+    (0, 1, 11, 12), (0, 1, 12, 13), (0, 1, 13, 14), (0, 1, 4, 15), (0, 1, 9, 16), (0, 1, 14, 17), (0, 1,
+    15, 16), (0, 1, 15, 17), (0, 1, 16, 17), (1, 2, 3, 4), (1, 2, 5, 6), (1, 2, 6, 7), (1, 2, 7, 8), (1,
+    2, 8, 9), (1, 2, 10, 11), (1, 2, 11, 12), (1, 2, 12, 13), (1, 2, 13, 14), (1, 2, 4, 15), (1, 2, 9,
+    16), (1, 2, 14, 17), (1, 2, 15, 16), (1, 2, 15, 17), (1, 2, 16, 17), (2, 3, 5, 6), (2, 3, 6, 7), (2,
+    3, 7, 8), (2, 3, 8, 9), (2, 3, 10, 11), (2, 3, 11, 12), (2, 3, 12, 13), (2, 3, 13, 14), (2, 3, 4,
+    15), (2, 3, 9, 16), (2, 3, 14, 17), (2, 3, 15, 16), (2, 3, 15, 17), (2, 3, 16, 17), (3, 4, 5, 6),
+    (3, 4, 6, 7), (3, 4, 7, 8), (3, 4, 8, 9), (3, 4, 10, 11), (3, 4, 11, 12), (3, 4, 12, 13), (3, 4, 13,
+    14), (3, 4, 9, 16), (3, 4, 14, 17), (3, 4, 15, 16), (3, 4, 15, 17), (3, 4, 16, 17), (5, 6, 7, 8),
+    (5, 6, 8, 9), (5, 6, 10, 11), (5, 6, 11, 12), (5, 6, 12, 13), (5, 6, 13, 14), (5, 6, 4, 15), (5, 6,
+    9, 16), (5, 6, 14, 17), (5, 6, 15, 16), (5, 6, 15, 17), (5, 6, 16, 17), (6, 7, 8, 9), (6, 7, 10,
+    11), (6, 7, 11, 12), (6, 7, 12, 13), (6, 7, 13, 14), (6, 7, 4, 15), (6, 7, 9, 16), (6, 7, 14, 17),
+    (6, 7, 15, 16), (6, 7, 15, 17), (6, 7, 16, 17), (7, 8, 10, 11), (7, 8, 11, 12), (7, 8, 12, 13), (7,
+    8, 13, 14), (7, 8, 4, 15), (7, 8, 9, 16), (7, 8, 14, 17), (7, 8, 15, 16), (7, 8, 15, 17), (7, 8, 16,
+    17), (8, 9, 10, 11), (8, 9, 11, 12), (8, 9, 12, 13), (8, 9, 13, 14), (8, 9, 4, 15), (8, 9, 14, 17),
+    (8, 9, 15, 16), (8, 9, 15, 17), (8, 9, 16, 17), (10, 11, 12, 13), (10, 11, 13, 14), (10, 11, 4, 15),
+    (10, 11, 9, 16), (10, 11, 14, 17), (10, 11, 15, 16), (10, 11, 15, 17), (10, 11, 16, 17), (11, 12,
+    13, 14), (11, 12, 4, 15), (11, 12, 9, 16), (11, 12, 14, 17), (11, 12, 15, 16), (11, 12, 15, 17),
+    (11, 12, 16, 17), (12, 13, 4, 15), (12, 13, 9, 16), (12, 13, 14, 17), (12, 13, 15, 16), (12, 13, 15,
+    17), (12, 13, 16, 17), (13, 14, 4, 15), (13, 14, 9, 16), (13, 14, 15, 16), (13, 14, 15, 17), (13,
+    14, 16, 17), (4, 15, 9, 16), (4, 15, 14, 17), (4, 15, 16, 17), (9, 16, 14, 17), (9, 16, 15, 17),
+    (14, 17, 15, 16),
 )
 REDUNDANT_LINK = "l_r"
 HOME_P = (0.0, 0.0, 0.35)
@@ -496,6 +521,21 @@ SIGNATURES = {
             rt.Port("attachment", (3, 3), "m", "base", "joint or slider on the platform", "stacked", ()),
         ),
         "(3),(3,3),(3,3),(3,3)->(3,5,3),(3,3),()",
+    ),
+    "clearances": rt.Signature(
+        "clearances",
+        "Distances between the axes of every two links that no joint joins: of the legs, the redundant links, and in arrangement (a) the platform's edges.  They have kinks where the nearest points pass from an end of a link to another.",
+        "1.7.1",
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("d", "theta_2", "theta_3", )),
+        ),
+        (
+            rt.Port("distances", (132,), "m", "-", "shortest distances between the axes of links that no joint joins", "shared", ()),
+        ),
+        "(3),(3,3),(3,3),(3,3)->(132),()",
     ),
     "singularity": rt.Signature(
         "singularity",
@@ -1644,6 +1684,44 @@ def link_points(
             },
         )
     answer = LinkPoints(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def clearances(
+    p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
+    """Distances between the axes of every two links that no joint joins: of the legs, the redundant
+    links, and in arrangement (a) the platform's edges.  They have kinks where the nearest points
+    pass from an end of a link to another.
+
+    Thesis: 1.7.1.
+
+    Args:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
+        theta (..., 3, 3) [rad or m]: actuated joints [d, theta_2, theta_3]
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        distances (..., 132) [m]: shortest distances between the axes of links that no joint
+            joins
+    """
+    arguments = rt.Arguments(SIGNATURES["clearances"], (p, Q, s, theta,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        points = subleg.points(g.subleg, d, v_1, arguments.leg("s"))
+        attachment = platform.attachment(g.platform, arguments.leg("p"), arguments.leg("Q"))
+        distances = rt.of_pairs(
+            algebra.segment_distance, rt.legs(points) + rt.legs(attachment), LINK_PAIRS, arguments.batch)
+        results = arguments.finish(
+            {
+                "distances": distances,
+            },
+        )
+    answer = results[0]
     return (answer, results[-1]) if status else answer
 
 

@@ -29,6 +29,7 @@ __all__ = [
     "DEFAULT_GEOMETRY",
     "Geometry",
     "Status",
+    "clearances",
     "constraints",
     "end_points",
     "forward",
@@ -93,6 +94,30 @@ LINKS = (
     ("l_2", "crank", "c", "C"),
     ("l_3", "rod", "C", "P"),
     ("l_5", "distal", "P", "S"),
+)
+LINK_PAIRS = (
+    (0, 1, 3, 4), (0, 1, 4, 5), (0, 1, 6, 7), (0, 1, 7, 8), (0, 1, 7, 9), (0, 1, 9, 10), (0, 1, 10, 11),
+    (0, 1, 12, 13), (0, 1, 13, 14), (0, 1, 13, 15), (0, 1, 15, 16), (0, 1, 16, 17), (0, 1, 5, 18), (0,
+    1, 11, 19), (0, 1, 17, 20), (1, 2, 3, 4), (1, 2, 6, 7), (1, 2, 7, 8), (1, 2, 7, 9), (1, 2, 9, 10),
+    (1, 2, 10, 11), (1, 2, 12, 13), (1, 2, 13, 14), (1, 2, 13, 15), (1, 2, 15, 16), (1, 2, 16, 17), (1,
+    2, 5, 18), (1, 2, 11, 19), (1, 2, 17, 20), (1, 3, 4, 5), (1, 3, 6, 7), (1, 3, 7, 8), (1, 3, 7, 9),
+    (1, 3, 9, 10), (1, 3, 10, 11), (1, 3, 12, 13), (1, 3, 13, 14), (1, 3, 13, 15), (1, 3, 15, 16), (1,
+    3, 16, 17), (1, 3, 5, 18), (1, 3, 11, 19), (1, 3, 17, 20), (3, 4, 6, 7), (3, 4, 7, 8), (3, 4, 7, 9),
+    (3, 4, 9, 10), (3, 4, 10, 11), (3, 4, 12, 13), (3, 4, 13, 14), (3, 4, 13, 15), (3, 4, 15, 16), (3,
+    4, 16, 17), (3, 4, 5, 18), (3, 4, 11, 19), (3, 4, 17, 20), (4, 5, 6, 7), (4, 5, 7, 8), (4, 5, 7, 9),
+    (4, 5, 9, 10), (4, 5, 10, 11), (4, 5, 12, 13), (4, 5, 13, 14), (4, 5, 13, 15), (4, 5, 15, 16), (4,
+    5, 16, 17), (4, 5, 11, 19), (4, 5, 17, 20), (6, 7, 9, 10), (6, 7, 10, 11), (6, 7, 12, 13), (6, 7,
+    13, 14), (6, 7, 13, 15), (6, 7, 15, 16), (6, 7, 16, 17), (6, 7, 5, 18), (6, 7, 11, 19), (6, 7, 17,
+    20), (7, 8, 9, 10), (7, 8, 12, 13), (7, 8, 13, 14), (7, 8, 13, 15), (7, 8, 15, 16), (7, 8, 16, 17),
+    (7, 8, 5, 18), (7, 8, 11, 19), (7, 8, 17, 20), (7, 9, 10, 11), (7, 9, 12, 13), (7, 9, 13, 14), (7,
+    9, 13, 15), (7, 9, 15, 16), (7, 9, 16, 17), (7, 9, 5, 18), (7, 9, 11, 19), (7, 9, 17, 20), (9, 10,
+    12, 13), (9, 10, 13, 14), (9, 10, 13, 15), (9, 10, 15, 16), (9, 10, 16, 17), (9, 10, 5, 18), (9, 10,
+    11, 19), (9, 10, 17, 20), (10, 11, 12, 13), (10, 11, 13, 14), (10, 11, 13, 15), (10, 11, 15, 16),
+    (10, 11, 16, 17), (10, 11, 5, 18), (10, 11, 17, 20), (12, 13, 15, 16), (12, 13, 16, 17), (12, 13, 5,
+    18), (12, 13, 11, 19), (12, 13, 17, 20), (13, 14, 15, 16), (13, 14, 5, 18), (13, 14, 11, 19), (13,
+    14, 17, 20), (13, 15, 16, 17), (13, 15, 5, 18), (13, 15, 11, 19), (13, 15, 17, 20), (15, 16, 5, 18),
+    (15, 16, 11, 19), (15, 16, 17, 20), (16, 17, 5, 18), (16, 17, 11, 19), (5, 18, 11, 19), (5, 18, 17,
+    20), (11, 19, 17, 20),
 )
 REDUNDANT_LINK = "l_r"
 HOME_P = (0.0, 0.0, 0.35)
@@ -589,6 +614,21 @@ SIGNATURES = {
             rt.Port("attachment", (3, 3), "m", "base", "joint or slider on the platform", "stacked", ()),
         ),
         "(3),(3,3),(3,3),(3,3)->(3,6,3),(3,3),()",
+    ),
+    "clearances": rt.Signature(
+        "clearances",
+        "Distances between the axes of every two links that no joint joins: of the legs, the redundant links, and in arrangement (a) the platform's edges.  They have kinks where the nearest points pass from an end of a link to another.",
+        "1.7.1",
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("theta_1", "theta_2", "theta_3", )),
+        ),
+        (
+            rt.Port("distances", (132,), "m", "-", "shortest distances between the axes of links that no joint joins", "shared", ()),
+        ),
+        "(3),(3,3),(3,3),(3,3)->(132),()",
     ),
     "singularity": rt.Signature(
         "singularity",
@@ -1893,6 +1933,44 @@ def link_points(
             },
         )
     answer = LinkPoints(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def clearances(
+    p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
+    """Distances between the axes of every two links that no joint joins: of the legs, the redundant
+    links, and in arrangement (a) the platform's edges.  They have kinks where the nearest points
+    pass from an end of a link to another.
+
+    Thesis: 1.7.1.
+
+    Args:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
+        theta (..., 3, 3) [rad or m]: actuated joints [theta_1, theta_2, theta_3]
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        distances (..., 132) [m]: shortest distances between the axes of links that no joint
+            joins
+    """
+    arguments = rt.Arguments(SIGNATURES["clearances"], (p, Q, s, theta,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        x, _e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        points = subleg.points(g.subleg, x, d, u_1, u_2, arguments.leg("s"))
+        attachment = platform.attachment(g.platform, arguments.leg("Q"), arguments.leg("s"))
+        distances = rt.of_pairs(
+            algebra.segment_distance, rt.legs(points) + rt.legs(attachment), LINK_PAIRS, arguments.batch)
+        results = arguments.finish(
+            {
+                "distances": distances,
+            },
+        )
+    answer = results[0]
     return (answer, results[-1]) if status else answer
 
 

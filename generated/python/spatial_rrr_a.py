@@ -30,6 +30,7 @@ __all__ = [
     "DEFAULT_GEOMETRY",
     "Geometry",
     "Status",
+    "clearances",
     "constraints",
     "end_points",
     "forward",
@@ -85,6 +86,22 @@ LINKS = (
     ("l_1", "fixed", "A", "c"),
     ("l_2", "proximal", "c", "E"),
     ("l_3", "distal", "E", "S"),
+)
+LINK_PAIRS = (
+    (0, 1, 2, 3), (0, 1, 4, 5), (0, 1, 5, 6), (0, 1, 6, 7), (0, 1, 8, 9), (0, 1, 9, 10), (0, 1, 10, 11),
+    (0, 1, 3, 12), (0, 1, 7, 13), (0, 1, 11, 14), (0, 1, 12, 13), (0, 1, 12, 14), (0, 1, 13, 14), (1, 2,
+    4, 5), (1, 2, 5, 6), (1, 2, 6, 7), (1, 2, 8, 9), (1, 2, 9, 10), (1, 2, 10, 11), (1, 2, 3, 12), (1,
+    2, 7, 13), (1, 2, 11, 14), (1, 2, 12, 13), (1, 2, 12, 14), (1, 2, 13, 14), (2, 3, 4, 5), (2, 3, 5,
+    6), (2, 3, 6, 7), (2, 3, 8, 9), (2, 3, 9, 10), (2, 3, 10, 11), (2, 3, 7, 13), (2, 3, 11, 14), (2, 3,
+    12, 13), (2, 3, 12, 14), (2, 3, 13, 14), (4, 5, 6, 7), (4, 5, 8, 9), (4, 5, 9, 10), (4, 5, 10, 11),
+    (4, 5, 3, 12), (4, 5, 7, 13), (4, 5, 11, 14), (4, 5, 12, 13), (4, 5, 12, 14), (4, 5, 13, 14), (5, 6,
+    8, 9), (5, 6, 9, 10), (5, 6, 10, 11), (5, 6, 3, 12), (5, 6, 7, 13), (5, 6, 11, 14), (5, 6, 12, 13),
+    (5, 6, 12, 14), (5, 6, 13, 14), (6, 7, 8, 9), (6, 7, 9, 10), (6, 7, 10, 11), (6, 7, 3, 12), (6, 7,
+    11, 14), (6, 7, 12, 13), (6, 7, 12, 14), (6, 7, 13, 14), (8, 9, 10, 11), (8, 9, 3, 12), (8, 9, 7,
+    13), (8, 9, 11, 14), (8, 9, 12, 13), (8, 9, 12, 14), (8, 9, 13, 14), (9, 10, 3, 12), (9, 10, 7, 13),
+    (9, 10, 11, 14), (9, 10, 12, 13), (9, 10, 12, 14), (9, 10, 13, 14), (10, 11, 3, 12), (10, 11, 7,
+    13), (10, 11, 12, 13), (10, 11, 12, 14), (10, 11, 13, 14), (3, 12, 7, 13), (3, 12, 11, 14), (3, 12,
+    13, 14), (7, 13, 11, 14), (7, 13, 12, 14), (11, 14, 12, 13),
 )
 REDUNDANT_LINK = "l_r"
 HOME_P = (0.0, 0.0, 0.35)
@@ -500,6 +517,21 @@ SIGNATURES = {
             rt.Port("attachment", (3, 3), "m", "base", "joint or slider on the platform", "stacked", ()),
         ),
         "(3),(3,3),(3,3),(3,3)->(3,4,3),(3,3),()",
+    ),
+    "clearances": rt.Signature(
+        "clearances",
+        "Distances between the axes of every two links that no joint joins: of the legs, the redundant links, and in arrangement (a) the platform's edges.  They have kinks where the nearest points pass from an end of a link to another.",
+        "1.7.1",
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("theta_1", "theta_2", "theta_3", )),
+        ),
+        (
+            rt.Port("distances", (87,), "m", "-", "shortest distances between the axes of links that no joint joins", "shared", ()),
+        ),
+        "(3),(3,3),(3,3),(3,3)->(87),()",
     ),
     "singularity": rt.Signature(
         "singularity",
@@ -1654,6 +1686,44 @@ def link_points(
             },
         )
     answer = LinkPoints(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def clearances(
+    p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
+    """Distances between the axes of every two links that no joint joins: of the legs, the redundant
+    links, and in arrangement (a) the platform's edges.  They have kinks where the nearest points
+    pass from an end of a link to another.
+
+    Thesis: 1.7.1.
+
+    Args:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
+        theta (..., 3, 3) [rad or m]: actuated joints [theta_1, theta_2, theta_3]
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        distances (..., 87) [m]: shortest distances between the axes of links that no joint
+            joins
+    """
+    arguments = rt.Arguments(SIGNATURES["clearances"], (p, Q, s, theta,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        x, _e_2, d, v_1 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        points = subleg.points(g.subleg, x, d, v_1, arguments.leg("s"))
+        attachment = platform.attachment(g.platform, arguments.leg("p"), arguments.leg("Q"))
+        distances = rt.of_pairs(
+            algebra.segment_distance, rt.legs(points) + rt.legs(attachment), LINK_PAIRS, arguments.batch)
+        results = arguments.finish(
+            {
+                "distances": distances,
+            },
+        )
+    answer = results[0]
     return (answer, results[-1]) if status else answer
 
 

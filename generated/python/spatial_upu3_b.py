@@ -30,6 +30,7 @@ __all__ = [
     "DEFAULT_GEOMETRY",
     "Geometry",
     "Status",
+    "clearances",
     "constraints",
     "end_points",
     "forward",
@@ -83,6 +84,16 @@ LINKS = (
     ("rho_1", "strut", "G_1", "S"),
     ("rho_2", "strut", "G_2", "S"),
     ("rho_3", "strut", "G_3", "S"),
+)
+LINK_PAIRS = (
+    (0, 3, 4, 7), (0, 3, 5, 7), (0, 3, 6, 7), (0, 3, 8, 11), (0, 3, 9, 11), (0, 3, 10, 11), (0, 3, 7,
+    13), (0, 3, 11, 14), (1, 3, 4, 7), (1, 3, 5, 7), (1, 3, 6, 7), (1, 3, 8, 11), (1, 3, 9, 11), (1, 3,
+    10, 11), (1, 3, 7, 13), (1, 3, 11, 14), (2, 3, 4, 7), (2, 3, 5, 7), (2, 3, 6, 7), (2, 3, 8, 11), (2,
+    3, 9, 11), (2, 3, 10, 11), (2, 3, 7, 13), (2, 3, 11, 14), (4, 7, 8, 11), (4, 7, 9, 11), (4, 7, 10,
+    11), (4, 7, 3, 12), (4, 7, 11, 14), (5, 7, 8, 11), (5, 7, 9, 11), (5, 7, 10, 11), (5, 7, 3, 12), (5,
+    7, 11, 14), (6, 7, 8, 11), (6, 7, 9, 11), (6, 7, 10, 11), (6, 7, 3, 12), (6, 7, 11, 14), (8, 11, 3,
+    12), (8, 11, 7, 13), (9, 11, 3, 12), (9, 11, 7, 13), (10, 11, 3, 12), (10, 11, 7, 13), (3, 12, 7,
+    13), (3, 12, 11, 14), (7, 13, 11, 14),
 )
 REDUNDANT_LINK = "l_r"
 HOME_P = (0.0, 0.0, 0.35)
@@ -577,6 +588,21 @@ SIGNATURES = {
             rt.Port("attachment", (3, 3), "m", "base", "joint or slider on the platform", "stacked", ()),
         ),
         "(3),(3,3),(3,3),(3,3)->(3,4,3),(3,3),()",
+    ),
+    "clearances": rt.Signature(
+        "clearances",
+        "Distances between the axes of every two links that no joint joins: of the legs, the redundant links, and in arrangement (a) the platform's edges.  They have kinks where the nearest points pass from an end of a link to another.",
+        "1.7.1",
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("rho_1", "rho_2", "rho_3", )),
+        ),
+        (
+            rt.Port("distances", (48,), "m", "-", "shortest distances between the axes of links that no joint joins", "shared", ()),
+        ),
+        "(3),(3,3),(3,3),(3,3)->(48),()",
     ),
     "singularity": rt.Signature(
         "singularity",
@@ -1863,6 +1889,44 @@ def link_points(
             },
         )
     answer = LinkPoints(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def clearances(
+    p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
+    """Distances between the axes of every two links that no joint joins: of the legs, the redundant
+    links, and in arrangement (a) the platform's edges.  They have kinks where the nearest points
+    pass from an end of a link to another.
+
+    Thesis: 1.7.1.
+
+    Args:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
+        theta (..., 3, 3) [rad or m]: actuated joints [rho_1, rho_2, rho_3]
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        distances (..., 48) [m]: shortest distances between the axes of links that no joint
+            joins
+    """
+    arguments = rt.Arguments(SIGNATURES["clearances"], (p, Q, s, theta,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        _w, _b = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        points = subleg.points(g.subleg, arguments.leg("s"))
+        attachment = platform.attachment(g.platform, arguments.leg("Q"), arguments.leg("s"))
+        distances = rt.of_pairs(
+            algebra.segment_distance, rt.legs(points) + rt.legs(attachment), LINK_PAIRS, arguments.batch)
+        results = arguments.finish(
+            {
+                "distances": distances,
+            },
+        )
+    answer = results[0]
     return (answer, results[-1]) if status else answer
 
 

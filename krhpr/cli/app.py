@@ -33,6 +33,7 @@ from krhpr.errors import (
     TrajectoryError,
     UnknownBranch,
     UnknownRobot,
+    WorkspaceError,
 )
 from krhpr.robot_files.problems import RobotFileError
 
@@ -117,6 +118,7 @@ _WRONG_USE = (
     RobotFileError,
     PluginError,
     TrajectoryError,
+    WorkspaceError,
 )
 
 

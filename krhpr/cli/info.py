@@ -148,6 +148,10 @@ def limits_facts(limits: Limits) -> dict[str, Any]:
         found["link_radii"] = {name: list(legs) for name, legs in limits.link_radii.items()}
     if limits.clearance is not None:
         found["clearance"] = limits.clearance
+    if limits.axis_distance is not None:
+        found["axis_distance"] = limits.axis_distance
+    if limits.elbow is not None:
+        found["elbow"] = [limits.elbow.low, limits.elbow.high]
     return found
 
 
@@ -244,6 +248,10 @@ def _limit_rows(limits: Limits) -> list[tuple[str, str]]:
     ]
     if limits.clearance is not None:
         rows.append(("clearance", f"{limits.clearance:.6g}"))
+    if limits.axis_distance is not None:
+        rows.append(("axis_distance", f"{limits.axis_distance:.6g}"))
+    if limits.elbow is not None:
+        rows.append(("elbow", f"{limits.elbow.low:.6g} to {limits.elbow.high:.6g}"))
     return rows
 
 

@@ -86,6 +86,23 @@ STUDIES = (
         "(5.73) to (5.75), or what a --file says instead (examples/grasping_prototype.yaml)",
         (Option("--file", "FILE", "robot, object and trajectories (YAML)", type=Path),),
     ),
+    Study(
+        "workspace",
+        "study_workspace",
+        "Section 1.7: layers of the translational workspace, and the orientational one by torsion and tilt, "
+        "with limits of joints and interference; Figs. 1.6 to 1.9",
+        (
+            Option(
+                "--robot",
+                "ROBOT",
+                "identifier or robot file (default: spatial_r_fivebar_a)",
+                "spatial_r_fivebar_a",
+            ),
+            Option("--coarser", "N", "steps of N mm and N degrees (default: 1)", 1, int),
+            Option("--cluster", "ADDRESS", "a Dask scheduler, or a number of processes (default: this one)"),
+            Option("--store", "DIR", "keep the maps there; an interrupted study goes on", type=Path),
+        ),
+    ),
 )
 
 EXAMPLES = """\
@@ -95,7 +112,9 @@ examples:
   krhpr study dexterity
   krhpr study trajectory --out chapter_4
   krhpr study forward-accuracy --seed 7 --repeat 20
-  krhpr study grasp --file my_gripper.yaml --out build/gripper"""
+  krhpr study grasp --file my_gripper.yaml --out build/gripper
+  krhpr study workspace --coarser 4 --robot spatial_rrr_a
+  krhpr study workspace --cluster tcp://127.0.0.1:8786 --store build/maps"""
 
 
 def _epilog() -> str:

@@ -177,12 +177,25 @@ class EachRoot:
 
 
 @dataclass(frozen=True)
+class EachPair:
+    """A kernel of the platform called for every pair of links: a loop over a table.
+
+    The elements of the variables `places`, one after the other and three by three, are points; `ends` has for
+    each pair the numbers of those that the kernel's input ports take, in their order.  What its only output
+    port (a number) gives is collected pair by pair.
+    """
+
+    places: tuple[str, ...]
+    ends: tuple[tuple[int, ...], ...]
+
+
+@dataclass(frozen=True)
 class Call:
     """One kernel of a part, with the robot's variables bound to its ports.
 
     `inputs` names the variable for each input port that is not called like its variable; `outputs` likewise.
     With `repeat` it is an iteration, with `each` it is called at every root of a
-    polynomial.
+    polynomial, with `pairs` for every pair of links.
     """
 
     stage: Stage
@@ -192,8 +205,11 @@ class Call:
     outputs: Mapping[str, str]
     repeat: Repeat | None = None
     each: EachRoot | None = None
+    pairs: EachPair | None = None
 
     def __post_init__(self) -> None:
+        if self.pairs is not None and self.stage is not Stage.PLATFORM:
+            raise ValueError(f"{self.part}.{self.kernel}: pairs of links are the platform's")
         if self.each is not None and self.stage is Stage.SHARED:
             raise ValueError(f"{self.part}.{self.kernel}: shared kernels are not called at roots")
         if self.repeat is not None and self.stage is Stage.SHARED:
@@ -208,6 +224,12 @@ class Call:
     def variable_out(self, port: str) -> str:
         """The variable that an output port of the kernel makes."""
         return self.outputs.get(port, port)
+
+    def reads(self, kernel: Kernel) -> tuple[str, ...]:
+        """The variables that its kernel reads."""
+        if self.pairs is not None:
+            return self.pairs.places
+        return tuple(self.variable_in(port.name) for port in kernel.inputs)
 
 
 OPTIONAL_INPUTS = ("mode", "assembly", "swivel", "box")
@@ -282,7 +304,8 @@ class RobotFunction:
 
     @property
     def procedure(self) -> bool:
-        """Whether it loops or chooses: it is then no straight line of kernels, and has no CasADi form."""
+        """Whether it loops (but over a table) or chooses: it is then no straight line of kernels, and has no
+        CasADi form."""
         return not self.calls or any(call.repeat is not None or call.each is not None for call in self.calls)
 
     @property
@@ -298,7 +321,7 @@ class RobotFunction:
         """Variables that something reads: a later kernel, the caller, or a guard."""
         found = {port.name for port in self.outputs}
         for call in self.calls:
-            found |= {call.variable_in(port.name) for port in parts[call.part].kernel(call.kernel).inputs}
+            found |= set(call.reads(parts[call.part].kernel(call.kernel)))
             if call.each is not None:
                 found |= set(call.each.reads)
         return found | ({guard.variable for guard in self.guards} if guards else set())
@@ -340,11 +363,10 @@ def variables(function: RobotFunction, parts: Mapping[str, Part]) -> dict[str, V
     outputs = {port.name: port for port in function.outputs}
     for call in function.calls:
         kernel = parts[call.part].kernel(call.kernel)
-        for port in kernel.inputs:
-            if call.each is not None and port.name == call.each.root:
+        for wanted in call.reads(kernel):
+            if call.each is not None and wanted == call.each.root:
                 continue
-            if call.variable_in(port.name) not in found:
-                wanted = call.variable_in(port.name)
+            if wanted not in found:
                 raise ValueError(
                     f"{function.name}: {call.part}.{call.kernel} reads {wanted!r} before it is made"
                 )
@@ -459,9 +481,11 @@ class RobotCode:
 
 
 def _times(call: Call, legs: int) -> int:
-    """How often a kernel is called, at most for roots."""
+    """How often a kernel is called, at most for roots, once for each pair of links."""
     if call.each is not None:
         return call.each.degree * (legs if call.stage is Stage.LEG else 1)
+    if call.pairs is not None:
+        return len(call.pairs.ends)
     return legs if call.stage is Stage.LEG else 1
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from krhpr.codegen.composition import Repeat, RobotFunction, Stage
+from krhpr.codegen.composition import EachPair, Repeat, RobotFunction, Stage
 from krhpr.codegen.graph import InputRef, Op
 from krhpr.codegen.kernel import GEOMETRY_PREFIX, GeometryType, Kernel, Layout, Port
 
@@ -125,6 +125,12 @@ def evaluate_function(
     per_leg = {port.name: port.per_leg for port in function.inputs}
     for call in function.calls:
         kernel = kernel_of(call.part, call.kernel)
+        if call.pairs is not None:
+            (port,) = kernel.outputs
+            name = call.variable_out(port.name)
+            per_leg[name] = False
+            values[name] = _of_pairs(call.pairs, kernel, values, per_leg, arithmetic)
+            continue
         legs = range(function.legs) if call.stage is Stage.LEG else (None,)
         found: dict[str, list[Any]] = {port.name: [] for port in kernel.outputs}
         for leg in legs:
@@ -153,6 +159,30 @@ def evaluate_function(
             values[name] = found[port.name] if per_leg[name] else found[port.name][0]
     zero = arithmetic.constant(Fraction(0))
     return {port.name: _whole(port, values[port.name], zero) for port in function.outputs}
+
+
+def _of_pairs(
+    pairs: EachPair,
+    kernel: Kernel,
+    values: Mapping[str, Any],
+    per_leg: Mapping[str, bool],
+    arithmetic: Arithmetic,
+) -> list[Any]:
+    """What a kernel gives for every pair of links."""
+    flat = [
+        x
+        for name in pairs.places
+        for part in ([*values[name]] if per_leg[name] else [values[name]])
+        for x in part
+    ]
+    found = []
+    for ends in pairs.ends:
+        points = {
+            port.name: flat[3 * end : 3 * end + 3] for port, end in zip(kernel.inputs, ends, strict=True)
+        }
+        (result,) = evaluate_kernel(kernel, points, None, arithmetic).values()
+        found += result
+    return found
 
 
 def _repeated(

@@ -17,6 +17,12 @@ if TYPE_CHECKING:
 
 Legs = tuple[float, float, float]
 
+PLATFORM = "platform"
+"""The name of the platform's edges among bodies."""
+
+FIRST_LINK = ("l_1", "fixed", "A", "c")
+"""The link that lies on the first axis."""
+
 
 @dataclass(frozen=True)
 class Field:
@@ -50,6 +56,8 @@ class Facts:
     passive: tuple[JointFact, ...]
     spherical: JointFact | None
     links: tuple[str, ...]
+    type_1: tuple[str, ...]
+    """Limits of type I singularities that it can have."""
     requirements: tuple[str, ...]
 
     @property
@@ -84,7 +92,7 @@ def facts_of_module(module: Any) -> Facts:
         {name: tuple(map(float, values)) for name, values in geometry.fields.items()},
         geometry.positive,
         module.SIGNATURES["passive_joints"].outputs,
-        [link[0] for link in module.LINKS],
+        module.LINKS,
         module.REDUNDANT_LINK,
     )
 
@@ -98,7 +106,7 @@ def facts_of_code(robot: RobotCode) -> Facts:
         robot.default_geometry,
         [field.name for geometry in types for field in geometry.fields if field.positive],
         robot.function("passive_joints").outputs,
-        [link[0] for link in robot.links],
+        robot.links,
         robot.redundant_link,
     )
 
@@ -109,7 +117,7 @@ def _facts(
     defaults: Mapping[str, Any],
     positive: Iterable[str],
     passive: Sequence[Any],
-    links: Sequence[str],
+    links: Sequence[tuple[str, str, str, str]],
     redundant_link: str,
 ) -> Facts:
     kinds = {name: Kind.ANGLE if kind == "revolute" else Kind.LENGTH for name, kind in about["joint kinds"]}
@@ -132,6 +140,23 @@ def _facts(
         actuators=tuple(JointFact(name, kinds[name], doc) for name, doc in about["actuators"]),
         passive=tuple(limited),
         spherical=spherical,
-        links=tuple(dict.fromkeys([*links, *([redundant_link] if redundant_link else [])])),
+        links=tuple(dict.fromkeys([*(link[0] for link in links), *_of_platform(title[0], redundant_link)])),
+        type_1=_type_1(title[0], links, kinds[about["actuators"][0][0]]),
         requirements=tuple(name for name, _ in about["requirements"]),
     )
+
+
+def _of_platform(identifier: str, redundant_link: str) -> tuple[str, ...]:
+    """Bodies beside links of sub-legs: the redundant link, and where it turns the platform's edges."""
+    if not redundant_link:
+        return ()
+    return (redundant_link, PLATFORM) if choice(identifier)[2] == "a" else (redundant_link,)
+
+
+def _type_1(identifier: str, links: Sequence[tuple[str, str, str, str]], first: Kind) -> tuple[str, ...]:
+    """What can be limited: in space the distance from a first axis along link l_1, and elbows."""
+    if choice(identifier)[0] == "planar":
+        return ()
+    turns = first is Kind.ANGLE and FIRST_LINK in map(tuple, links)
+    bends = any(kind == "proximal" for _, kind, _, _ in links)
+    return (*(("axis_distance",) if turns else ()), *(("elbow",) if bends else ()))

@@ -14,7 +14,7 @@ from krhpr.robot_files.tree import Items, Node, Table, described
 from krhpr.robot_files.values import for_legs, known_fields, quantity, table_of
 
 FIELDS = ("actuators", "passive", "link_radii", "clearance")
-"""Fields of `limits`."""
+"""Fields of `limits` of every robot; those of type I singularities depend on the robot."""
 
 CONE = ("tilt", "socket", "stud")
 """Fields of a spherical joint's limit."""
@@ -25,23 +25,45 @@ def read_limits(root: Table, facts: Facts, problems: Problems) -> Limits:
     table = table_of(root, "limits", "limits", problems)
     if table is None:
         return Limits()
-    for _ in known_fields(table, "limits", FIELDS, "limits", problems):
+    for _ in known_fields(table, "limits", (*FIELDS, *facts.type_1), "limits", problems):
         pass
     passive = _joints(
         table, "passive", [*facts.passive, *([facts.spherical] if facts.spherical else [])], facts, problems
     )
     spherical = passive.pop(facts.spherical.name, None) if facts.spherical else None
-    clearance = None
-    if "clearance" in table.entries:
-        node, line = table.entries["clearance"], table.lines["clearance"]
-        clearance = quantity(node, line, "limits.clearance", Kind.LENGTH, problems, least=0.0)
+
+    def length(name: str) -> float | None:
+        if name not in table.entries:
+            return None
+        return quantity(
+            table.entries[name], table.lines[name], f"limits.{name}", Kind.LENGTH, problems, least=0.0
+        )
+
     return Limits(
         _joints(table, "actuators", facts.actuators, facts, problems),
         passive,
         spherical,
         _radii(table, facts, problems),
-        clearance,
+        length("clearance"),
+        length("axis_distance") if "axis_distance" in facts.type_1 else None,
+        _elbow(table, problems) if "elbow" in facts.type_1 else None,
     )
+
+
+def _elbow(limits: Table, problems: Problems) -> Interval | None:
+    """The least and the largest angle between the links that an elbow joins."""
+    if "elbow" not in limits.entries:
+        return None
+    node, line = limits.entries["elbow"], limits.lines["elbow"]
+    found = _interval(node, line, "limits.elbow", Kind.ANGLE, problems)
+    if found is not None and not (found.low >= 0 and found.high <= math.pi):
+        problems.wrong(
+            line,
+            "limits.elbow",
+            f"found [{found.low:g}, {found.high:g}] rad, expected angles between 0 and 180 deg",
+        )
+        return None
+    return found
 
 
 def _joints(

@@ -10,7 +10,7 @@ import json
 from collections.abc import Sequence
 from typing import Any
 
-from krhpr.robot_files.facts import Facts, Field, JointFact
+from krhpr.robot_files.facts import PLATFORM, Facts, Field, JointFact
 from krhpr.robot_files.home import dimension, redundant_kind
 from krhpr.robot_files.names import LONGEST, PATTERN
 from krhpr.robot_files.quantities import Kind, pattern
@@ -122,6 +122,7 @@ def _of_robot(facts: Facts, shared: Shared) -> Schema:
                 "passive": shared.table("passive", passive),
                 "link_radii": shared.table("link_radii", {link: _radius(link) for link in facts.links}),
                 "clearance": {"$ref": "#/$defs/clearance"},
+                **{name: {"$ref": f"#/$defs/{name}"} for name in facts.type_1},
             }
         ),
     }
@@ -145,8 +146,9 @@ def _home(facts: Facts) -> Schema:
 
 
 def _radius(link: str) -> Schema:
+    name = "the platform's edges" if link == PLATFORM else link
     return {
-        "description": f"Radius of {link} as a cylinder ({_UNIT_TEXT[Kind.LENGTH]}).",
+        "description": f"Radius of {name} as a cylinder ({_UNIT_TEXT[Kind.LENGTH]}).",
         "$ref": "#/$defs/radius_of_legs",
     }
 
@@ -212,6 +214,15 @@ def _definitions() -> Schema:
             "description": "Least distance between the surfaces of links that no joint joins "
             f"({_UNIT_TEXT[Kind.LENGTH]}).",
             "$ref": "#/$defs/radius",
+        },
+        "axis_distance": {
+            "description": f"Least distance of S_i from the first axis ({_UNIT_TEXT[Kind.LENGTH]}).",
+            "$ref": "#/$defs/radius",
+        },
+        "elbow": {
+            "description": "Angle between the links that an elbow joins: [lowest, highest], between 0 and "
+            f"180 deg ({_UNIT_TEXT[Kind.ANGLE]}).",
+            "$ref": "#/$defs/angle_interval",
         },
         "cone": {
             "anyOf": [

@@ -27,12 +27,17 @@ class Segment:
     start: tuple[int, int]
     end: tuple[int, int]
     link: str = ""
-    """As `robot.limits.link_radii` names it; an edge of the platform has no name."""
+    """As `robot.limits.link_radii` names it."""
 
     def radius(self, robot: Robot) -> float:
         """Of the link as a cylinder, m; zero where none is given."""
         radii = robot.limits.link_radii.get(self.link)
         return 0.0 if radii is None else radii[self.start[0]]
+
+    def number(self, rows: int, which: int) -> int:
+        """One end by its number: the `rows` points of each leg, then the joints on the platform."""
+        leg, row = (self.start, self.end)[which]
+        return 3 * rows + leg if row < 0 else rows * leg + row
 
     def end_of(self, points: Any, which: int) -> Any:
         """One end as a CasADi column, from the outputs of `link_points`."""
@@ -81,18 +86,22 @@ def segments(robot: Robot) -> tuple[Segment, ...]:
     ]
     if robot.identifier.endswith("_a"):
         found += [
-            Segment(f"{PLATFORM} edge {i + 1}-{j + 1}", (i, -1), (j, -1))
+            Segment(f"{PLATFORM} edge {i + 1}-{j + 1}", (i, -1), (j, -1), PLATFORM)
             for i, j in combinations(range(3), 2)
         ]
     return tuple(found)
 
 
 def pairs(robot: Robot) -> tuple[Pair, ...]:
-    """Every pair of links that no joint joins.
+    """Every pair of links that no joint joins; of spatial robots in the order of `clearances`.
 
     A joint may be in the middle of a link, as on the distal link of a five-bar: links whose axes meet
     wherever the robot stands are joined.
     """
+    if robot.link_pairs:
+        rows = len(robot.signature("link_points").outputs[0].labels)
+        known = {(one.number(rows, 0), one.number(rows, 1)): one for one in segments(robot)}
+        return tuple(Pair(known[a, b], known[c, d]) for a, b, c, d in robot.link_pairs)
     found = []
     for a, b in combinations(segments(robot), 2):
         if not {a.start, a.end} & {b.start, b.end}:

@@ -63,6 +63,7 @@ static inline const struct function *find(const struct function *all, size_t cou
 static inline double *known(struct configuration *c, const char *name)
 {
     static double positive = 1.0, sticky = 1e9, ones[3] = {1.0, 1.0, 1.0}, box[6] = {0.5, 2.6, 0.5, 2.6, 0.5, 2.6};
+    static double zeros[3] = {0.0, 0.0, 0.0}, left[4] = {0.0, 0.0, 1.0, 0.0}, apart[4] = {0.1, 0.0, -0.1, 0.0}, faces[2] = {3.0, 0.0};
     const struct { const char *name; double *value; } names[] = {
         {"p", c->p}, {"Q", c->Q}, {"phi", c->phi}, {"redundant", c->redundant}, {"mode", c->mode},
         {"assembly", c->assembly}, {"s", c->s}, {"theta", c->theta}, {"theta_near", c->theta_near},
@@ -70,6 +71,9 @@ static inline double *known(struct configuration *c, const char *name)
         {"turned", &positive}, {"side", &positive}, {"tolerance", &positive}, {"weights", ones},
         {"characteristic_length", &positive}, {"normal_forces", ones}, {"friction", &sticky},
         {"measured", c->redundant}, {"p_near", c->p}, {"Q_near", c->Q}, {"phi_near", c->phi}, {"box", box},
+        /* of jaws that touch an object and do not press on it */
+        {"pivot", c->p}, {"angles", c->redundant}, {"sensor", left}, {"faces", faces}, {"contacts", apart},
+        {"measured_force", zeros}, {"weight", zeros},
     };
     for (size_t k = 0; k < sizeof names / sizeof names[0]; ++k) {
         if (strcmp(names[k].name, name) == 0) {

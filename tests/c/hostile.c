@@ -139,7 +139,7 @@ static int check(const struct function *f, const geometry *g, struct buffers *b,
         nan |= any_nan(b->out[k], port->size);
         const int excess = strcmp(port->name, "excess") == 0;
         if (status >= KRHPR_UNREACHABLE_LEG_1 && status <= KRHPR_SINGULAR_LEG_3 && port->per_leg && !excess) {
-            const int leg = (status - KRHPR_UNREACHABLE_LEG_1) % 3, size = port->size / 3;
+            const int leg = (status - KRHPR_UNREACHABLE_LEG_1) % 3, size = port->size / LEGS;
             CHECK(all_nan(b->out[k] + leg * size, size), "%s of leg %d is not NaN", port->name, leg + 1);
         }
         if (status == KRHPR_OK && largest < LARGEST_INPUT && !is_unbounded(f, port)) {

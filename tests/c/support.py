@@ -135,5 +135,6 @@ def table(identifier: str) -> str:
     lines += [
         f"#define DEFAULT_GEOMETRY krhpr_{identifier}_default_geometry",
         f"#define LAST_STATUS {max(Status)}",
+        f"#define LEGS {getattr(import_module(f'krhpr.generated.python.{identifier}'), 'LEGS', 3)}",
     ]
     return "\n".join(lines) + "\n"

@@ -38,6 +38,14 @@ def test_every_function_keeps_its_promises(robot: str, compiler: str, build: Bui
     run([binary, "20000" if large(robot, full) else "600", *may_be_nan(robot)])
 
 
+@pytest.mark.parametrize("robot", ["planar_grasp_rpr"])
+def test_a_grasping_robot_keeps_them_too(robot: str, compiler: str, build: Build, full: bool) -> None:
+    """Two legs, in arrays that have room for two.  (The sliders of `planar_grasp_prr` meet in some modes.)"""
+    padded = ("forward_all.pivot", "forward_all.angles")
+    binary = build("hostile.c", robot, compiler, "-O0", "-g", *SANITIZE)
+    run([binary, "20000" if full else "600", *MAY_BE_NAN, *padded])
+
+
 @pytest.mark.full
 @pytest.mark.parametrize("robot", tuple(dict.fromkeys((*THOROUGH, *COVER))))
 def test_without_sanitizers_at_full_speed(robot: str, compiler: str, build: Build) -> None:

@@ -57,3 +57,20 @@ def test_the_trajectory_study(cli: Cli, tmp_path: Path) -> None:
     facts = json.loads((tmp_path / "trajectory.json").read_text("utf-8"))
     assert len(facts["compared"]) == 20 and len(facts["filtered"]["method one"]) == 301
     assert (tmp_path / "redundancy_best.png").exists()
+
+
+def test_the_workspace(cli: Cli, tmp_path: Path) -> None:
+    done = cli(
+        "study", "workspace", "--coarser", "12", "--out", str(tmp_path), "--store", str(tmp_path / "maps")
+    )
+    assert done.code == 0
+    assert done.out.count("holds: ") == 4 and "DOES NOT HOLD" not in done.out
+    numbers = json.loads((tmp_path / "workspace.json").read_text("utf-8"))
+    assert numbers["settings"]["robot"] == "spatial_r_fivebar_a"
+    assert len(numbers["layers_m"]) == len(numbers["heights_m"])
+    assert (tmp_path / "workspace_level.png").stat().st_size > 10_000
+    assert "layers: " in done.err
+    refused = cli("study", "workspace", "--coarser", "7")
+    assert refused.code == 2 and "--coarser is 7; it must be a divisor of 360" in refused.err
+    planar = cli("study", "workspace", "--robot", "planar_rr_a", "--out", str(tmp_path))
+    assert planar.code == 2 and "spatial robots" in planar.err

@@ -48,6 +48,8 @@ LIMITS = Limits(
     spherical=(Cone(1.0),) * 3,
     link_radii={"l_1": (0.01, 0.02, 0.03)},
     clearance=0.005,
+    axis_distance=0.02,
+    elbow=Interval(0.2, 3.0),
 )
 
 # -- against the derivation ---------------------------------------------------------------------------------
@@ -269,7 +271,8 @@ int main(void)
 {
     const struct krhpr_my_arm_limits *l = &krhpr_my_arm_limits;
     printf("%.17g %.17g %.17g ", l->actuators.theta_1[2][1], l->link_radii.l_1[1], l->clearance);
-    printf("%.17g %.17g %.17g\\n", l->spherical[0].tilt, l->spherical[1].socket[0], l->spherical[2].stud[2]);
+    printf("%.17g %.17g %.17g ", l->spherical[0].tilt, l->spherical[1].socket[0], l->spherical[2].stud[2]);
+    printf("%.17g %.17g\\n", l->axis_distance, l->elbow[1]);
     return 0;
 }
 """
@@ -301,7 +304,7 @@ def test_the_header_declares_the_limits(limited: Path, compiler: str, tmp_path: 
     place, binary = limited / "c", tmp_path / "program"
     sources = (tmp_path / "program.c", place / "krhpr_my_arm.c")
     _run(compiler, *CONFORMANCE, f"-I{place}", *sources, "-o", binary, "-lm")
-    assert _run(binary).split() == ["3", "0.02", "0.0050000000000000001", "1", "1", "1"]
+    assert _run(binary).split() == ["3", "0.02", "0.0050000000000000001", "1", "1", "1", "0.02", "3"]
     if shutil.which(CPP[compiler]):
         (tmp_path / "program.cpp").write_text(PROGRAM)
         _run(

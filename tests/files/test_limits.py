@@ -51,6 +51,22 @@ def test_radii_and_clearance(write: Write) -> None:
     found = limits(write, "  link_radii: {l_2: 7.5 mm, l_r: [5 mm, 6 mm, 0]}\n  clearance: 5 mm\n")
     assert dict(found.link_radii) == {"l_2": (0.0075,) * 3, "l_r": (0.005, 0.006, 0.0)}
     assert found.clearance == 0.005
+    found = limits(write, "  link_radii: {platform: 6 mm}\n")
+    assert dict(found.link_radii) == {"platform": (0.006,) * 3}
+
+
+def test_limits_of_type_1_singularities(write: Write) -> None:
+    found = limits(write, "  axis_distance: 20 mm\n  elbow: [10 deg, 170 deg]\n")
+    assert found.axis_distance == 0.02
+    assert found.elbow == Interval(math.radians(10), math.radians(170))
+    robots = {"subleg: prr": ["elbow"], "subleg: ups3": []}
+    for subleg, has in robots.items():
+        for field in ("axis_distance: 1 mm", "elbow: [0, 1]"):
+            file = write(f"space: spatial\n{subleg}\narrangement: b\nlimits: {{{field}}}\n")
+            if field.partition(":")[0] in has:
+                assert read(file).limits
+            else:
+                assert "unknown field" in the_problem(file).message
 
 
 def test_slides_are_limited_by_lengths(write: Write) -> None:
@@ -118,6 +134,10 @@ def test_slides_are_limited_by_lengths(write: Write) -> None:
         ("link_radii: {l_6: 1 mm}", "limits.link_radii", "unknown field 'l_6'"),
         ("link_radii: {l_2: -1 mm}", "limits.link_radii.l_2", "expected a length of at least 0"),
         ("clearance: -1 mm", "limits.clearance", "found '-1 mm', expected a length of at least 0"),
+        ("axis_distance: -1 mm", "limits.axis_distance", "expected a length of at least 0"),
+        ("elbow: [170 deg, 10 deg]", "limits.elbow", "expected the lower limit first"),
+        ("elbow: [10 deg, 190 deg]", "limits.elbow", "expected angles between 0 and 180 deg"),
+        ("link_radii: {platforms: 1}", "limits.link_radii", "did you mean platform"),
         ("clearance: [1, 1, 1]", "limits.clearance", "found a list of 3, expected a length"),
         (
             "speed: 1",

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import pickle
+import subprocess
+from pathlib import Path
 from typing import Any
 
+import casadi
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,7 +15,9 @@ from hypothesis import strategies as st
 
 import krhpr
 from krhpr import Status
+from krhpr.backend import c_sources
 from tests.grasping.support import ROBOTS, Array, configurations, cross, different
+from tests.support import ROOT, need
 
 number = st.floats(-1.0, 1.0)
 
@@ -139,6 +144,35 @@ def test_backends_and_casadi_agree(name: str) -> None:
                 assert np.allclose(a[0].ravel(), np.array(b).ravel(), rtol=1e-10, atol=1e-12, equal_nan=True)
 
 
+@pytest.mark.parametrize("name", ROBOTS)
+def test_compiled_functions_in_casadi(name: str, tmp_path: Path) -> None:
+    """The C source for `casadi.external`: values and exact Jacobians as of the SX functions."""
+    need("gcc")
+    library = tmp_path / "external.so"
+    folder = c_sources()
+    source = folder / "casadi" / f"krhpr_{name}_casadi.c"
+    places = [f"-I{folder}", f"-I{folder / 'casadi'}"]
+    flags = ["-std=c99", "-O1", "-shared", "-fPIC"]
+    subprocess.run(["gcc", *flags, *places, str(source), "-lm", "-o", str(library)], check=True)
+    robot = krhpr.load_grasping(name, backend="numpy")
+    pivot, angles = robot.home
+    s, theta = robot.end_points(pivot, angles), robot.inverse(pivot, angles)
+    arguments = {
+        "end_points": (pivot, angles),
+        "jacobians_k": (pivot, s, theta),
+        "inverse_statics_n": (pivot, s, theta, [1.0, -2.0, 0.1, 0.2]),
+        "inverse_statics_r": (s, theta, [1.0, -2.0, 0.1], 3.0),
+    }
+    for function, given_ in arguments.items():
+        compiled = casadi.external(f"krhpr_{name}_{function}", str(library))
+        symbolic = getattr(robot.casadi, function)
+        for one, other in ((compiled, symbolic), (compiled.jacobian(), symbolic.jacobian())):
+            guesses = [np.zeros(one.size_in(i)) for i in range(len(given_), one.n_in())]
+            found, wanted = (f.call([casadi.DM(x) for x in (*given_, *guesses)]) for f in (one, other))
+            for a, b in zip(found, wanted, strict=True):
+                assert np.allclose(a.full(), b.full(), rtol=1e-11, atol=1e-11)
+
+
 def _parts(answer: Any) -> list[Array]:
     return [np.asarray(part) for part in (answer if isinstance(answer, tuple) else (answer,))]
 
@@ -177,3 +211,10 @@ def test_shapes_labels_and_messages() -> None:
     # a sub-leg whose chains do not meet
     answer, status = robot.forward([[-0.3, 0.3], [0.1, 0.3]], status=True)
     assert status == Status.UNREACHABLE_LEG_1 and np.isnan(answer.angles).all()
+
+
+def test_every_function_is_in_the_documentation() -> None:
+    page = (ROOT / "docs" / "grasping.md").read_text(encoding="utf-8")
+    for name in ROBOTS:
+        for function in krhpr.load_grasping(name, backend="numpy").functions:
+            assert f"`{function}`" in page or function in ("inverse_statics_k", "inverse_statics_r"), function

@@ -72,7 +72,7 @@ def pressing(one: Subject, function: RobotFunction, draw: Draw) -> tuple[dict[st
         if function.name != "grasp":
             return geometry, inputs
         found = one.function(function, inputs, geometry, RATIONAL)
-        if found["contact_forces"][0] > 0 and found["contact_forces"][2] > 0:
+        if min(*found["contact_forces"][::2], *found["widths"]) > 0:
             return geometry, inputs
     raise AssertionError("no draw holds an object")
 

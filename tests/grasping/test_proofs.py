@@ -216,6 +216,8 @@ def test_object_is_in_equilibrium(measured: int, seed: int) -> None:
     assert found["loads"] == [*(-w for w in weight), *(cross(a, f) for a, f in zip(v, forces, strict=True))]
     assert found["friction_margins"] == [o * o - t * t for o, t in pairs]
     assert found["pulls"] == [dot(weight, m) for m in n]
+    c = [a - b for a, b in zip(*v, strict=True)]
+    assert found["widths"] == [-dot(c, n[0]), dot(c, n[1])]
     # the determinant of the three equations, in the forces that are not measured
     columns = [direction for m in n for direction in (m, [-m[1], m[0]])]
     rows = [[c[0] for c in columns], [c[1] for c in columns]]

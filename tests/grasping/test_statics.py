@@ -237,6 +237,12 @@ def test_what_does_not_hold_an_object(backend: str) -> None:
         assert np.isnan(held.contact_forces).all() and np.isnan(held.loads).all()
         assert abs(held.determinant) < 1e-15
 
+    # jaws that close beyond one another: contacts on the wrong sides
+    held, status = grip(backend=backend, width=-0.01)
+    assert status == Status.NO_GRASP and np.isnan(held.loads).all()
+    assert np.abs(held.widths + 0.01).max() < 1e-15
+    assert np.abs(grip(backend=backend)[0].widths - 0.0427).max() < 1e-15
+
     held, status = grip(backend=backend, force=np.nan)
     assert status == Status.INVALID_INPUT
     with pytest.raises(krhpr.NoGrasp, match="no width"):

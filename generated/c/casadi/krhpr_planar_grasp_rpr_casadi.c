@@ -1033,7 +1033,7 @@ KRHPR_CASADI_JACOBIAN(JACOBIAN(forward_statics), function_forward_statics)
 
 static int value_grasp(const double *x, double *y)
 {
-    return plain_grasp(&geometry, x, x + 2, x + 6, x + 8, x + 10, x + 12, x[16], x[17], y, y + 4, y + 8, y + 10, y + 11);
+    return plain_grasp(&geometry, x, x + 2, x + 6, x + 8, x + 10, x + 12, x[16], x[17], y, y + 4, y + 8, y + 10, y + 11, y + 13);
 }
 
 static void tangent_grasp(const krhpr_dual *given, krhpr_dual *found)
@@ -1050,7 +1050,8 @@ static void tangent_grasp(const krhpr_dual *given, krhpr_dual *found)
     krhpr_dual *const loads = found + 4;
     krhpr_dual *const friction_margins = found + 8;
     krhpr_dual *const determinant = found + 10;
-    krhpr_dual *const pulls = found + 11;
+    krhpr_dual *const widths = found + 11;
+    krhpr_dual *const pulls = found + 13;
     krhpr_dual v[4];
     krhpr_dual n[4];
     krhpr_dual x[4];
@@ -1061,7 +1062,7 @@ static void tangent_grasp(const krhpr_dual *given, krhpr_dual *found)
     }
     krhpr_platform_planar_jaws_held_tangent(
         v, n, x, mass_centre, weight, sensor, measured_force, friction, contact_forces, loads,
-        friction_margins, determinant, pulls, determined);
+        friction_margins, determinant, widths, pulls, determined);
 }
 
 static const krhpr_casadi_slot in_grasp[] = {
@@ -1079,11 +1080,12 @@ static const krhpr_casadi_slot out_grasp[] = {
     {"out_loads", 4, 1, 1, NULL, P24, P25},
     {"out_friction_margins", 2, 1, 1, NULL, P0, P1},
     {"out_determinant", 1, 1, 1, NULL, P6, P7},
+    {"out_widths", 2, 1, 1, NULL, P0, P1},
     {"out_pulls", 2, 1, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_grasp[] = {
     P30, P12, P30, P30, P30, P12, P24, P25, P30, P12, P30, P30, P30, P12, P24, P25, P2, P35, P2, P2, P2, P35, P0, P0,
-    P4, P64, P4, P5, P5, P64, P7, P7, P71, P63, P71, P3, P2, P63, P1, P1
+    P4, P64, P4, P5, P5, P64, P7, P7, P2, P35, P71, P3, P3, P63, P1, P1, P71, P63, P71, P3, P2, P63, P1, P1
 };
 static const char *const names_grasp[] = {
     "jac_contact_forces_angles", "jac_contact_forces_contacts", "jac_contact_forces_faces",
@@ -1094,12 +1096,13 @@ static const char *const names_grasp[] = {
     "jac_friction_margins_mass_centre", "jac_friction_margins_weight", "jac_friction_margins_sensor",
     "jac_friction_margins_measured_force", "jac_friction_margins_friction", "jac_determinant_angles",
     "jac_determinant_contacts", "jac_determinant_faces", "jac_determinant_mass_centre", "jac_determinant_weight",
-    "jac_determinant_sensor", "jac_determinant_measured_force", "jac_determinant_friction", "jac_pulls_angles",
-    "jac_pulls_contacts", "jac_pulls_faces", "jac_pulls_mass_centre", "jac_pulls_weight", "jac_pulls_sensor",
-    "jac_pulls_measured_force", "jac_pulls_friction"
+    "jac_determinant_sensor", "jac_determinant_measured_force", "jac_determinant_friction", "jac_widths_angles",
+    "jac_widths_contacts", "jac_widths_faces", "jac_widths_mass_centre", "jac_widths_weight", "jac_widths_sensor",
+    "jac_widths_measured_force", "jac_widths_friction", "jac_pulls_angles", "jac_pulls_contacts", "jac_pulls_faces",
+    "jac_pulls_mass_centre", "jac_pulls_weight", "jac_pulls_sensor", "jac_pulls_measured_force", "jac_pulls_friction"
 };
 static const krhpr_casadi_function function_grasp = {
-    8, in_grasp, 5, out_grasp, value_grasp, tangent_grasp, structure_grasp, names_grasp
+    8, in_grasp, 6, out_grasp, value_grasp, tangent_grasp, structure_grasp, names_grasp
 };
 KRHPR_CASADI_FUNCTION(NAME(grasp), function_grasp)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(grasp), function_grasp)

@@ -1037,13 +1037,14 @@ KRHPR_STATIC void krhpr_platform_planar_jaws_contact_tangent(
 }
 
 /* `held` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.38) to (5.43).
- * (123 add, 150 multiply, 3 divide) */
+ * (131 add, 162 multiply, 3 divide) */
 KRHPR_STATIC void krhpr_platform_planar_jaws_held_tangent(
     const krhpr_dual *v, const krhpr_dual *n, const krhpr_dual *x, const krhpr_dual *mass_centre,
     const krhpr_dual *weight, const krhpr_dual *sensor, const krhpr_dual *measured_force,
     const krhpr_dual *friction, krhpr_dual *KRHPR_RESTRICT contact_forces, krhpr_dual *KRHPR_RESTRICT loads,
     krhpr_dual *KRHPR_RESTRICT friction_margins, krhpr_dual *KRHPR_RESTRICT determinant,
-    krhpr_dual *KRHPR_RESTRICT pulls, krhpr_dual *KRHPR_RESTRICT determined)
+    krhpr_dual *KRHPR_RESTRICT widths, krhpr_dual *KRHPR_RESTRICT pulls,
+    krhpr_dual *KRHPR_RESTRICT determined)
 {
     const double centre_0 = x[0].v * mass_centre[0].v - x[1].v * mass_centre[1].v;
     const double centre_1 = x[1].v * mass_centre[0].v + x[0].v * mass_centre[1].v;
@@ -1089,6 +1090,8 @@ KRHPR_STATIC void krhpr_platform_planar_jaws_held_tangent(
     friction_margins[0].v = h8 * h7 - f_p1 * f_p1;
     friction_margins[1].v = h7 * h10 - f_p2 * f_p2;
     determinant[0].v = det;
+    widths[0].v = -(n[0].v * c_0 + n[1].v * c_1);
+    widths[1].v = n[2].v * c_0 + n[3].v * c_1;
     pulls[0].v = n[0].v * weight[0].v + n[1].v * weight[1].v;
     pulls[1].v = n[2].v * weight[0].v + n[3].v * weight[1].v;
     determined[0].v = determined_0;
@@ -1140,6 +1143,8 @@ KRHPR_STATIC void krhpr_platform_planar_jaws_held_tangent(
         friction_margins[0].t[k] = h7 * (t23 + t23) + h8 * t25 - (t26 + t26);
         friction_margins[1].t[k] = h10 * t25 + h7 * (t27 + t27) - (t28 + t28);
         determinant[0].t[k] = t11;
+        widths[0].t[k] = -(c_0 * n[0].t[k] + n[0].v * t7 + (c_1 * n[1].t[k] + n[1].v * t8));
+        widths[1].t[k] = c_0 * n[2].t[k] + n[2].v * t7 + (c_1 * n[3].t[k] + n[3].v * t8);
         pulls[0].t[k] = t29;
         pulls[1].t[k] = t30;
         determined[0].t[k] = h11 * t36;

@@ -46,6 +46,7 @@
 #define krhpr_spatial_cpr3_b_grasp plain_grasp
 #define krhpr_spatial_cpr3_b_passive_joints plain_passive_joints
 #define krhpr_spatial_cpr3_b_link_points plain_link_points
+#define krhpr_spatial_cpr3_b_clearances plain_clearances
 #define krhpr_spatial_cpr3_b_singularity plain_singularity
 #define krhpr_spatial_cpr3_b_type_2_of_redundant plain_type_2_of_redundant
 #define krhpr_spatial_cpr3_b_indices plain_indices
@@ -76,6 +77,7 @@
 #undef krhpr_spatial_cpr3_b_grasp
 #undef krhpr_spatial_cpr3_b_passive_joints
 #undef krhpr_spatial_cpr3_b_link_points
+#undef krhpr_spatial_cpr3_b_clearances
 #undef krhpr_spatial_cpr3_b_singularity
 #undef krhpr_spatial_cpr3_b_type_2_of_redundant
 #undef krhpr_spatial_cpr3_b_indices
@@ -161,118 +163,120 @@ static const casadi_int P18[3] = {3, 6, 1};
 static const casadi_int P19[9] = {3, 6, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P20[3] = {4, 3, 1};
 static const casadi_int P21[6] = {4, 3, 0, 0, 0, 0};
-static const casadi_int P22[3] = {3, 4, 1};
-static const casadi_int P23[7] = {3, 4, 0, 0, 0, 0, 0};
-static const casadi_int P24[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P25[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P22[3] = {48, 1, 1};
+static const casadi_int P23[4] = {48, 1, 0, 0};
+static const casadi_int P24[3] = {3, 4, 1};
+static const casadi_int P25[7] = {3, 4, 0, 0, 0, 0, 0};
+static const casadi_int P26[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P27[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P26[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P27[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
+static const casadi_int P28[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
+static const casadi_int P29[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
     1, 2, 0, 1, 2};
-static const casadi_int P28[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P29[21] = {3, 9, 0, 3, 3, 3, 6, 6, 6, 9, 9, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P30[21] = {3, 9, 0, 0, 3, 3, 3, 6, 6, 6, 9, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P31[21] = {3, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P32[39] = {9, 9, 0, 9, 9, 9, 18, 18, 18, 27, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P30[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P31[21] = {3, 9, 0, 3, 3, 3, 6, 6, 6, 9, 9, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P32[21] = {3, 9, 0, 0, 3, 3, 3, 6, 6, 6, 9, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P33[21] = {3, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P34[39] = {9, 9, 0, 9, 9, 9, 18, 18, 18, 27, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P33[21] = {9, 9, 0, 3, 3, 3, 6, 6, 6, 9, 9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P34[39] = {9, 9, 0, 0, 9, 9, 9, 18, 18, 18, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P35[21] = {9, 9, 0, 3, 3, 3, 6, 6, 6, 9, 9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P36[39] = {9, 9, 0, 0, 9, 9, 9, 18, 18, 18, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P35[21] = {9, 9, 0, 0, 3, 3, 3, 6, 6, 6, 9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P36[39] = {9, 9, 0, 0, 0, 9, 9, 9, 18, 18, 18, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4,
+static const casadi_int P37[21] = {9, 9, 0, 0, 3, 3, 3, 6, 6, 6, 9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P38[39] = {9, 9, 0, 0, 0, 9, 9, 9, 18, 18, 18, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4,
     5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P37[21] = {9, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P38[3] = {6, 3, 1};
-static const casadi_int P39[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
+static const casadi_int P39[21] = {9, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P40[3] = {6, 3, 1};
+static const casadi_int P41[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
     2, 4, 0, 2, 4, 1, 3, 5, 1, 3, 5, 1, 3, 5};
-static const casadi_int P40[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P42[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P41[42] = {36, 3, 0, 12, 24, 36, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 18, 19, 20,
+static const casadi_int P43[42] = {36, 3, 0, 12, 24, 36, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 18, 19, 20,
     21, 22, 23, 30, 31, 32, 33, 34, 35, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29};
-static const casadi_int P42[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
+static const casadi_int P44[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
     8, 10, 18, 20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6, 8, 10, 18,
     20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 1, 3, 5, 25, 27, 29, 31, 33, 35, 7, 9, 11, 19, 21, 23, 31,
     33, 35, 13, 15, 17, 19, 21, 23, 25, 27, 29};
-static const casadi_int P43[48] = {36, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 24, 25, 30, 31, 26, 27, 32, 33, 28,
+static const casadi_int P45[48] = {36, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 24, 25, 30, 31, 26, 27, 32, 33, 28,
     29, 34, 35, 18, 19, 30, 31, 20, 21, 32, 33, 22, 23, 34, 35, 18, 19, 24, 25, 20, 21, 26, 27, 22, 23, 28, 29};
-static const casadi_int P44[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P45[6] = {54, 3, 0, 0, 0, 0};
-static const casadi_int P46[93] = {54, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
+static const casadi_int P46[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P47[6] = {54, 3, 0, 0, 0, 0};
+static const casadi_int P48[93] = {54, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
     6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26,
     32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 1, 7, 13, 21, 27, 33, 41, 47, 53, 1, 7, 13, 21, 27, 33, 41, 47,
     53, 1, 7, 13, 21, 27, 33, 41, 47, 53};
-static const casadi_int P47[66] = {54, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27,
+static const casadi_int P49[66] = {54, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27,
     32, 33, 40, 41, 46, 47, 52, 53, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27, 32, 33, 40, 41, 46, 47, 52, 53, 0, 1, 6, 7, 12,
     13, 20, 21, 26, 27, 32, 33, 40, 41, 46, 47, 52, 53};
-static const casadi_int P48[30] = {54, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 20, 21, 40, 41, 6, 7, 26, 27, 46,
+static const casadi_int P50[30] = {54, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 20, 21, 40, 41, 6, 7, 26, 27, 46,
     47, 12, 13, 32, 33, 52, 53};
-static const casadi_int P49[6] = {6, 3, 0, 0, 0, 0};
-static const casadi_int P50[30] = {6, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P51[6] = {6, 3, 0, 0, 0, 0};
+static const casadi_int P52[30] = {6, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P51[18] = {6, 9, 0, 2, 2, 2, 4, 4, 4, 6, 6, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P52[30] = {6, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P53[18] = {6, 9, 0, 2, 2, 2, 4, 4, 4, 6, 6, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P54[30] = {6, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P53[18] = {6, 9, 0, 0, 2, 2, 2, 4, 4, 4, 6, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P54[30] = {6, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1,
+static const casadi_int P55[18] = {6, 9, 0, 0, 2, 2, 2, 4, 4, 4, 6, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P56[30] = {6, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1,
     2, 3, 4, 5};
-static const casadi_int P55[18] = {6, 9, 0, 0, 0, 2, 2, 2, 4, 4, 4, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P56[3] = {9, 3, 1};
-static const casadi_int P57[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
+static const casadi_int P57[18] = {6, 9, 0, 0, 0, 2, 2, 2, 4, 4, 4, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P58[3] = {9, 3, 1};
+static const casadi_int P59[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5,
     6, 7, 8};
-static const casadi_int P58[9] = {3, 3, 0, 3, 3, 3, 0, 1, 2};
-static const casadi_int P59[9] = {3, 3, 0, 0, 3, 3, 0, 1, 2};
-static const casadi_int P60[9] = {3, 3, 0, 0, 0, 3, 0, 1, 2};
-static const casadi_int P61[3] = {6, 9, 1};
-static const casadi_int P62[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P60[9] = {3, 3, 0, 3, 3, 3, 0, 1, 2};
+static const casadi_int P61[9] = {3, 3, 0, 0, 3, 3, 0, 1, 2};
+static const casadi_int P62[9] = {3, 3, 0, 0, 0, 3, 0, 1, 2};
+static const casadi_int P63[3] = {6, 9, 1};
+static const casadi_int P64[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P63[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P64[3] = {9, 6, 1};
-static const casadi_int P65[3] = {9, 9, 1};
-static const casadi_int P66[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
-static const casadi_int P67[3] = {3, 2, 1};
-static const casadi_int P68[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P69[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8,
+static const casadi_int P65[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P66[3] = {9, 6, 1};
+static const casadi_int P67[3] = {9, 9, 1};
+static const casadi_int P68[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
+static const casadi_int P69[3] = {3, 2, 1};
+static const casadi_int P70[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P71[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8,
     3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P70[21] = {9, 3, 0, 6, 12, 15, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8};
-static const casadi_int P71[24] = {9, 3, 0, 6, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P72[27] = {9, 3, 0, 7, 14, 21, 0, 3, 4, 5, 6, 7, 8, 1, 3, 4, 5, 6, 7, 8, 2, 3, 4, 5, 6, 7,
+static const casadi_int P72[21] = {9, 3, 0, 6, 12, 15, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8};
+static const casadi_int P73[24] = {9, 3, 0, 6, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P74[27] = {9, 3, 0, 7, 14, 21, 0, 3, 4, 5, 6, 7, 8, 1, 3, 4, 5, 6, 7, 8, 2, 3, 4, 5, 6, 7,
     8};
-static const casadi_int P73[4] = {9, 1, 0, 0};
-static const casadi_int P74[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P75[3] = {3, 9, 1};
-static const casadi_int P76[6] = {18, 3, 0, 0, 0, 0};
-static const casadi_int P77[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P78[66] = {18, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13,
+static const casadi_int P75[4] = {9, 1, 0, 0};
+static const casadi_int P76[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P77[3] = {3, 9, 1};
+static const casadi_int P78[6] = {18, 3, 0, 0, 0, 0};
+static const casadi_int P79[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P80[66] = {18, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13,
     16, 2, 5, 8, 11, 14, 17, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13, 16, 2, 5, 8, 11, 14, 17, 0, 3, 6, 9, 12, 15, 1, 4, 7,
     10, 13, 16, 2, 5, 8, 11, 14, 17};
-static const casadi_int P79[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P80[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P81[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P82[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P81[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P82[6] = {12, 3, 0, 0, 0, 0};
-static const casadi_int P83[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P84[42] = {12, 9, 0, 10, 10, 10, 20, 20, 20, 30, 30, 30, 0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 0,
+static const casadi_int P83[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P84[6] = {12, 3, 0, 0, 0, 0};
+static const casadi_int P85[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P86[42] = {12, 9, 0, 10, 10, 10, 20, 20, 20, 30, 30, 30, 0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 0,
     1, 2, 4, 5, 6, 7, 8, 9, 10, 0, 1, 2, 4, 5, 6, 8, 9, 10, 11};
-static const casadi_int P85[42] = {12, 9, 0, 0, 10, 10, 10, 20, 20, 20, 30, 30, 0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 0, 1,
+static const casadi_int P87[42] = {12, 9, 0, 0, 10, 10, 10, 20, 20, 20, 30, 30, 0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 0, 1,
     2, 4, 5, 6, 7, 8, 9, 10, 0, 1, 2, 4, 5, 6, 8, 9, 10, 11};
-static const casadi_int P86[42] = {12, 9, 0, 0, 0, 10, 10, 10, 20, 20, 20, 30, 0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 0, 1,
+static const casadi_int P88[42] = {12, 9, 0, 0, 0, 10, 10, 10, 20, 20, 20, 30, 0, 1, 2, 3, 4, 5, 6, 8, 9, 10, 0, 1,
     2, 4, 5, 6, 7, 8, 9, 10, 0, 1, 2, 4, 5, 6, 8, 9, 10, 11};
-static const casadi_int P87[21] = {12, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 10, 11, 9, 10, 11, 9, 10, 11};
-static const casadi_int P88[21] = {12, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P89[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P90[3] = {2, 9, 1};
-static const casadi_int P91[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P92[3] = {1, 9, 1};
-static const casadi_int P93[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P94[3] = {9, 1, 1};
-static const casadi_int P95[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P96[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P97[3] = {1, 2, 1};
-static const casadi_int P98[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P99[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P89[21] = {12, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 10, 11, 9, 10, 11, 9, 10, 11};
+static const casadi_int P90[21] = {12, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P91[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P92[3] = {2, 9, 1};
+static const casadi_int P93[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P94[3] = {1, 9, 1};
+static const casadi_int P95[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P96[3] = {9, 1, 1};
+static const casadi_int P97[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P98[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P99[3] = {1, 2, 1};
+static const casadi_int P100[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P101[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P100[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P102[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -319,7 +323,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_end_points[] = {
-    P24, P25, P26
+    P26, P27, P28
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_Q", "jac_s_redundant"
@@ -357,7 +361,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P0, P27, P28
+    P0, P29, P30
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_Q", "jac_redundant_s"
@@ -394,7 +398,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 1, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P29, P30, P31
+    P31, P32, P33
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -436,7 +440,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P32, P33, P34, P35, P36, P37
+    P34, P35, P36, P37, P38, P39
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -474,7 +478,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_constraints[] = {
-    P38, P39, P40
+    P40, P41, P42
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_Q", "jac_residual_s"
@@ -522,7 +526,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 6, 9, 3, NULL, P12, P13},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P41, P42, P43, P44, P45, P46, P47, P48
+    P43, P44, P45, P46, P47, P48, P49, P50
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
@@ -572,7 +576,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 2, 3, 1, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P41, P42, P43, P44, P49, P39, P50, P51, P49, P39, P52, P53, P49, P39, P54, P55
+    P43, P44, P45, P46, P51, P41, P52, P53, P51, P41, P54, P55, P51, P41, P56, P57
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_Q", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -614,7 +618,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse[] = {
-    P56, P57, P26
+    P58, P59, P28
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_Q", "jac_theta_redundant"
@@ -657,7 +661,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 1, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P0, P27, P58, P0, P27, P59, P0, P27, P60
+    P0, P29, P60, P0, P29, P61, P0, P29, P62
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_Q", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_Q", "jac_theta2_redundant",
@@ -735,7 +739,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_twist[] = {
-    P38, P61, P61, P61, P61
+    P40, P63, P63, P63, P63
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_Q", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -786,7 +790,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P56, P57, P62, P63, P64, P26
+    P58, P59, P64, P65, P66, P28
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_Q", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -857,7 +861,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P38, P61, P61, P61, P10, P61, P61
+    P40, P63, P63, P63, P10, P63, P63
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_Q", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -923,7 +927,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P56, P57, P62, P62, P64, P26, P62, P64, P26
+    P58, P59, P64, P64, P66, P28, P64, P66, P28
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_Q", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -989,7 +993,7 @@ static const krhpr_casadi_slot out_inverse_statics[] = {
     {"out_actuator_forces", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse_statics[] = {
-    P56, P65, P65, P63, P64, P56
+    P58, P67, P67, P65, P66, P58
 };
 static const char *const names_inverse_statics[] = {
     "jac_actuator_forces_p", "jac_actuator_forces_Q", "jac_actuator_forces_s", "jac_actuator_forces_theta",
@@ -1044,7 +1048,7 @@ static const krhpr_casadi_slot out_forward_statics[] = {
     {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_statics[] = {
-    P66, P13, P61, P61, P61, P1, P27, P28, P28, P28
+    P68, P13, P63, P63, P63, P1, P29, P30, P30, P30
 };
 static const char *const names_forward_statics[] = {
     "jac_wrench_p", "jac_wrench_Q", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
@@ -1130,7 +1134,7 @@ static const krhpr_casadi_slot out_redundant_of_opening[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_of_opening[] = {
-    P4, P67, P68
+    P4, P69, P70
 };
 static const char *const names_redundant_of_opening[] = {
     "jac_redundant_opening", "jac_redundant_centre", "jac_redundant_jaws"
@@ -1187,7 +1191,7 @@ static const krhpr_casadi_slot out_grasp[] = {
     {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_grasp[] = {
-    P69, P69, P70, P71, P72, P73, P61, P61, P38, P38, P38, P9, P74, P74, P1, P1, P68, P5, P75, P75, P0, P0, P0, P4
+    P71, P71, P72, P73, P74, P75, P63, P63, P40, P40, P40, P9, P76, P76, P1, P1, P70, P5, P77, P77, P0, P0, P0, P4
 };
 static const char *const names_grasp[] = {
     "jac_contact_forces_Q", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
@@ -1249,7 +1253,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P76, P77, P78, P77, P79, P80, P81, P81, P79, P80, P81, P81, P79, P80, P81, P81, P0, P27, P28, P74
+    P78, P79, P80, P79, P81, P82, P83, P83, P81, P82, P83, P83, P81, P82, P83, P83, P0, P29, P30, P76
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -1300,7 +1304,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P82, P83, P84, P83, P82, P83, P85, P83, P82, P83, P86, P83, P79, P25, P63, P81
+    P84, P85, P86, P85, P84, P85, P87, P85, P84, P85, P88, P85, P81, P27, P65, P83
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1312,6 +1316,27 @@ static const krhpr_casadi_function function_link_points = {
 };
 KRHPR_CASADI_FUNCTION(NAME(link_points), function_link_points)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(link_points), function_link_points)
+
+/* -- clearances -- */
+
+static int value_clearances(const double *x, double *y)
+{
+    return plain_clearances(&geometry, x, x + 3, x + 12, x + 21, y);
+}
+
+static const krhpr_casadi_slot in_clearances[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+};
+static const krhpr_casadi_slot out_clearances[] = {
+    {"out_distances", 48, 1, 1, NULL, P22, P23},
+};
+static const krhpr_casadi_function function_clearances = {
+    4, in_clearances, 1, out_clearances, value_clearances, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(clearances), function_clearances)
 
 /* -- singularity -- */
 
@@ -1354,12 +1379,12 @@ static const krhpr_casadi_slot in_singularity[] = {
 };
 static const krhpr_casadi_slot out_singularity[] = {
     {"out_type_1", 3, 1, 1, NULL, P4, P5},
-    {"out_factors", 3, 4, 1, NULL, P22, P23},
+    {"out_factors", 3, 4, 1, NULL, P24, P25},
     {"out_type_2", 2, 1, 1, NULL, P16, P17},
     {"out_margins", 2, 1, 1, NULL, P16, P17},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P74, P28, P28, P82, P83, P87, P88, P14, P89, P90, P91, P14, P89, P90, P91
+    P1, P76, P30, P30, P84, P85, P89, P90, P14, P91, P92, P93, P14, P91, P92, P93
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1500,7 +1525,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P6, P92, P92, P92, P2, P6, P92, P92, P92, P2, P7, P93, P92, P92, P2
+    P6, P94, P94, P94, P2, P6, P94, P94, P94, P2, P7, P95, P94, P94, P2
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_Q", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_1_characteristic_length", "jac_eta_2_p",
@@ -1556,7 +1581,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P61, P8, P65, P94, P65, P94, P61, P8, P90, P16, P93, P3
+    P63, P8, P67, P96, P67, P96, P63, P8, P92, P16, P95, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1615,7 +1640,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P75, P67, P5, P65, P95, P73, P65, P95, P73, P96, P97, P3
+    P77, P69, P5, P67, P97, P75, P67, P97, P75, P98, P99, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1674,7 +1699,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P75, P0, P5, P65, P98, P73, P65, P98, P73, P99, P100, P5
+    P77, P0, P5, P67, P100, P75, P67, P100, P75, P101, P102, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

@@ -45,6 +45,7 @@
 #define krhpr_spatial_p_fivebar_a_forward_statics plain_forward_statics
 #define krhpr_spatial_p_fivebar_a_passive_joints plain_passive_joints
 #define krhpr_spatial_p_fivebar_a_link_points plain_link_points
+#define krhpr_spatial_p_fivebar_a_clearances plain_clearances
 #define krhpr_spatial_p_fivebar_a_singularity plain_singularity
 #define krhpr_spatial_p_fivebar_a_type_2_of_redundant plain_type_2_of_redundant
 #define krhpr_spatial_p_fivebar_a_indices plain_indices
@@ -74,6 +75,7 @@
 #undef krhpr_spatial_p_fivebar_a_forward_statics
 #undef krhpr_spatial_p_fivebar_a_passive_joints
 #undef krhpr_spatial_p_fivebar_a_link_points
+#undef krhpr_spatial_p_fivebar_a_clearances
 #undef krhpr_spatial_p_fivebar_a_singularity
 #undef krhpr_spatial_p_fivebar_a_type_2_of_redundant
 #undef krhpr_spatial_p_fivebar_a_indices
@@ -144,153 +146,155 @@ static const casadi_int P16[3] = {3, 2, 1};
 static const casadi_int P17[5] = {3, 2, 0, 0, 0};
 static const casadi_int P18[3] = {7, 3, 1};
 static const casadi_int P19[6] = {7, 3, 0, 0, 0, 0};
-static const casadi_int P20[3] = {2, 1, 1};
-static const casadi_int P21[4] = {2, 1, 0, 0};
-static const casadi_int P22[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P23[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P20[3] = {243, 1, 1};
+static const casadi_int P21[4] = {243, 1, 0, 0};
+static const casadi_int P22[3] = {2, 1, 1};
+static const casadi_int P23[4] = {2, 1, 0, 0};
+static const casadi_int P24[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P25[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P24[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P25[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
+static const casadi_int P26[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
+static const casadi_int P27[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
     1, 2, 0, 1, 2};
-static const casadi_int P26[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P27[36] = {9, 9, 0, 2, 4, 6, 9, 12, 15, 18, 21, 24, 0, 3, 1, 4, 2, 5, 0, 3, 6, 1, 4, 7, 2,
+static const casadi_int P28[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P29[36] = {9, 9, 0, 2, 4, 6, 9, 12, 15, 18, 21, 24, 0, 3, 1, 4, 2, 5, 0, 3, 6, 1, 4, 7, 2,
     5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P28[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P29[28] = {6, 9, 0, 4, 4, 4, 10, 10, 10, 16, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 0, 1, 2,
+static const casadi_int P30[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P31[28] = {6, 9, 0, 4, 4, 4, 10, 10, 10, 16, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 0, 1, 2,
     3, 4, 5};
-static const casadi_int P30[28] = {6, 9, 0, 0, 4, 4, 4, 10, 10, 10, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 0, 1, 2,
+static const casadi_int P32[28] = {6, 9, 0, 0, 4, 4, 4, 10, 10, 10, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 0, 1, 2,
     3, 4, 5};
-static const casadi_int P31[28] = {6, 9, 0, 0, 0, 4, 4, 4, 10, 10, 10, 16, 0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3,
+static const casadi_int P33[28] = {6, 9, 0, 0, 0, 4, 4, 4, 10, 10, 10, 16, 0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3,
     4, 5};
-static const casadi_int P32[44] = {12, 9, 0, 12, 12, 12, 24, 24, 24, 32, 32, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P34[44] = {12, 9, 0, 12, 12, 12, 24, 24, 24, 32, 32, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P33[44] = {12, 9, 0, 0, 12, 12, 12, 24, 24, 24, 32, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P35[44] = {12, 9, 0, 0, 12, 12, 12, 24, 24, 24, 32, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P34[44] = {12, 9, 0, 0, 0, 12, 12, 12, 24, 24, 24, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
+static const casadi_int P36[44] = {12, 9, 0, 0, 0, 12, 12, 12, 24, 24, 24, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
     0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P35[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3,
+static const casadi_int P37[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P36[24] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 12, 12, 12, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P37[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3,
+static const casadi_int P38[24] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 12, 12, 12, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P39[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P38[24] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 12, 12, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P39[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4,
+static const casadi_int P40[24] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 12, 12, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P41[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4,
     5, 6, 7, 8};
-static const casadi_int P40[24] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 12, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P41[3] = {6, 3, 1};
-static const casadi_int P42[57] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P42[24] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 12, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P43[3] = {6, 3, 1};
+static const casadi_int P44[57] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 1, 3, 5, 1, 3, 5, 1, 3, 5};
-static const casadi_int P43[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P45[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P44[51] = {36, 3, 0, 15, 30, 45, 0, 2, 4, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 6,
+static const casadi_int P46[51] = {36, 3, 0, 15, 30, 45, 0, 2, 4, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 6,
     8, 10, 18, 19, 20, 21, 22, 23, 30, 31, 32, 33, 34, 35, 12, 14, 16, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29};
-static const casadi_int P45[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
+static const casadi_int P47[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
     8, 10, 18, 20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6, 8, 10, 18,
     20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 1, 3, 5, 25, 27, 29, 31, 33, 35, 7, 9, 11, 19, 21, 23, 31,
     33, 35, 13, 15, 17, 19, 21, 23, 25, 27, 29};
-static const casadi_int P46[57] = {36, 9, 0, 5, 10, 15, 20, 25, 30, 35, 40, 45, 0, 24, 25, 30, 31, 2, 26, 27, 32,
+static const casadi_int P48[57] = {36, 9, 0, 5, 10, 15, 20, 25, 30, 35, 40, 45, 0, 24, 25, 30, 31, 2, 26, 27, 32,
     33, 4, 28, 29, 34, 35, 6, 18, 19, 30, 31, 8, 20, 21, 32, 33, 10, 22, 23, 34, 35, 12, 18, 19, 24, 25, 14, 20, 21, 26,
     27, 16, 22, 23, 28, 29};
-static const casadi_int P47[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P48[30] = {54, 3, 0, 9, 18, 24, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40,
+static const casadi_int P49[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P50[30] = {54, 3, 0, 9, 18, 24, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40,
     46, 52, 6, 12, 26, 32, 46, 52};
-static const casadi_int P49[84] = {54, 9, 0, 9, 18, 24, 33, 42, 48, 57, 66, 72, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
+static const casadi_int P51[84] = {54, 9, 0, 9, 18, 24, 33, 42, 48, 57, 66, 72, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
     6, 12, 20, 26, 32, 40, 46, 52, 6, 12, 26, 32, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40,
     46, 52, 6, 12, 26, 32, 46, 52, 1, 7, 13, 21, 27, 33, 41, 47, 53, 1, 7, 13, 21, 27, 33, 41, 47, 53, 7, 13, 27, 33,
     47, 53};
-static const casadi_int P50[54] = {54, 9, 0, 5, 10, 15, 20, 25, 30, 34, 38, 42, 0, 6, 7, 12, 13, 20, 26, 27, 32, 33,
+static const casadi_int P52[54] = {54, 9, 0, 5, 10, 15, 20, 25, 30, 34, 38, 42, 0, 6, 7, 12, 13, 20, 26, 27, 32, 33,
     40, 46, 47, 52, 53, 0, 6, 7, 12, 13, 20, 26, 27, 32, 33, 40, 46, 47, 52, 53, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47,
     52, 53};
-static const casadi_int P51[36] = {54, 9, 0, 0, 0, 0, 4, 8, 12, 16, 20, 24, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47,
+static const casadi_int P53[36] = {54, 9, 0, 0, 0, 0, 4, 8, 12, 16, 20, 24, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47,
     52, 53, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47, 52, 53};
-static const casadi_int P52[14] = {6, 3, 0, 3, 6, 8, 0, 2, 4, 0, 2, 4, 2, 4};
-static const casadi_int P53[36] = {6, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 2, 4, 0, 2, 4, 2, 4, 0, 2, 4, 0, 2,
+static const casadi_int P54[14] = {6, 3, 0, 3, 6, 8, 0, 2, 4, 0, 2, 4, 2, 4};
+static const casadi_int P55[36] = {6, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 2, 4, 0, 2, 4, 2, 4, 0, 2, 4, 0, 2,
     4, 2, 4, 1, 3, 5, 1, 3, 5, 3, 5};
-static const casadi_int P54[26] = {6, 9, 0, 5, 5, 5, 10, 10, 10, 14, 14, 14, 0, 2, 3, 4, 5, 0, 2, 3, 4, 5, 2, 3, 4,
+static const casadi_int P56[26] = {6, 9, 0, 5, 5, 5, 10, 10, 10, 14, 14, 14, 0, 2, 3, 4, 5, 0, 2, 3, 4, 5, 2, 3, 4,
     5};
-static const casadi_int P55[20] = {6, 9, 0, 0, 0, 0, 4, 4, 4, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P56[26] = {6, 9, 0, 0, 5, 5, 5, 10, 10, 10, 14, 14, 0, 2, 3, 4, 5, 0, 2, 3, 4, 5, 2, 3, 4,
+static const casadi_int P57[20] = {6, 9, 0, 0, 0, 0, 4, 4, 4, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P58[26] = {6, 9, 0, 0, 5, 5, 5, 10, 10, 10, 14, 14, 0, 2, 3, 4, 5, 0, 2, 3, 4, 5, 2, 3, 4,
     5};
-static const casadi_int P57[20] = {6, 9, 0, 0, 0, 0, 0, 4, 4, 4, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P58[26] = {6, 9, 0, 0, 0, 5, 5, 5, 10, 10, 10, 14, 0, 2, 3, 4, 5, 0, 2, 3, 4, 5, 2, 3, 4,
+static const casadi_int P59[20] = {6, 9, 0, 0, 0, 0, 0, 4, 4, 4, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P60[26] = {6, 9, 0, 0, 0, 5, 5, 5, 10, 10, 10, 14, 0, 2, 3, 4, 5, 0, 2, 3, 4, 5, 2, 3, 4,
     5};
-static const casadi_int P59[20] = {6, 9, 0, 0, 0, 0, 0, 0, 4, 4, 4, 8, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P60[30] = {9, 3, 0, 9, 18, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4,
+static const casadi_int P61[20] = {6, 9, 0, 0, 0, 0, 0, 0, 4, 4, 4, 8, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P62[30] = {9, 3, 0, 9, 18, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4,
     5, 6, 7, 8};
-static const casadi_int P61[60] = {9, 9, 0, 9, 18, 24, 33, 42, 48, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
+static const casadi_int P63[60] = {9, 9, 0, 9, 18, 24, 33, 42, 48, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P62[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P63[38] = {12, 3, 0, 12, 24, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6,
+static const casadi_int P64[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P65[38] = {12, 3, 0, 12, 24, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6,
     7, 8, 9, 10, 11, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P64[76] = {12, 9, 0, 12, 24, 32, 44, 56, 64, 64, 64, 64, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P66[76] = {12, 9, 0, 12, 24, 32, 44, 56, 64, 64, 64, 64, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 9, 10, 11, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P65[18] = {12, 3, 0, 12, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P66[18] = {12, 3, 0, 0, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P67[18] = {12, 3, 0, 0, 0, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P68[3] = {6, 9, 1};
-static const casadi_int P69[48] = {6, 9, 0, 0, 0, 0, 6, 12, 18, 24, 30, 36, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P67[18] = {12, 3, 0, 12, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static const casadi_int P68[18] = {12, 3, 0, 0, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static const casadi_int P69[18] = {12, 3, 0, 0, 0, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static const casadi_int P70[3] = {6, 9, 1};
+static const casadi_int P71[48] = {6, 9, 0, 0, 0, 0, 6, 12, 18, 24, 30, 36, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P70[3] = {9, 3, 1};
-static const casadi_int P71[3] = {9, 9, 1};
-static const casadi_int P72[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P72[3] = {9, 3, 1};
+static const casadi_int P73[3] = {9, 9, 1};
+static const casadi_int P74[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P73[21] = {9, 9, 0, 0, 0, 0, 2, 4, 6, 7, 8, 9, 3, 6, 4, 7, 5, 8, 6, 7, 8};
-static const casadi_int P74[60] = {9, 6, 0, 9, 18, 24, 33, 42, 51, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6,
+static const casadi_int P75[21] = {9, 9, 0, 0, 0, 0, 2, 4, 6, 7, 8, 9, 3, 6, 4, 7, 5, 8, 6, 7, 8};
+static const casadi_int P76[60] = {9, 6, 0, 9, 18, 24, 33, 42, 51, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6,
     7, 8, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P75[30] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4,
+static const casadi_int P77[30] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4,
     7, 2, 5, 8};
-static const casadi_int P76[3] = {9, 6, 1};
-static const casadi_int P77[24] = {9, 9, 0, 0, 0, 0, 2, 4, 6, 8, 10, 12, 3, 6, 4, 7, 5, 8, 3, 6, 4, 7, 5, 8};
-static const casadi_int P78[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
-static const casadi_int P79[63] = {6, 9, 0, 5, 10, 15, 21, 27, 33, 39, 45, 51, 0, 1, 3, 4, 5, 0, 1, 3, 4, 5, 0, 1,
+static const casadi_int P78[3] = {9, 6, 1};
+static const casadi_int P79[24] = {9, 9, 0, 0, 0, 0, 2, 4, 6, 8, 10, 12, 3, 6, 4, 7, 5, 8, 3, 6, 4, 7, 5, 8};
+static const casadi_int P80[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
+static const casadi_int P81[63] = {6, 9, 0, 5, 10, 15, 21, 27, 33, 39, 45, 51, 0, 1, 3, 4, 5, 0, 1, 3, 4, 5, 0, 1,
     3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4,
     5};
-static const casadi_int P80[3] = {3, 9, 1};
-static const casadi_int P81[18] = {3, 9, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P82[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P83[27] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 11, 13, 15, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7, 5,
+static const casadi_int P82[3] = {3, 9, 1};
+static const casadi_int P83[18] = {3, 9, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P84[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P85[27] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 11, 13, 15, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7, 5,
     8};
-static const casadi_int P84[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P85[66] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P86[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P87[66] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5,
     6, 7, 8};
-static const casadi_int P86[36] = {9, 9, 0, 8, 8, 8, 16, 16, 16, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
+static const casadi_int P88[36] = {9, 9, 0, 8, 8, 8, 16, 16, 16, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
     5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P87[18] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P88[36] = {9, 9, 0, 0, 8, 8, 8, 16, 16, 16, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
+static const casadi_int P89[18] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P90[36] = {9, 9, 0, 0, 8, 8, 8, 16, 16, 16, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
     5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P89[18] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P90[36] = {9, 9, 0, 0, 0, 8, 8, 8, 16, 16, 16, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5,
+static const casadi_int P91[18] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P92[36] = {9, 9, 0, 0, 0, 8, 8, 8, 16, 16, 16, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5,
     6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P91[18] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P92[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P93[6] = {21, 3, 0, 0, 0, 0};
-static const casadi_int P94[12] = {21, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P95[51] = {21, 9, 0, 13, 13, 13, 26, 26, 26, 39, 39, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
+static const casadi_int P93[18] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P94[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P95[6] = {21, 3, 0, 0, 0, 0};
+static const casadi_int P96[12] = {21, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P97[51] = {21, 9, 0, 13, 13, 13, 26, 26, 26, 39, 39, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
     17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 13, 16, 17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 16, 17, 18, 19, 20};
-static const casadi_int P96[21] = {21, 9, 0, 0, 0, 0, 6, 6, 6, 9, 9, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
-static const casadi_int P97[51] = {21, 9, 0, 0, 13, 13, 13, 26, 26, 26, 39, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
+static const casadi_int P98[21] = {21, 9, 0, 0, 0, 0, 6, 6, 6, 9, 9, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
+static const casadi_int P99[51] = {21, 9, 0, 0, 13, 13, 13, 26, 26, 26, 39, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
     17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 13, 16, 17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 16, 17, 18, 19, 20};
-static const casadi_int P98[21] = {21, 9, 0, 0, 0, 0, 0, 6, 6, 6, 9, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
-static const casadi_int P99[51] = {21, 9, 0, 0, 0, 13, 13, 13, 26, 26, 26, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16, 17,
-    18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 13, 16, 17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 16, 17, 18, 19, 20};
-static const casadi_int P100[21] = {21, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
-static const casadi_int P101[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P102[3] = {2, 9, 1};
-static const casadi_int P103[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P104[3] = {1, 3, 1};
-static const casadi_int P105[3] = {1, 9, 1};
-static const casadi_int P106[18] = {1, 9, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P107[6] = {1, 3, 0, 0, 0, 0};
-static const casadi_int P108[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P109[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P110[4] = {9, 1, 0, 0};
-static const casadi_int P111[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P112[3] = {1, 2, 1};
-static const casadi_int P113[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P100[21] = {21, 9, 0, 0, 0, 0, 0, 6, 6, 6, 9, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
+static const casadi_int P101[51] = {21, 9, 0, 0, 0, 13, 13, 13, 26, 26, 26, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
+    17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 13, 16, 17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 16, 17, 18, 19, 20};
+static const casadi_int P102[21] = {21, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
+static const casadi_int P103[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P104[3] = {2, 9, 1};
+static const casadi_int P105[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P106[3] = {1, 3, 1};
+static const casadi_int P107[3] = {1, 9, 1};
+static const casadi_int P108[18] = {1, 9, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P109[6] = {1, 3, 0, 0, 0, 0};
+static const casadi_int P110[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P111[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P112[4] = {9, 1, 0, 0};
+static const casadi_int P113[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P114[3] = {1, 2, 1};
+static const casadi_int P115[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P114[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P116[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -337,7 +341,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_end_points[] = {
-    P22, P23, P24
+    P24, P25, P26
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_Q", "jac_s_redundant"
@@ -375,7 +379,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P0, P25, P26
+    P0, P27, P28
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_Q", "jac_redundant_s"
@@ -414,7 +418,7 @@ static const krhpr_casadi_slot out_subleg_forward[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_forward[] = {
-    P27, P28
+    P29, P30
 };
 static const char *const names_subleg_forward[] = {
     "jac_s_theta", "jac_s_assembly"
@@ -451,7 +455,7 @@ static const krhpr_casadi_slot out_subleg_forward_all[] = {
     {"out_s3", 2, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_forward_all[] = {
-    P29, P30, P31
+    P31, P32, P33
 };
 static const char *const names_subleg_forward_all[] = {
     "jac_s1_theta", "jac_s2_theta", "jac_s3_theta"
@@ -487,7 +491,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 4, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P32, P33, P34
+    P34, P35, P36
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -529,7 +533,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P35, P36, P37, P38, P39, P40
+    P37, P38, P39, P40, P41, P42
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -567,7 +571,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_constraints[] = {
-    P41, P42, P43
+    P43, P44, P45
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_Q", "jac_residual_s"
@@ -615,7 +619,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 6, 9, 3, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P44, P45, P46, P47, P48, P49, P50, P51
+    P46, P47, P48, P49, P50, P51, P52, P53
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
@@ -665,7 +669,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 2, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P44, P45, P46, P47, P52, P53, P54, P55, P52, P53, P56, P57, P52, P53, P58, P59
+    P46, P47, P48, P49, P54, P55, P56, P57, P54, P55, P58, P59, P54, P55, P60, P61
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_Q", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -709,7 +713,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse[] = {
-    P60, P61, P24, P62
+    P62, P63, P26, P64
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_Q", "jac_theta_redundant", "jac_theta_mode"
@@ -751,7 +755,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 4, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P63, P64, P65, P63, P64, P66, P63, P64, P67
+    P65, P66, P67, P65, P66, P68, P65, P66, P69
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_Q", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_Q", "jac_theta2_redundant",
@@ -830,7 +834,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_twist[] = {
-    P41, P68, P68, P69, P68
+    P43, P70, P70, P71, P70
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_Q", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -881,7 +885,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P70, P71, P72, P73, P74, P24
+    P72, P73, P74, P75, P76, P26
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_Q", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -952,7 +956,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P41, P68, P68, P69, P12, P68, P68
+    P43, P70, P70, P71, P12, P70, P70
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_Q", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -1018,7 +1022,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P70, P71, P72, P75, P76, P24, P72, P74, P24
+    P72, P73, P74, P77, P78, P26, P74, P76, P26
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_Q", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -1084,7 +1088,7 @@ static const krhpr_casadi_slot out_inverse_statics[] = {
     {"out_actuator_forces", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse_statics[] = {
-    P70, P71, P71, P77, P76, P70
+    P72, P73, P73, P79, P78, P72
 };
 static const char *const names_inverse_statics[] = {
     "jac_actuator_forces_p", "jac_actuator_forces_Q", "jac_actuator_forces_s", "jac_actuator_forces_theta",
@@ -1139,7 +1143,7 @@ static const krhpr_casadi_slot out_forward_statics[] = {
     {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_statics[] = {
-    P78, P15, P68, P69, P79, P0, P80, P26, P81, P26
+    P80, P15, P70, P71, P81, P0, P82, P28, P83, P28
 };
 static const char *const names_forward_statics[] = {
     "jac_wrench_p", "jac_wrench_Q", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
@@ -1196,7 +1200,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P28, P82, P72, P83, P84, P85, P86, P87, P84, P85, P88, P89, P84, P85, P90, P91, P0, P25, P26, P92
+    P30, P84, P74, P85, P86, P87, P88, P89, P86, P87, P90, P91, P86, P87, P92, P93, P0, P27, P28, P94
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -1248,7 +1252,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P93, P94, P95, P96, P93, P94, P97, P98, P93, P94, P99, P100, P22, P23, P82, P82
+    P95, P96, P97, P98, P95, P96, P99, P100, P95, P96, P101, P102, P24, P25, P84, P84
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1260,6 +1264,27 @@ static const krhpr_casadi_function function_link_points = {
 };
 KRHPR_CASADI_FUNCTION(NAME(link_points), function_link_points)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(link_points), function_link_points)
+
+/* -- clearances -- */
+
+static int value_clearances(const double *x, double *y)
+{
+    return plain_clearances(&geometry, x, x + 3, x + 12, x + 21, y);
+}
+
+static const krhpr_casadi_slot in_clearances[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+};
+static const krhpr_casadi_slot out_clearances[] = {
+    {"out_distances", 243, 1, 1, NULL, P20, P21},
+};
+static const krhpr_casadi_function function_clearances = {
+    4, in_clearances, 1, out_clearances, value_clearances, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(clearances), function_clearances)
 
 /* -- singularity -- */
 
@@ -1304,11 +1329,11 @@ static const krhpr_casadi_slot in_singularity[] = {
 static const krhpr_casadi_slot out_singularity[] = {
     {"out_type_1", 3, 1, 1, NULL, P4, P5},
     {"out_factors", 3, 3, 1, NULL, P0, P1},
-    {"out_type_2", 2, 1, 1, NULL, P20, P21},
-    {"out_margins", 2, 1, 1, NULL, P20, P21},
+    {"out_type_2", 2, 1, 1, NULL, P22, P23},
+    {"out_margins", 2, 1, 1, NULL, P22, P23},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P92, P26, P81, P28, P82, P72, P83, P6, P101, P102, P103, P6, P101, P102, P103
+    P1, P94, P28, P83, P30, P84, P74, P85, P6, P103, P104, P105, P6, P103, P104, P105
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1347,8 +1372,8 @@ static const krhpr_casadi_slot in_type_2_of_redundant[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_type_2_of_redundant[] = {
-    {"out_type_2", 2, 1, 1, NULL, P20, P21},
-    {"out_margins", 2, 1, 1, NULL, P20, P21},
+    {"out_type_2", 2, 1, 1, NULL, P22, P23},
+    {"out_margins", 2, 1, 1, NULL, P22, P23},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
     P6, P6
@@ -1450,7 +1475,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P104, P105, P105, P106, P2, P104, P105, P105, P106, P2, P107, P108, P105, P106, P2
+    P106, P107, P107, P108, P2, P106, P107, P107, P108, P2, P109, P110, P107, P108, P2
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_Q", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_1_characteristic_length", "jac_eta_2_p",
@@ -1479,7 +1504,7 @@ static const krhpr_casadi_slot out_forward_encoders_1[] = {
     {"out_p", 2, 3, 1, NULL, P6, P7},
     {"out_Q1", 3, 3, 1, NULL, P0, P1},
     {"out_Q2", 3, 3, 1, NULL, P0, P1},
-    {"out_mismatch", 2, 1, 1, NULL, P20, P21},
+    {"out_mismatch", 2, 1, 1, NULL, P22, P23},
 };
 static const krhpr_casadi_function function_forward_encoders_1 = {
     3, in_forward_encoders_1, 4, out_forward_encoders_1, value_forward_encoders_1, NULL, NULL, NULL
@@ -1525,7 +1550,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
 
 static const krhpr_casadi_slot in_forward_encoders_2[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
-    {"out_measured", 2, 1, 1, NULL, P20, P21},
+    {"out_measured", 2, 1, 1, NULL, P22, P23},
     {"out_tolerance", 1, 1, 1, NULL, P2, P3},
 };
 static const krhpr_casadi_slot out_forward_encoders_2[] = {
@@ -1535,7 +1560,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P80, P16, P5, P71, P109, P110, P71, P109, P110, P111, P112, P3
+    P82, P16, P5, P73, P111, P112, P73, P111, P112, P113, P114, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1596,7 +1621,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P80, P0, P5, P71, P84, P110, P71, P84, P110, P113, P114, P5
+    P82, P0, P5, P73, P86, P112, P73, P86, P112, P115, P116, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

@@ -47,6 +47,7 @@
 #define krhpr_spatial_prr_c_grasp plain_grasp
 #define krhpr_spatial_prr_c_passive_joints plain_passive_joints
 #define krhpr_spatial_prr_c_link_points plain_link_points
+#define krhpr_spatial_prr_c_clearances plain_clearances
 #define krhpr_spatial_prr_c_singularity plain_singularity
 #define krhpr_spatial_prr_c_type_2_of_redundant plain_type_2_of_redundant
 #define krhpr_spatial_prr_c_indices plain_indices
@@ -79,6 +80,7 @@
 #undef krhpr_spatial_prr_c_grasp
 #undef krhpr_spatial_prr_c_passive_joints
 #undef krhpr_spatial_prr_c_link_points
+#undef krhpr_spatial_prr_c_clearances
 #undef krhpr_spatial_prr_c_singularity
 #undef krhpr_spatial_prr_c_type_2_of_redundant
 #undef krhpr_spatial_prr_c_indices
@@ -141,145 +143,147 @@ static const casadi_int P14[3] = {2, 1, 1};
 static const casadi_int P15[4] = {2, 1, 0, 0};
 static const casadi_int P16[3] = {5, 3, 1};
 static const casadi_int P17[6] = {5, 3, 0, 0, 0, 0};
-static const casadi_int P18[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P19[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P18[3] = {57, 1, 1};
+static const casadi_int P19[4] = {57, 1, 0, 0};
+static const casadi_int P20[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P21[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P20[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P21[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
+static const casadi_int P22[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
+static const casadi_int P23[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
     1, 2, 0, 1, 2};
-static const casadi_int P22[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P23[36] = {9, 9, 0, 2, 4, 6, 9, 12, 15, 18, 21, 24, 0, 3, 1, 4, 2, 5, 0, 3, 6, 1, 4, 7, 2,
+static const casadi_int P24[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P25[36] = {9, 9, 0, 2, 4, 6, 9, 12, 15, 18, 21, 24, 0, 3, 1, 4, 2, 5, 0, 3, 6, 1, 4, 7, 2,
     5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P24[28] = {6, 9, 0, 6, 6, 6, 12, 12, 12, 16, 16, 16, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 2,
+static const casadi_int P26[28] = {6, 9, 0, 6, 6, 6, 12, 12, 12, 16, 16, 16, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 2,
     3, 4, 5};
-static const casadi_int P25[28] = {6, 9, 0, 0, 6, 6, 6, 12, 12, 12, 16, 16, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 2,
+static const casadi_int P27[28] = {6, 9, 0, 0, 6, 6, 6, 12, 12, 12, 16, 16, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 2,
     3, 4, 5};
-static const casadi_int P26[28] = {6, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 16, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 2, 3,
+static const casadi_int P28[28] = {6, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 16, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 2, 3,
     4, 5};
-static const casadi_int P27[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3,
+static const casadi_int P29[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P28[15] = {9, 9, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 6, 7, 8};
-static const casadi_int P29[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3,
+static const casadi_int P30[15] = {9, 9, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 6, 7, 8};
+static const casadi_int P31[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P30[15] = {9, 9, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 6, 7, 8};
-static const casadi_int P31[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4,
+static const casadi_int P32[15] = {9, 9, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 6, 7, 8};
+static const casadi_int P33[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4,
     5, 6, 7, 8};
-static const casadi_int P32[15] = {9, 9, 0, 0, 0, 0, 0, 0, 3, 3, 3, 3, 6, 7, 8};
-static const casadi_int P33[3] = {6, 3, 1};
-static const casadi_int P34[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
+static const casadi_int P34[15] = {9, 9, 0, 0, 0, 0, 0, 0, 3, 3, 3, 3, 6, 7, 8};
+static const casadi_int P35[3] = {6, 3, 1};
+static const casadi_int P36[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
     2, 4, 0, 2, 4, 1, 3, 5, 1, 3, 5, 1, 3, 5};
-static const casadi_int P35[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P37[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P36[42] = {36, 3, 0, 12, 24, 36, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 18, 19, 20,
+static const casadi_int P38[42] = {36, 3, 0, 12, 24, 36, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 18, 19, 20,
     21, 22, 23, 30, 31, 32, 33, 34, 35, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29};
-static const casadi_int P37[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
+static const casadi_int P39[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
     8, 10, 18, 20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6, 8, 10, 18,
     20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 1, 3, 5, 25, 27, 29, 31, 33, 35, 7, 9, 11, 19, 21, 23, 31,
     33, 35, 13, 15, 17, 19, 21, 23, 25, 27, 29};
-static const casadi_int P38[48] = {36, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 24, 25, 30, 31, 26, 27, 32, 33, 28,
+static const casadi_int P40[48] = {36, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 24, 25, 30, 31, 26, 27, 32, 33, 28,
     29, 34, 35, 18, 19, 30, 31, 20, 21, 32, 33, 22, 23, 34, 35, 18, 19, 24, 25, 20, 21, 26, 27, 22, 23, 28, 29};
-static const casadi_int P39[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P40[6] = {54, 3, 0, 0, 0, 0};
-static const casadi_int P41[84] = {54, 9, 0, 9, 18, 24, 33, 42, 48, 57, 66, 72, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
+static const casadi_int P41[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P42[6] = {54, 3, 0, 0, 0, 0};
+static const casadi_int P43[84] = {54, 9, 0, 9, 18, 24, 33, 42, 48, 57, 66, 72, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
     6, 12, 20, 26, 32, 40, 46, 52, 6, 12, 26, 32, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40,
     46, 52, 6, 12, 26, 32, 46, 52, 1, 7, 13, 21, 27, 33, 41, 47, 53, 1, 7, 13, 21, 27, 33, 41, 47, 53, 7, 13, 27, 33,
     47, 53};
-static const casadi_int P42[48] = {54, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47,
+static const casadi_int P44[48] = {54, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47,
     52, 53, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47, 52, 53, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47, 52, 53};
-static const casadi_int P43[18] = {54, 9, 0, 0, 0, 0, 2, 4, 6, 6, 6, 6, 12, 13, 32, 33, 52, 53};
-static const casadi_int P44[6] = {6, 3, 0, 0, 0, 0};
-static const casadi_int P45[36] = {6, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 2, 4, 0, 2, 4, 2, 4, 0, 2, 4, 0, 2,
+static const casadi_int P45[18] = {54, 9, 0, 0, 0, 0, 2, 4, 6, 6, 6, 6, 12, 13, 32, 33, 52, 53};
+static const casadi_int P46[6] = {6, 3, 0, 0, 0, 0};
+static const casadi_int P47[36] = {6, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 2, 4, 0, 2, 4, 2, 4, 0, 2, 4, 0, 2,
     4, 2, 4, 1, 3, 5, 1, 3, 5, 3, 5};
-static const casadi_int P46[24] = {6, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P47[14] = {6, 9, 0, 0, 0, 0, 2, 2, 2, 2, 2, 2, 4, 5};
-static const casadi_int P48[24] = {6, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P49[14] = {6, 9, 0, 0, 0, 0, 0, 2, 2, 2, 2, 2, 4, 5};
-static const casadi_int P50[24] = {6, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P51[14] = {6, 9, 0, 0, 0, 0, 0, 0, 2, 2, 2, 2, 4, 5};
-static const casadi_int P52[30] = {9, 3, 0, 9, 18, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4,
+static const casadi_int P48[24] = {6, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P49[14] = {6, 9, 0, 0, 0, 0, 2, 2, 2, 2, 2, 2, 4, 5};
+static const casadi_int P50[24] = {6, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P51[14] = {6, 9, 0, 0, 0, 0, 0, 2, 2, 2, 2, 2, 4, 5};
+static const casadi_int P52[24] = {6, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P53[14] = {6, 9, 0, 0, 0, 0, 0, 0, 2, 2, 2, 2, 4, 5};
+static const casadi_int P54[30] = {9, 3, 0, 9, 18, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4,
     5, 6, 7, 8};
-static const casadi_int P53[60] = {9, 9, 0, 9, 18, 24, 33, 42, 48, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
+static const casadi_int P55[60] = {9, 9, 0, 9, 18, 24, 33, 42, 48, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P54[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P55[22] = {6, 3, 0, 6, 12, 16, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P56[44] = {6, 9, 0, 6, 12, 16, 22, 28, 32, 32, 32, 32, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P56[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P57[22] = {6, 3, 0, 6, 12, 16, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P58[44] = {6, 9, 0, 6, 12, 16, 22, 28, 32, 32, 32, 32, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P57[12] = {6, 3, 0, 6, 6, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P58[12] = {6, 3, 0, 0, 6, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P59[12] = {6, 3, 0, 0, 0, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P60[3] = {6, 9, 1};
-static const casadi_int P61[30] = {6, 9, 0, 0, 0, 0, 6, 12, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P59[12] = {6, 3, 0, 6, 6, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P60[12] = {6, 3, 0, 0, 6, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P61[12] = {6, 3, 0, 0, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P62[3] = {6, 9, 1};
+static const casadi_int P63[30] = {6, 9, 0, 0, 0, 0, 6, 12, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P62[3] = {9, 3, 1};
-static const casadi_int P63[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P64[3] = {9, 3, 1};
+static const casadi_int P65[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P64[18] = {9, 9, 0, 0, 0, 0, 2, 4, 6, 6, 6, 6, 3, 6, 4, 7, 5, 8};
-static const casadi_int P65[60] = {9, 6, 0, 9, 18, 24, 33, 42, 51, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6,
+static const casadi_int P66[18] = {9, 9, 0, 0, 0, 0, 2, 4, 6, 6, 6, 6, 3, 6, 4, 7, 5, 8};
+static const casadi_int P67[60] = {9, 6, 0, 9, 18, 24, 33, 42, 51, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6,
     7, 8, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P66[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
+static const casadi_int P68[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5,
     6, 7, 8};
-static const casadi_int P67[21] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 9, 9, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P68[3] = {9, 6, 1};
-static const casadi_int P69[3] = {9, 9, 1};
-static const casadi_int P70[15] = {9, 9, 0, 0, 0, 0, 1, 2, 3, 3, 3, 3, 6, 7, 8};
-static const casadi_int P71[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
-static const casadi_int P72[63] = {6, 9, 0, 5, 10, 15, 21, 27, 33, 39, 45, 51, 0, 1, 3, 4, 5, 0, 1, 3, 4, 5, 0, 1,
+static const casadi_int P69[21] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 9, 9, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
+static const casadi_int P70[3] = {9, 6, 1};
+static const casadi_int P71[3] = {9, 9, 1};
+static const casadi_int P72[15] = {9, 9, 0, 0, 0, 0, 1, 2, 3, 3, 3, 3, 6, 7, 8};
+static const casadi_int P73[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
+static const casadi_int P74[63] = {6, 9, 0, 5, 10, 15, 21, 27, 33, 39, 45, 51, 0, 1, 3, 4, 5, 0, 1, 3, 4, 5, 0, 1,
     3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4,
     5};
-static const casadi_int P73[15] = {3, 9, 0, 0, 0, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
-static const casadi_int P74[3] = {1, 3, 1};
-static const casadi_int P75[3] = {3, 2, 1};
-static const casadi_int P76[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P77[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8,
+static const casadi_int P75[15] = {3, 9, 0, 0, 0, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
+static const casadi_int P76[3] = {1, 3, 1};
+static const casadi_int P77[3] = {3, 2, 1};
+static const casadi_int P78[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P79[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8,
     3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P78[21] = {9, 3, 0, 6, 12, 15, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8};
-static const casadi_int P79[24] = {9, 3, 0, 6, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P80[27] = {9, 3, 0, 7, 14, 21, 0, 3, 4, 5, 6, 7, 8, 1, 3, 4, 5, 6, 7, 8, 2, 3, 4, 5, 6, 7,
+static const casadi_int P80[21] = {9, 3, 0, 6, 12, 15, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8};
+static const casadi_int P81[24] = {9, 3, 0, 6, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P82[27] = {9, 3, 0, 7, 14, 21, 0, 3, 4, 5, 6, 7, 8, 1, 3, 4, 5, 6, 7, 8, 2, 3, 4, 5, 6, 7,
     8};
-static const casadi_int P81[4] = {9, 1, 0, 0};
-static const casadi_int P82[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P83[3] = {3, 9, 1};
-static const casadi_int P84[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P83[4] = {9, 1, 0, 0};
+static const casadi_int P84[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P85[3] = {3, 9, 1};
+static const casadi_int P86[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P85[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P87[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P86[18] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P87[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P88[18] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P89[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P88[18] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P89[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
+static const casadi_int P90[18] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P91[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
     3, 4, 6, 7};
-static const casadi_int P90[18] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P91[6] = {15, 3, 0, 0, 0, 0};
-static const casadi_int P92[12] = {15, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P93[33] = {15, 9, 0, 7, 7, 7, 14, 14, 14, 21, 21, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
+static const casadi_int P92[18] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P93[6] = {15, 3, 0, 0, 0, 0};
+static const casadi_int P94[12] = {15, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P95[33] = {15, 9, 0, 7, 7, 7, 14, 14, 14, 21, 21, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
     12, 13, 2, 3, 7, 8, 12, 13, 14};
-static const casadi_int P94[15] = {15, 9, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 3, 8, 13};
-static const casadi_int P95[33] = {15, 9, 0, 0, 7, 7, 7, 14, 14, 14, 21, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
+static const casadi_int P96[15] = {15, 9, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 3, 8, 13};
+static const casadi_int P97[33] = {15, 9, 0, 0, 7, 7, 7, 14, 14, 14, 21, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
     12, 13, 2, 3, 7, 8, 12, 13, 14};
-static const casadi_int P96[15] = {15, 9, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 8, 13};
-static const casadi_int P97[33] = {15, 9, 0, 0, 0, 7, 7, 7, 14, 14, 14, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
+static const casadi_int P98[15] = {15, 9, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 8, 13};
+static const casadi_int P99[33] = {15, 9, 0, 0, 0, 7, 7, 7, 14, 14, 14, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
     12, 13, 2, 3, 7, 8, 12, 13, 14};
-static const casadi_int P98[15] = {15, 9, 0, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 8, 13};
-static const casadi_int P99[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P100[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P101[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P102[3] = {2, 9, 1};
-static const casadi_int P103[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P104[3] = {1, 9, 1};
-static const casadi_int P105[15] = {1, 9, 0, 0, 0, 0, 1, 2, 3, 3, 3, 3, 0, 0, 0};
-static const casadi_int P106[6] = {1, 3, 0, 0, 0, 0};
-static const casadi_int P107[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P108[3] = {9, 1, 1};
-static const casadi_int P109[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P110[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P111[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P112[3] = {1, 2, 1};
-static const casadi_int P113[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P114[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P100[15] = {15, 9, 0, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 8, 13};
+static const casadi_int P101[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P102[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P103[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P104[3] = {2, 9, 1};
+static const casadi_int P105[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P106[3] = {1, 9, 1};
+static const casadi_int P107[15] = {1, 9, 0, 0, 0, 0, 1, 2, 3, 3, 3, 3, 0, 0, 0};
+static const casadi_int P108[6] = {1, 3, 0, 0, 0, 0};
+static const casadi_int P109[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P110[3] = {9, 1, 1};
+static const casadi_int P111[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P112[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P113[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P114[3] = {1, 2, 1};
+static const casadi_int P115[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P116[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P115[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P117[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -326,7 +330,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_end_points[] = {
-    P18, P19, P20
+    P20, P21, P22
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_Q", "jac_s_redundant"
@@ -364,7 +368,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P0, P21, P22
+    P0, P23, P24
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_Q", "jac_redundant_s"
@@ -398,7 +402,7 @@ static const krhpr_casadi_slot out_subleg_forward[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_forward[] = {
-    P23
+    P25
 };
 static const char *const names_subleg_forward[] = {
     "jac_s_theta"
@@ -435,7 +439,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 2, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P24, P25, P26
+    P26, P27, P28
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -476,7 +480,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P27, P28, P29, P30, P31, P32
+    P29, P30, P31, P32, P33, P34
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -514,7 +518,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_constraints[] = {
-    P33, P34, P35
+    P35, P36, P37
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_Q", "jac_residual_s"
@@ -561,7 +565,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 6, 9, 3, NULL, P12, P13},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P36, P37, P38, P39, P40, P41, P42, P43
+    P38, P39, P40, P41, P42, P43, P44, P45
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
@@ -610,7 +614,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 2, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P36, P37, P38, P39, P44, P45, P46, P47, P44, P45, P48, P49, P44, P45, P50, P51
+    P38, P39, P40, P41, P46, P47, P48, P49, P46, P47, P50, P51, P46, P47, P52, P53
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_Q", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -655,7 +659,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse[] = {
-    P52, P53, P20, P54
+    P54, P55, P22, P56
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_Q", "jac_theta_redundant", "jac_theta_mode"
@@ -698,7 +702,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 2, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P55, P56, P57, P55, P56, P58, P55, P56, P59
+    P57, P58, P59, P57, P58, P60, P57, P58, P61
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_Q", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_Q", "jac_theta2_redundant",
@@ -776,7 +780,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_twist[] = {
-    P33, P60, P60, P61, P60
+    P35, P62, P62, P63, P62
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_Q", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -826,7 +830,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P62, P53, P63, P64, P65, P20
+    P64, P55, P65, P66, P67, P22
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_Q", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -896,7 +900,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P33, P60, P60, P61, P10, P60, P60
+    P35, P62, P62, P63, P10, P62, P62
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_Q", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -961,7 +965,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P62, P66, P63, P67, P68, P20, P63, P65, P20
+    P64, P68, P65, P69, P70, P22, P65, P67, P22
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_Q", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -1026,7 +1030,7 @@ static const krhpr_casadi_slot out_inverse_statics[] = {
     {"out_actuator_forces", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse_statics[] = {
-    P62, P69, P69, P70, P68, P62
+    P64, P71, P71, P72, P70, P64
 };
 static const char *const names_inverse_statics[] = {
     "jac_actuator_forces_p", "jac_actuator_forces_Q", "jac_actuator_forces_s", "jac_actuator_forces_theta",
@@ -1080,7 +1084,7 @@ static const krhpr_casadi_slot out_forward_statics[] = {
     {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_statics[] = {
-    P71, P13, P60, P61, P72, P1, P21, P22, P73, P22
+    P73, P13, P62, P63, P74, P1, P23, P24, P75, P24
 };
 static const char *const names_forward_statics[] = {
     "jac_wrench_p", "jac_wrench_Q", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
@@ -1124,7 +1128,7 @@ static const krhpr_casadi_slot out_opening[] = {
     {"out_shares", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_opening[] = {
-    P74, P74, P6, P6, P1, P1
+    P76, P76, P6, P6, P1, P1
 };
 static const char *const names_opening[] = {
     "jac_opening_redundant", "jac_opening_jaws", "jac_centre_redundant", "jac_centre_jaws", "jac_shares_redundant",
@@ -1164,7 +1168,7 @@ static const krhpr_casadi_slot out_redundant_of_opening[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_of_opening[] = {
-    P4, P75, P76
+    P4, P77, P78
 };
 static const char *const names_redundant_of_opening[] = {
     "jac_redundant_opening", "jac_redundant_centre", "jac_redundant_jaws"
@@ -1219,7 +1223,7 @@ static const krhpr_casadi_slot out_grasp[] = {
     {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_grasp[] = {
-    P77, P77, P78, P79, P80, P81, P60, P60, P33, P33, P33, P9, P82, P82, P1, P1, P76, P5, P83, P83, P0, P0, P0, P4
+    P79, P79, P80, P81, P82, P83, P62, P62, P35, P35, P35, P9, P84, P84, P1, P1, P78, P5, P85, P85, P0, P0, P0, P4
 };
 static const char *const names_grasp[] = {
     "jac_contact_forces_Q", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
@@ -1278,7 +1282,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P54, P84, P85, P86, P54, P84, P87, P88, P54, P84, P89, P90, P0, P21, P22, P82
+    P56, P86, P87, P88, P56, P86, P89, P90, P56, P86, P91, P92, P0, P23, P24, P84
 };
 static const char *const names_passive_joints[] = {
     "jac_spherical1_p", "jac_spherical1_Q", "jac_spherical1_s", "jac_spherical1_theta", "jac_spherical2_p",
@@ -1327,7 +1331,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P91, P92, P93, P94, P91, P92, P95, P96, P91, P92, P97, P98, P54, P99, P100, P99
+    P93, P94, P95, P96, P93, P94, P97, P98, P93, P94, P99, P100, P56, P101, P102, P101
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1339,6 +1343,27 @@ static const krhpr_casadi_function function_link_points = {
 };
 KRHPR_CASADI_FUNCTION(NAME(link_points), function_link_points)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(link_points), function_link_points)
+
+/* -- clearances -- */
+
+static int value_clearances(const double *x, double *y)
+{
+    return plain_clearances(&geometry, x, x + 3, x + 12, x + 21, y);
+}
+
+static const krhpr_casadi_slot in_clearances[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+};
+static const krhpr_casadi_slot out_clearances[] = {
+    {"out_distances", 57, 1, 1, NULL, P18, P19},
+};
+static const krhpr_casadi_function function_clearances = {
+    4, in_clearances, 1, out_clearances, value_clearances, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(clearances), function_clearances)
 
 /* -- singularity -- */
 
@@ -1385,7 +1410,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 2, 1, 1, NULL, P14, P15},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P82, P22, P73, P1, P82, P22, P73, P6, P101, P102, P103, P6, P101, P102, P103
+    P1, P84, P24, P75, P1, P84, P24, P75, P6, P103, P104, P105, P6, P103, P104, P105
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1525,7 +1550,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P74, P104, P104, P105, P2, P74, P104, P104, P105, P2, P106, P107, P104, P105, P2
+    P76, P106, P106, P107, P2, P76, P106, P106, P107, P2, P108, P109, P106, P107, P2
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_Q", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_1_characteristic_length", "jac_eta_2_p",
@@ -1579,7 +1604,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P60, P8, P69, P108, P69, P108, P60, P8, P102, P14, P107, P3
+    P62, P8, P71, P110, P71, P110, P62, P8, P104, P14, P109, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1633,7 +1658,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P83, P4, P69, P109, P83, P4, P107, P3, P107, P3
+    P85, P4, P71, P111, P85, P4, P109, P3, P109, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_side", "jac_Q_theta", "jac_Q_side", "jac_redundant_theta", "jac_redundant_side",
@@ -1689,7 +1714,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P83, P75, P5, P69, P110, P81, P69, P110, P81, P111, P112, P3
+    P85, P77, P5, P71, P112, P83, P71, P112, P83, P113, P114, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1745,7 +1770,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P83, P0, P5, P69, P113, P81, P69, P113, P81, P114, P115, P5
+    P85, P0, P5, P71, P115, P83, P71, P115, P83, P116, P117, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

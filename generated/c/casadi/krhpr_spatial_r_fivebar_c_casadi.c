@@ -48,6 +48,7 @@
 #define krhpr_spatial_r_fivebar_c_grasp plain_grasp
 #define krhpr_spatial_r_fivebar_c_passive_joints plain_passive_joints
 #define krhpr_spatial_r_fivebar_c_link_points plain_link_points
+#define krhpr_spatial_r_fivebar_c_clearances plain_clearances
 #define krhpr_spatial_r_fivebar_c_singularity plain_singularity
 #define krhpr_spatial_r_fivebar_c_type_2_of_redundant plain_type_2_of_redundant
 #define krhpr_spatial_r_fivebar_c_indices plain_indices
@@ -81,6 +82,7 @@
 #undef krhpr_spatial_r_fivebar_c_grasp
 #undef krhpr_spatial_r_fivebar_c_passive_joints
 #undef krhpr_spatial_r_fivebar_c_link_points
+#undef krhpr_spatial_r_fivebar_c_clearances
 #undef krhpr_spatial_r_fivebar_c_singularity
 #undef krhpr_spatial_r_fivebar_c_type_2_of_redundant
 #undef krhpr_spatial_r_fivebar_c_indices
@@ -148,165 +150,167 @@ static const casadi_int P16[3] = {2, 1, 1};
 static const casadi_int P17[4] = {2, 1, 0, 0};
 static const casadi_int P18[3] = {6, 3, 1};
 static const casadi_int P19[6] = {6, 3, 0, 0, 0, 0};
-static const casadi_int P20[3] = {3, 4, 1};
-static const casadi_int P21[7] = {3, 4, 0, 0, 0, 0, 0};
-static const casadi_int P22[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P23[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P20[3] = {87, 1, 1};
+static const casadi_int P21[4] = {87, 1, 0, 0};
+static const casadi_int P22[3] = {3, 4, 1};
+static const casadi_int P23[7] = {3, 4, 0, 0, 0, 0, 0};
+static const casadi_int P24[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P25[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P24[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P25[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
+static const casadi_int P26[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
+static const casadi_int P27[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
     1, 2, 0, 1, 2};
-static const casadi_int P26[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P27[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P28[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P29[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P28[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P29[30] = {6, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P30[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P31[30] = {6, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P30[30] = {6, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P32[30] = {6, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P31[30] = {6, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1,
+static const casadi_int P33[30] = {6, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1,
     2, 3, 4, 5};
-static const casadi_int P32[84] = {24, 9, 0, 24, 24, 24, 48, 48, 48, 72, 72, 72, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P34[84] = {24, 9, 0, 24, 24, 24, 48, 48, 48, 72, 72, 72, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17,
     18, 19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23};
-static const casadi_int P33[84] = {24, 9, 0, 0, 24, 24, 24, 48, 48, 48, 72, 72, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P35[84] = {24, 9, 0, 0, 24, 24, 24, 48, 48, 48, 72, 72, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17,
     18, 19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23};
-static const casadi_int P34[84] = {24, 9, 0, 0, 0, 24, 24, 24, 48, 48, 48, 72, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
+static const casadi_int P36[84] = {24, 9, 0, 0, 0, 24, 24, 24, 48, 48, 48, 72, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
     12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18,
     19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23};
-static const casadi_int P35[39] = {9, 9, 0, 9, 9, 9, 18, 18, 18, 27, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P37[39] = {9, 9, 0, 9, 9, 9, 18, 18, 18, 27, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P36[33] = {9, 9, 0, 9, 9, 9, 15, 15, 15, 21, 21, 21, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6,
+static const casadi_int P38[33] = {9, 9, 0, 9, 9, 9, 15, 15, 15, 21, 21, 21, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6,
     7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P37[39] = {9, 9, 0, 0, 9, 9, 9, 18, 18, 18, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P39[39] = {9, 9, 0, 0, 9, 9, 9, 18, 18, 18, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P38[33] = {9, 9, 0, 0, 9, 9, 9, 15, 15, 15, 21, 21, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6,
+static const casadi_int P40[33] = {9, 9, 0, 0, 9, 9, 9, 15, 15, 15, 21, 21, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6,
     7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P39[39] = {9, 9, 0, 0, 0, 9, 9, 9, 18, 18, 18, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4,
+static const casadi_int P41[39] = {9, 9, 0, 0, 0, 9, 9, 9, 18, 18, 18, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4,
     5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P40[33] = {9, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 21, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7,
+static const casadi_int P42[33] = {9, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 21, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7,
     8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P41[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
+static const casadi_int P43[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
     2, 4, 0, 2, 4, 1, 3, 5, 1, 3, 5, 1, 3, 5};
-static const casadi_int P42[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P44[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P43[42] = {36, 3, 0, 12, 24, 36, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 18, 19, 20,
+static const casadi_int P45[42] = {36, 3, 0, 12, 24, 36, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 18, 19, 20,
     21, 22, 23, 30, 31, 32, 33, 34, 35, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29};
-static const casadi_int P44[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
+static const casadi_int P46[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
     8, 10, 18, 20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6, 8, 10, 18,
     20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 1, 3, 5, 25, 27, 29, 31, 33, 35, 7, 9, 11, 19, 21, 23, 31,
     33, 35, 13, 15, 17, 19, 21, 23, 25, 27, 29};
-static const casadi_int P45[48] = {36, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 24, 25, 30, 31, 26, 27, 32, 33, 28,
+static const casadi_int P47[48] = {36, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 24, 25, 30, 31, 26, 27, 32, 33, 28,
     29, 34, 35, 18, 19, 30, 31, 20, 21, 32, 33, 22, 23, 34, 35, 18, 19, 24, 25, 20, 21, 26, 27, 22, 23, 28, 29};
-static const casadi_int P46[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P47[6] = {54, 3, 0, 0, 0, 0};
-static const casadi_int P48[93] = {54, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
+static const casadi_int P48[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P49[6] = {54, 3, 0, 0, 0, 0};
+static const casadi_int P50[93] = {54, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
     6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26,
     32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 1, 7, 13, 21, 27, 33, 41, 47, 53, 1, 7, 13, 21, 27, 33, 41, 47,
     53, 1, 7, 13, 21, 27, 33, 41, 47, 53};
-static const casadi_int P49[66] = {54, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27,
+static const casadi_int P51[66] = {54, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27,
     32, 33, 40, 41, 46, 47, 52, 53, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27, 32, 33, 40, 41, 46, 47, 52, 53, 0, 1, 6, 7, 12,
     13, 20, 21, 26, 27, 32, 33, 40, 41, 46, 47, 52, 53};
-static const casadi_int P50[54] = {54, 9, 0, 6, 12, 18, 22, 26, 30, 34, 38, 42, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27,
+static const casadi_int P52[54] = {54, 9, 0, 6, 12, 18, 22, 26, 30, 34, 38, 42, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27,
     32, 33, 40, 41, 46, 47, 52, 53, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47, 52, 53, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47,
     52, 53};
-static const casadi_int P51[26] = {6, 9, 0, 6, 6, 6, 10, 10, 10, 14, 14, 14, 0, 1, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4,
+static const casadi_int P53[26] = {6, 9, 0, 6, 6, 6, 10, 10, 10, 14, 14, 14, 0, 1, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4,
     5};
-static const casadi_int P52[26] = {6, 9, 0, 0, 6, 6, 6, 10, 10, 10, 14, 14, 0, 1, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4,
+static const casadi_int P54[26] = {6, 9, 0, 0, 6, 6, 6, 10, 10, 10, 14, 14, 0, 1, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4,
     5};
-static const casadi_int P53[26] = {6, 9, 0, 0, 0, 6, 6, 6, 10, 10, 10, 14, 0, 1, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4,
+static const casadi_int P55[26] = {6, 9, 0, 0, 0, 6, 6, 6, 10, 10, 10, 14, 0, 1, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4,
     5};
-static const casadi_int P54[3] = {9, 3, 1};
-static const casadi_int P55[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
+static const casadi_int P56[3] = {9, 3, 1};
+static const casadi_int P57[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5,
     6, 7, 8};
-static const casadi_int P56[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P57[3] = {24, 3, 1};
-static const casadi_int P58[156] = {24, 9, 0, 24, 48, 72, 96, 120, 144, 144, 144, 144, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9,
+static const casadi_int P58[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P59[3] = {24, 3, 1};
+static const casadi_int P60[156] = {24, 9, 0, 24, 48, 72, 96, 120, 144, 144, 144, 144, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9,
     10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16,
     17, 18, 19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 0,
     1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17,
     18, 19, 20, 21, 22, 23};
-static const casadi_int P59[30] = {24, 3, 0, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16,
+static const casadi_int P61[30] = {24, 3, 0, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16,
     17, 18, 19, 20, 21, 22, 23};
-static const casadi_int P60[30] = {24, 3, 0, 0, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16,
+static const casadi_int P62[30] = {24, 3, 0, 0, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16,
     17, 18, 19, 20, 21, 22, 23};
-static const casadi_int P61[30] = {24, 3, 0, 0, 0, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17,
+static const casadi_int P63[30] = {24, 3, 0, 0, 0, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17,
     18, 19, 20, 21, 22, 23};
-static const casadi_int P62[3] = {6, 9, 1};
-static const casadi_int P63[30] = {9, 9, 0, 3, 6, 9, 11, 13, 15, 16, 17, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7,
+static const casadi_int P64[3] = {6, 9, 1};
+static const casadi_int P65[30] = {9, 9, 0, 3, 6, 9, 11, 13, 15, 16, 17, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7,
     5, 8, 6, 7, 8};
-static const casadi_int P64[3] = {9, 6, 1};
-static const casadi_int P65[3] = {9, 9, 1};
-static const casadi_int P66[33] = {9, 9, 0, 3, 6, 9, 11, 13, 15, 17, 19, 21, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7,
+static const casadi_int P66[3] = {9, 6, 1};
+static const casadi_int P67[3] = {9, 9, 1};
+static const casadi_int P68[33] = {9, 9, 0, 3, 6, 9, 11, 13, 15, 17, 19, 21, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7,
     5, 8, 3, 6, 4, 7, 5, 8};
-static const casadi_int P67[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
-static const casadi_int P68[3] = {1, 3, 1};
-static const casadi_int P69[3] = {3, 2, 1};
-static const casadi_int P70[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P71[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8,
+static const casadi_int P69[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
+static const casadi_int P70[3] = {1, 3, 1};
+static const casadi_int P71[3] = {3, 2, 1};
+static const casadi_int P72[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P73[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8,
     3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P72[21] = {9, 3, 0, 6, 12, 15, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8};
-static const casadi_int P73[24] = {9, 3, 0, 6, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P74[27] = {9, 3, 0, 7, 14, 21, 0, 3, 4, 5, 6, 7, 8, 1, 3, 4, 5, 6, 7, 8, 2, 3, 4, 5, 6, 7,
+static const casadi_int P74[21] = {9, 3, 0, 6, 12, 15, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8};
+static const casadi_int P75[24] = {9, 3, 0, 6, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P76[27] = {9, 3, 0, 7, 14, 21, 0, 3, 4, 5, 6, 7, 8, 1, 3, 4, 5, 6, 7, 8, 2, 3, 4, 5, 6, 7,
     8};
-static const casadi_int P75[4] = {9, 1, 0, 0};
-static const casadi_int P76[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P77[3] = {3, 9, 1};
-static const casadi_int P78[36] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 20, 22, 24, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P77[4] = {9, 1, 0, 0};
+static const casadi_int P78[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P79[3] = {3, 9, 1};
+static const casadi_int P80[36] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 20, 22, 24, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 3, 6, 4, 7, 5, 8};
-static const casadi_int P79[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P81[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P80[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P82[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P81[27] = {9, 9, 0, 9, 9, 9, 15, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
+static const casadi_int P83[27] = {9, 9, 0, 9, 9, 9, 15, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
     6, 7};
-static const casadi_int P82[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P84[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P83[27] = {9, 9, 0, 0, 9, 9, 9, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
+static const casadi_int P85[27] = {9, 9, 0, 0, 9, 9, 9, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
     6, 7};
-static const casadi_int P84[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
+static const casadi_int P86[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
     3, 4, 6, 7};
-static const casadi_int P85[27] = {9, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4, 6,
+static const casadi_int P87[27] = {9, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4, 6,
     7};
-static const casadi_int P86[6] = {18, 3, 0, 0, 0, 0};
-static const casadi_int P87[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P88[24] = {18, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 4, 5, 10, 16, 4, 10, 11, 16, 4, 10, 16,
+static const casadi_int P88[6] = {18, 3, 0, 0, 0, 0};
+static const casadi_int P89[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P90[24] = {18, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 4, 5, 10, 16, 4, 10, 11, 16, 4, 10, 16,
     17};
-static const casadi_int P89[30] = {18, 9, 0, 9, 9, 9, 15, 15, 15, 18, 18, 18, 2, 3, 4, 8, 9, 10, 14, 15, 16, 2, 4,
+static const casadi_int P91[30] = {18, 9, 0, 9, 9, 9, 15, 15, 15, 18, 18, 18, 2, 3, 4, 8, 9, 10, 14, 15, 16, 2, 4,
     8, 10, 14, 16, 3, 9, 15};
-static const casadi_int P90[24] = {18, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 4, 5, 10, 16, 4, 10, 11, 16, 4, 10, 16,
+static const casadi_int P92[24] = {18, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 4, 5, 10, 16, 4, 10, 11, 16, 4, 10, 16,
     17};
-static const casadi_int P91[30] = {18, 9, 0, 0, 9, 9, 9, 15, 15, 15, 18, 18, 2, 3, 4, 8, 9, 10, 14, 15, 16, 2, 4, 8,
+static const casadi_int P93[30] = {18, 9, 0, 0, 9, 9, 9, 15, 15, 15, 18, 18, 2, 3, 4, 8, 9, 10, 14, 15, 16, 2, 4, 8,
     10, 14, 16, 3, 9, 15};
-static const casadi_int P92[24] = {18, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 4, 5, 10, 16, 4, 10, 11, 16, 4, 10, 16,
+static const casadi_int P94[24] = {18, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 4, 5, 10, 16, 4, 10, 11, 16, 4, 10, 16,
     17};
-static const casadi_int P93[30] = {18, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 18, 2, 3, 4, 8, 9, 10, 14, 15, 16, 2, 4, 8,
+static const casadi_int P95[30] = {18, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 18, 2, 3, 4, 8, 9, 10, 14, 15, 16, 2, 4, 8,
     10, 14, 16, 3, 9, 15};
-static const casadi_int P94[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P95[6] = {12, 3, 0, 0, 0, 0};
-static const casadi_int P96[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P97[48] = {12, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11,
+static const casadi_int P96[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P97[6] = {12, 3, 0, 0, 0, 0};
+static const casadi_int P98[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P99[48] = {12, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11,
     0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11};
-static const casadi_int P98[39] = {12, 9, 0, 4, 8, 12, 15, 18, 21, 23, 25, 27, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11,
-    3, 6, 9, 4, 7, 10, 5, 8, 11, 6, 9, 7, 10, 8, 11};
-static const casadi_int P99[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P100[3] = {2, 9, 1};
-static const casadi_int P101[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P102[3] = {1, 9, 1};
-static const casadi_int P103[6] = {1, 3, 0, 0, 0, 0};
-static const casadi_int P104[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P105[3] = {9, 1, 1};
-static const casadi_int P106[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P107[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P108[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P109[3] = {1, 2, 1};
-static const casadi_int P110[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P111[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P100[39] = {12, 9, 0, 4, 8, 12, 15, 18, 21, 23, 25, 27, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8,
+    11, 3, 6, 9, 4, 7, 10, 5, 8, 11, 6, 9, 7, 10, 8, 11};
+static const casadi_int P101[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P102[3] = {2, 9, 1};
+static const casadi_int P103[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P104[3] = {1, 9, 1};
+static const casadi_int P105[6] = {1, 3, 0, 0, 0, 0};
+static const casadi_int P106[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P107[3] = {9, 1, 1};
+static const casadi_int P108[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P109[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P110[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P111[3] = {1, 2, 1};
+static const casadi_int P112[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P113[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P112[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P114[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -353,7 +357,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_end_points[] = {
-    P22, P23, P24
+    P24, P25, P26
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_Q", "jac_s_redundant"
@@ -391,7 +395,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P0, P25, P26
+    P0, P27, P28
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_Q", "jac_redundant_s"
@@ -430,7 +434,7 @@ static const krhpr_casadi_slot out_subleg_forward[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_forward[] = {
-    P27, P28
+    P29, P30
 };
 static const char *const names_subleg_forward[] = {
     "jac_s_theta", "jac_s_assembly"
@@ -467,7 +471,7 @@ static const krhpr_casadi_slot out_subleg_forward_all[] = {
     {"out_s3", 2, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_forward_all[] = {
-    P29, P30, P31
+    P31, P32, P33
 };
 static const char *const names_subleg_forward_all[] = {
     "jac_s1_theta", "jac_s2_theta", "jac_s3_theta"
@@ -503,7 +507,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 8, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P32, P33, P34
+    P34, P35, P36
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -548,7 +552,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P35, P36, P37, P38, P39, P40
+    P37, P38, P39, P40, P41, P42
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -586,7 +590,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_constraints[] = {
-    P18, P41, P42
+    P18, P43, P44
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_Q", "jac_residual_s"
@@ -637,7 +641,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 6, 9, 3, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P43, P44, P45, P46, P47, P48, P49, P50
+    P45, P46, P47, P48, P49, P50, P51, P52
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
@@ -690,7 +694,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 2, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P43, P44, P45, P46, P19, P41, P29, P51, P19, P41, P30, P52, P19, P41, P31, P53
+    P45, P46, P47, P48, P19, P43, P31, P53, P19, P43, P32, P54, P19, P43, P33, P55
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_Q", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -734,7 +738,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse[] = {
-    P54, P55, P24, P56
+    P56, P57, P26, P58
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_Q", "jac_theta_redundant", "jac_theta_mode"
@@ -776,7 +780,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 8, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P57, P58, P59, P57, P58, P60, P57, P58, P61
+    P59, P60, P61, P59, P60, P62, P59, P60, P63
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_Q", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_Q", "jac_theta2_redundant",
@@ -859,7 +863,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_twist[] = {
-    P18, P62, P62, P62, P62
+    P18, P64, P64, P64, P64
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_Q", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -914,7 +918,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P54, P55, P27, P63, P64, P24
+    P56, P57, P29, P65, P66, P26
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_Q", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -989,7 +993,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P18, P62, P62, P62, P12, P62, P62
+    P18, P64, P64, P64, P12, P64, P64
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_Q", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -1059,7 +1063,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P54, P55, P27, P27, P64, P24, P27, P64, P24
+    P56, P57, P29, P29, P66, P26, P29, P66, P26
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_Q", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -1129,7 +1133,7 @@ static const krhpr_casadi_slot out_inverse_statics[] = {
     {"out_actuator_forces", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse_statics[] = {
-    P54, P65, P65, P66, P64, P54
+    P56, P67, P67, P68, P66, P56
 };
 static const char *const names_inverse_statics[] = {
     "jac_actuator_forces_p", "jac_actuator_forces_Q", "jac_actuator_forces_s", "jac_actuator_forces_theta",
@@ -1187,7 +1191,7 @@ static const krhpr_casadi_slot out_forward_statics[] = {
     {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_statics[] = {
-    P67, P15, P62, P62, P62, P1, P25, P26, P26, P26
+    P69, P15, P64, P64, P64, P1, P27, P28, P28, P28
 };
 static const char *const names_forward_statics[] = {
     "jac_wrench_p", "jac_wrench_Q", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
@@ -1231,7 +1235,7 @@ static const krhpr_casadi_slot out_opening[] = {
     {"out_shares", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_opening[] = {
-    P68, P68, P6, P6, P1, P1
+    P70, P70, P6, P6, P1, P1
 };
 static const char *const names_opening[] = {
     "jac_opening_redundant", "jac_opening_jaws", "jac_centre_redundant", "jac_centre_jaws", "jac_shares_redundant",
@@ -1271,7 +1275,7 @@ static const krhpr_casadi_slot out_redundant_of_opening[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_of_opening[] = {
-    P4, P69, P70
+    P4, P71, P72
 };
 static const char *const names_redundant_of_opening[] = {
     "jac_redundant_opening", "jac_redundant_centre", "jac_redundant_jaws"
@@ -1326,7 +1330,7 @@ static const krhpr_casadi_slot out_grasp[] = {
     {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_grasp[] = {
-    P71, P71, P72, P73, P74, P75, P62, P62, P18, P18, P18, P11, P76, P76, P1, P1, P70, P5, P77, P77, P0, P0, P0, P4
+    P73, P73, P74, P75, P76, P77, P64, P64, P18, P18, P18, P11, P78, P78, P1, P1, P72, P5, P79, P79, P0, P0, P0, P4
 };
 static const char *const names_grasp[] = {
     "jac_contact_forces_Q", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
@@ -1392,7 +1396,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P28, P56, P27, P78, P28, P79, P80, P81, P28, P79, P82, P83, P28, P79, P84, P85, P0, P25, P26, P76
+    P30, P58, P29, P80, P30, P81, P82, P83, P30, P81, P84, P85, P30, P81, P86, P87, P0, P27, P28, P78
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -1446,7 +1450,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P86, P87, P88, P89, P86, P87, P90, P91, P86, P87, P92, P93, P28, P56, P94, P56
+    P88, P89, P90, P91, P88, P89, P92, P93, P88, P89, P94, P95, P30, P58, P96, P58
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1458,6 +1462,27 @@ static const krhpr_casadi_function function_link_points = {
 };
 KRHPR_CASADI_FUNCTION(NAME(link_points), function_link_points)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(link_points), function_link_points)
+
+/* -- clearances -- */
+
+static int value_clearances(const double *x, double *y)
+{
+    return plain_clearances(&geometry, x, x + 3, x + 12, x + 21, y);
+}
+
+static const krhpr_casadi_slot in_clearances[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+};
+static const krhpr_casadi_slot out_clearances[] = {
+    {"out_distances", 87, 1, 1, NULL, P20, P21},
+};
+static const krhpr_casadi_function function_clearances = {
+    4, in_clearances, 1, out_clearances, value_clearances, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(clearances), function_clearances)
 
 /* -- singularity -- */
 
@@ -1504,12 +1529,12 @@ static const krhpr_casadi_slot in_singularity[] = {
 };
 static const krhpr_casadi_slot out_singularity[] = {
     {"out_type_1", 3, 1, 1, NULL, P4, P5},
-    {"out_factors", 3, 4, 1, NULL, P20, P21},
+    {"out_factors", 3, 4, 1, NULL, P22, P23},
     {"out_type_2", 2, 1, 1, NULL, P16, P17},
     {"out_margins", 2, 1, 1, NULL, P16, P17},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P76, P26, P26, P95, P96, P97, P98, P6, P99, P100, P101, P6, P99, P100, P101
+    P1, P78, P28, P28, P97, P98, P99, P100, P6, P101, P102, P103, P6, P101, P102, P103
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1650,7 +1675,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P68, P102, P102, P102, P68, P102, P102, P102, P103, P104, P102, P102
+    P70, P104, P104, P104, P70, P104, P104, P104, P105, P106, P104, P104
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_Q", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_2_p", "jac_eta_2_Q", "jac_eta_2_s",
@@ -1703,7 +1728,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P62, P10, P65, P105, P65, P105, P62, P10, P100, P16, P104, P3
+    P64, P10, P67, P107, P67, P107, P64, P10, P102, P16, P106, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1762,7 +1787,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P77, P1, P4, P65, P28, P106, P77, P1, P4, P104, P103, P3, P104, P103, P3
+    P79, P1, P4, P67, P30, P108, P79, P1, P4, P106, P105, P3, P106, P105, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_assembly", "jac_p_side", "jac_Q_theta", "jac_Q_assembly", "jac_Q_side", "jac_redundant_theta",
@@ -1819,7 +1844,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P77, P69, P5, P65, P107, P75, P65, P107, P75, P108, P109, P3
+    P79, P71, P5, P67, P109, P77, P67, P109, P77, P110, P111, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1875,7 +1900,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P77, P0, P5, P65, P110, P75, P65, P110, P75, P111, P112, P5
+    P79, P0, P5, P67, P112, P77, P67, P112, P77, P113, P114, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

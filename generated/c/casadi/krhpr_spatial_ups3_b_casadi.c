@@ -48,6 +48,7 @@
 #define krhpr_spatial_ups3_b_grasp plain_grasp
 #define krhpr_spatial_ups3_b_passive_joints plain_passive_joints
 #define krhpr_spatial_ups3_b_link_points plain_link_points
+#define krhpr_spatial_ups3_b_clearances plain_clearances
 #define krhpr_spatial_ups3_b_singularity plain_singularity
 #define krhpr_spatial_ups3_b_type_2_of_redundant plain_type_2_of_redundant
 #define krhpr_spatial_ups3_b_indices plain_indices
@@ -81,6 +82,7 @@
 #undef krhpr_spatial_ups3_b_grasp
 #undef krhpr_spatial_ups3_b_passive_joints
 #undef krhpr_spatial_ups3_b_link_points
+#undef krhpr_spatial_ups3_b_clearances
 #undef krhpr_spatial_ups3_b_singularity
 #undef krhpr_spatial_ups3_b_type_2_of_redundant
 #undef krhpr_spatial_ups3_b_indices
@@ -154,117 +156,119 @@ static const casadi_int P18[3] = {3, 6, 1};
 static const casadi_int P19[9] = {3, 6, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P20[3] = {4, 3, 1};
 static const casadi_int P21[6] = {4, 3, 0, 0, 0, 0};
-static const casadi_int P22[3] = {3, 4, 1};
-static const casadi_int P23[7] = {3, 4, 0, 0, 0, 0, 0};
-static const casadi_int P24[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P25[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P22[3] = {48, 1, 1};
+static const casadi_int P23[4] = {48, 1, 0, 0};
+static const casadi_int P24[3] = {3, 4, 1};
+static const casadi_int P25[7] = {3, 4, 0, 0, 0, 0, 0};
+static const casadi_int P26[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P27[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P26[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P27[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
+static const casadi_int P28[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
+static const casadi_int P29[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
     1, 2, 0, 1, 2};
-static const casadi_int P28[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P29[30] = {6, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P30[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P31[30] = {6, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P30[30] = {6, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P32[30] = {6, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P31[30] = {6, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1,
+static const casadi_int P33[30] = {6, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1,
     2, 3, 4, 5};
-static const casadi_int P32[21] = {3, 9, 0, 3, 3, 3, 6, 6, 6, 9, 9, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P33[21] = {3, 9, 0, 0, 3, 3, 3, 6, 6, 6, 9, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P34[21] = {3, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P35[39] = {9, 9, 0, 9, 9, 9, 18, 18, 18, 27, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P34[21] = {3, 9, 0, 3, 3, 3, 6, 6, 6, 9, 9, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P35[21] = {3, 9, 0, 0, 3, 3, 3, 6, 6, 6, 9, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P36[21] = {3, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P37[39] = {9, 9, 0, 9, 9, 9, 18, 18, 18, 27, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P36[21] = {9, 9, 0, 3, 3, 3, 6, 6, 6, 9, 9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P37[39] = {9, 9, 0, 0, 9, 9, 9, 18, 18, 18, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P38[21] = {9, 9, 0, 3, 3, 3, 6, 6, 6, 9, 9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P39[39] = {9, 9, 0, 0, 9, 9, 9, 18, 18, 18, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P38[21] = {9, 9, 0, 0, 3, 3, 3, 6, 6, 6, 9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P39[39] = {9, 9, 0, 0, 0, 9, 9, 9, 18, 18, 18, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4,
+static const casadi_int P40[21] = {9, 9, 0, 0, 3, 3, 3, 6, 6, 6, 9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P41[39] = {9, 9, 0, 0, 0, 9, 9, 9, 18, 18, 18, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4,
     5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P40[21] = {9, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P41[3] = {6, 3, 1};
-static const casadi_int P42[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
+static const casadi_int P42[21] = {9, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P43[3] = {6, 3, 1};
+static const casadi_int P44[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
     2, 4, 0, 2, 4, 1, 3, 5, 1, 3, 5, 1, 3, 5};
-static const casadi_int P43[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P45[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P44[42] = {36, 3, 0, 12, 24, 36, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 18, 19, 20,
+static const casadi_int P46[42] = {36, 3, 0, 12, 24, 36, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 18, 19, 20,
     21, 22, 23, 30, 31, 32, 33, 34, 35, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29};
-static const casadi_int P45[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
+static const casadi_int P47[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
     8, 10, 18, 20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6, 8, 10, 18,
     20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 1, 3, 5, 25, 27, 29, 31, 33, 35, 7, 9, 11, 19, 21, 23, 31,
     33, 35, 13, 15, 17, 19, 21, 23, 25, 27, 29};
-static const casadi_int P46[48] = {36, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 24, 25, 30, 31, 26, 27, 32, 33, 28,
+static const casadi_int P48[48] = {36, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 24, 25, 30, 31, 26, 27, 32, 33, 28,
     29, 34, 35, 18, 19, 30, 31, 20, 21, 32, 33, 22, 23, 34, 35, 18, 19, 24, 25, 20, 21, 26, 27, 22, 23, 28, 29};
-static const casadi_int P47[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P48[6] = {54, 3, 0, 0, 0, 0};
-static const casadi_int P49[93] = {54, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
+static const casadi_int P49[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P50[6] = {54, 3, 0, 0, 0, 0};
+static const casadi_int P51[93] = {54, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
     6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26,
     32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 1, 7, 13, 21, 27, 33, 41, 47, 53, 1, 7, 13, 21, 27, 33, 41, 47,
     53, 1, 7, 13, 21, 27, 33, 41, 47, 53};
-static const casadi_int P50[66] = {54, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27,
+static const casadi_int P52[66] = {54, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27,
     32, 33, 40, 41, 46, 47, 52, 53, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27, 32, 33, 40, 41, 46, 47, 52, 53, 0, 1, 6, 7, 12,
     13, 20, 21, 26, 27, 32, 33, 40, 41, 46, 47, 52, 53};
-static const casadi_int P51[30] = {54, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 20, 21, 40, 41, 6, 7, 26, 27, 46,
+static const casadi_int P53[30] = {54, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 20, 21, 40, 41, 6, 7, 26, 27, 46,
     47, 12, 13, 32, 33, 52, 53};
-static const casadi_int P52[6] = {6, 3, 0, 0, 0, 0};
-static const casadi_int P53[18] = {6, 9, 0, 2, 2, 2, 4, 4, 4, 6, 6, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P54[18] = {6, 9, 0, 0, 2, 2, 2, 4, 4, 4, 6, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P55[18] = {6, 9, 0, 0, 0, 2, 2, 2, 4, 4, 4, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P56[3] = {9, 3, 1};
-static const casadi_int P57[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
+static const casadi_int P54[6] = {6, 3, 0, 0, 0, 0};
+static const casadi_int P55[18] = {6, 9, 0, 2, 2, 2, 4, 4, 4, 6, 6, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P56[18] = {6, 9, 0, 0, 2, 2, 2, 4, 4, 4, 6, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P57[18] = {6, 9, 0, 0, 0, 2, 2, 2, 4, 4, 4, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P58[3] = {9, 3, 1};
+static const casadi_int P59[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5,
     6, 7, 8};
-static const casadi_int P58[9] = {3, 3, 0, 3, 3, 3, 0, 1, 2};
-static const casadi_int P59[9] = {3, 3, 0, 0, 3, 3, 0, 1, 2};
-static const casadi_int P60[9] = {3, 3, 0, 0, 0, 3, 0, 1, 2};
-static const casadi_int P61[3] = {6, 9, 1};
-static const casadi_int P62[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P60[9] = {3, 3, 0, 3, 3, 3, 0, 1, 2};
+static const casadi_int P61[9] = {3, 3, 0, 0, 3, 3, 0, 1, 2};
+static const casadi_int P62[9] = {3, 3, 0, 0, 0, 3, 0, 1, 2};
+static const casadi_int P63[3] = {6, 9, 1};
+static const casadi_int P64[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P63[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P64[3] = {9, 6, 1};
-static const casadi_int P65[3] = {9, 9, 1};
-static const casadi_int P66[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
-static const casadi_int P67[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 4, 5, 0, 4, 5, 0, 4, 5, 1, 3, 5, 1,
+static const casadi_int P65[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P66[3] = {9, 6, 1};
+static const casadi_int P67[3] = {9, 9, 1};
+static const casadi_int P68[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
+static const casadi_int P69[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 4, 5, 0, 4, 5, 0, 4, 5, 1, 3, 5, 1,
     3, 5, 1, 3, 5, 2, 3, 4, 2, 3, 4, 2, 3, 4};
-static const casadi_int P68[3] = {3, 2, 1};
-static const casadi_int P69[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P70[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8,
+static const casadi_int P70[3] = {3, 2, 1};
+static const casadi_int P71[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P72[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8,
     3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P71[21] = {9, 3, 0, 6, 12, 15, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8};
-static const casadi_int P72[24] = {9, 3, 0, 6, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P73[27] = {9, 3, 0, 7, 14, 21, 0, 3, 4, 5, 6, 7, 8, 1, 3, 4, 5, 6, 7, 8, 2, 3, 4, 5, 6, 7,
+static const casadi_int P73[21] = {9, 3, 0, 6, 12, 15, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8};
+static const casadi_int P74[24] = {9, 3, 0, 6, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P75[27] = {9, 3, 0, 7, 14, 21, 0, 3, 4, 5, 6, 7, 8, 1, 3, 4, 5, 6, 7, 8, 2, 3, 4, 5, 6, 7,
     8};
-static const casadi_int P74[4] = {9, 1, 0, 0};
-static const casadi_int P75[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P76[3] = {3, 9, 1};
-static const casadi_int P77[6] = {18, 3, 0, 0, 0, 0};
-static const casadi_int P78[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P79[66] = {18, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13,
+static const casadi_int P76[4] = {9, 1, 0, 0};
+static const casadi_int P77[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P78[3] = {3, 9, 1};
+static const casadi_int P79[6] = {18, 3, 0, 0, 0, 0};
+static const casadi_int P80[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P81[66] = {18, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13,
     16, 2, 5, 8, 11, 14, 17, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13, 16, 2, 5, 8, 11, 14, 17, 0, 3, 6, 9, 12, 15, 1, 4, 7,
     10, 13, 16, 2, 5, 8, 11, 14, 17};
-static const casadi_int P80[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P81[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P82[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P83[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P82[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P83[6] = {12, 3, 0, 0, 0, 0};
-static const casadi_int P84[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P85[15] = {12, 9, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 3, 7, 11};
-static const casadi_int P86[15] = {12, 9, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 7, 11};
-static const casadi_int P87[15] = {12, 9, 0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 7, 11};
-static const casadi_int P88[21] = {12, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 10, 11, 9, 10, 11, 9, 10, 11};
-static const casadi_int P89[21] = {12, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P90[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P91[3] = {2, 9, 1};
-static const casadi_int P92[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P93[3] = {1, 9, 1};
-static const casadi_int P94[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P95[3] = {9, 1, 1};
-static const casadi_int P96[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P97[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P98[3] = {1, 2, 1};
-static const casadi_int P99[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P100[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P84[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P85[6] = {12, 3, 0, 0, 0, 0};
+static const casadi_int P86[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P87[15] = {12, 9, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 3, 7, 11};
+static const casadi_int P88[15] = {12, 9, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 7, 11};
+static const casadi_int P89[15] = {12, 9, 0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 7, 11};
+static const casadi_int P90[21] = {12, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 10, 11, 9, 10, 11, 9, 10, 11};
+static const casadi_int P91[21] = {12, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P92[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P93[3] = {2, 9, 1};
+static const casadi_int P94[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P95[3] = {1, 9, 1};
+static const casadi_int P96[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P97[3] = {9, 1, 1};
+static const casadi_int P98[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P99[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P100[3] = {1, 2, 1};
+static const casadi_int P101[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P102[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P101[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P103[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -311,7 +315,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_end_points[] = {
-    P24, P25, P26
+    P26, P27, P28
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_Q", "jac_s_redundant"
@@ -349,7 +353,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P0, P27, P28
+    P0, P29, P30
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_Q", "jac_redundant_s"
@@ -405,7 +409,7 @@ static const krhpr_casadi_slot out_subleg_forward_all[] = {
     {"out_s3", 2, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_forward_all[] = {
-    P29, P30, P31
+    P31, P32, P33
 };
 static const char *const names_subleg_forward_all[] = {
     "jac_s1_theta", "jac_s2_theta", "jac_s3_theta"
@@ -442,7 +446,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 1, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P32, P33, P34
+    P34, P35, P36
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -483,7 +487,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P35, P36, P37, P38, P39, P40
+    P37, P38, P39, P40, P41, P42
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -521,7 +525,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_constraints[] = {
-    P41, P42, P43
+    P43, P44, P45
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_Q", "jac_residual_s"
@@ -568,7 +572,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 6, 9, 3, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P44, P45, P46, P47, P48, P49, P50, P51
+    P46, P47, P48, P49, P50, P51, P52, P53
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
@@ -617,7 +621,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 2, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P44, P45, P46, P47, P52, P42, P29, P53, P52, P42, P30, P54, P52, P42, P31, P55
+    P46, P47, P48, P49, P54, P44, P31, P55, P54, P44, P32, P56, P54, P44, P33, P57
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_Q", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -659,7 +663,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse[] = {
-    P56, P57, P26
+    P58, P59, P28
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_Q", "jac_theta_redundant"
@@ -702,7 +706,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 1, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P0, P27, P58, P0, P27, P59, P0, P27, P60
+    P0, P29, P60, P0, P29, P61, P0, P29, P62
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_Q", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_Q", "jac_theta2_redundant",
@@ -779,7 +783,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_twist[] = {
-    P41, P61, P61, P61, P61
+    P43, P63, P63, P63, P63
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_Q", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -829,7 +833,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P56, P57, P62, P63, P64, P26
+    P58, P59, P64, P65, P66, P28
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_Q", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -899,7 +903,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P41, P61, P61, P61, P12, P61, P61
+    P43, P63, P63, P63, P12, P63, P63
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_Q", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -964,7 +968,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P56, P57, P62, P62, P64, P26, P62, P64, P26
+    P58, P59, P64, P64, P66, P28, P64, P66, P28
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_Q", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -1029,7 +1033,7 @@ static const krhpr_casadi_slot out_inverse_statics[] = {
     {"out_actuator_forces", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse_statics[] = {
-    P56, P65, P65, P63, P64, P56
+    P58, P67, P67, P65, P66, P58
 };
 static const char *const names_inverse_statics[] = {
     "jac_actuator_forces_p", "jac_actuator_forces_Q", "jac_actuator_forces_s", "jac_actuator_forces_theta",
@@ -1083,7 +1087,7 @@ static const krhpr_casadi_slot out_forward_statics[] = {
     {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_statics[] = {
-    P66, P15, P67, P61, P61, P1, P27, P28, P28, P28
+    P68, P15, P69, P63, P63, P1, P29, P30, P30, P30
 };
 static const char *const names_forward_statics[] = {
     "jac_wrench_p", "jac_wrench_Q", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
@@ -1169,7 +1173,7 @@ static const krhpr_casadi_slot out_redundant_of_opening[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_of_opening[] = {
-    P4, P68, P69
+    P4, P70, P71
 };
 static const char *const names_redundant_of_opening[] = {
     "jac_redundant_opening", "jac_redundant_centre", "jac_redundant_jaws"
@@ -1226,7 +1230,7 @@ static const krhpr_casadi_slot out_grasp[] = {
     {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_grasp[] = {
-    P70, P70, P71, P72, P73, P74, P61, P61, P41, P41, P41, P11, P75, P75, P1, P1, P69, P5, P76, P76, P0, P0, P0, P4
+    P72, P72, P73, P74, P75, P76, P63, P63, P43, P43, P43, P11, P77, P77, P1, P1, P71, P5, P78, P78, P0, P0, P0, P4
 };
 static const char *const names_grasp[] = {
     "jac_contact_forces_Q", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
@@ -1287,7 +1291,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P77, P78, P79, P78, P80, P81, P35, P82, P80, P81, P37, P82, P80, P81, P39, P82, P0, P27, P28, P75
+    P79, P80, P81, P80, P82, P83, P37, P84, P82, P83, P39, P84, P82, P83, P41, P84, P0, P29, P30, P77
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -1333,7 +1337,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P83, P84, P85, P84, P83, P84, P86, P84, P83, P84, P87, P84, P80, P25, P63, P82
+    P85, P86, P87, P86, P85, P86, P88, P86, P85, P86, P89, P86, P82, P27, P65, P84
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1345,6 +1349,27 @@ static const krhpr_casadi_function function_link_points = {
 };
 KRHPR_CASADI_FUNCTION(NAME(link_points), function_link_points)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(link_points), function_link_points)
+
+/* -- clearances -- */
+
+static int value_clearances(const double *x, double *y)
+{
+    return plain_clearances(&geometry, x, x + 3, x + 12, x + 21, y);
+}
+
+static const krhpr_casadi_slot in_clearances[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+};
+static const krhpr_casadi_slot out_clearances[] = {
+    {"out_distances", 48, 1, 1, NULL, P22, P23},
+};
+static const krhpr_casadi_function function_clearances = {
+    4, in_clearances, 1, out_clearances, value_clearances, NULL, NULL, NULL
+};
+KRHPR_CASADI_FUNCTION(NAME(clearances), function_clearances)
 
 /* -- singularity -- */
 
@@ -1386,12 +1411,12 @@ static const krhpr_casadi_slot in_singularity[] = {
 };
 static const krhpr_casadi_slot out_singularity[] = {
     {"out_type_1", 3, 1, 1, NULL, P4, P5},
-    {"out_factors", 3, 4, 1, NULL, P22, P23},
+    {"out_factors", 3, 4, 1, NULL, P24, P25},
     {"out_type_2", 2, 1, 1, NULL, P16, P17},
     {"out_margins", 2, 1, 1, NULL, P16, P17},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P75, P28, P28, P83, P84, P88, P89, P6, P90, P91, P92, P6, P90, P91, P92
+    P1, P77, P30, P30, P85, P86, P90, P91, P6, P92, P93, P94, P6, P92, P93, P94
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1531,7 +1556,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P8, P93, P93, P93, P2, P8, P93, P93, P93, P2, P9, P94, P93, P93, P2
+    P8, P95, P95, P95, P2, P8, P95, P95, P95, P2, P9, P96, P95, P95, P2
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_Q", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_1_characteristic_length", "jac_eta_2_p",
@@ -1587,7 +1612,7 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P61, P10, P65, P95, P65, P95, P61, P10, P91, P16, P94, P3
+    P63, P10, P67, P97, P67, P97, P63, P10, P93, P16, P96, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1670,7 +1695,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P76, P68, P5, P65, P96, P74, P65, P96, P74, P97, P98, P3
+    P78, P70, P5, P67, P98, P76, P67, P98, P76, P99, P100, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1729,7 +1754,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P76, P0, P5, P65, P99, P74, P65, P99, P74, P100, P101, P5
+    P78, P0, P5, P67, P101, P76, P67, P101, P76, P102, P103, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from dataclasses import dataclass
 from math import prod
 
@@ -9,6 +10,7 @@ from krhpr.codegen.composition import (
     LEG_STATUSES,
     OPTIONAL_INPUTS,
     Call,
+    EachPair,
     EachRoot,
     Guard,
     Relation,
@@ -27,7 +29,7 @@ from krhpr.codegen.targets.base import broken, port_text
 from krhpr.codegen.targets.c_defaults import default
 from krhpr.codegen.targets.c_legs import LegsView, legs_view
 from krhpr.codegen.targets.c_numbers import LANES, NUMBER, Writing
-from krhpr.codegen.targets.c_statements import AtRoots, Iteration, Row, Statement
+from krhpr.codegen.targets.c_statements import AtPairs, AtRoots, Iteration, Row, Statement
 
 
 @dataclass(frozen=True)
@@ -204,7 +206,7 @@ def _read_outside_the_loop(robot: RobotCode, function: RobotFunction) -> set[str
     """
     read = {guard.variable for guard in function.guards}
     for call in function.stage(Stage.PLATFORM):
-        read |= {call.variable_in(port.name) for port in robot.parts[call.part].kernel(call.kernel).inputs}
+        read |= set(call.reads(robot.parts[call.part].kernel(call.kernel)))
     return read
 
 
@@ -246,6 +248,9 @@ class _Plan:
             return
         if call.each is not None:
             self._place(call, Statement("", at_roots=self._at_roots(call, call.each, part, phases)))
+            return
+        if call.pairs is not None:
+            self._place(call, self._at_pairs(call, call.pairs, part, phases))
             return
         special = self._angles(call, part, phases)
         special |= self._tails(call, phases)
@@ -319,6 +324,35 @@ class _Plan:
             copies=tuple(row for row in rows if self.known[row.name].kind == "output"),
             tail_count=phases.tail_size,
             tail_stores=tuple(stores),
+        )
+
+    def _at_pairs(self, call: Call, pairs: EachPair, part: Part, phases: Phases) -> Statement:
+        """A loop over the pairs of links."""
+        if phases.angles is not None or phases.tails:
+            raise ValueError(f"{part.name}.{call.kernel}: no sines or arctangents for pairs of links")
+        places, first = [], 0
+        for name in pairs.places:
+            variable = self.known[name]
+            size = variable.port.size * (self.robot.legs if variable.per_leg else 1)
+            places.append((name, first, size))
+            first += size
+        kernel = part.kernel(call.kernel)
+        count = len(kernel.inputs)
+        ends = [f"points_of_links + ends[{count} * pair + {k}]" for k in range(count)]
+        special = {port.name: text for port, text in zip(kernel.inputs, ends, strict=True)}
+        (port,) = kernel.outputs
+        special[port.name] = f"{call.variable_out(port.name)} + pair"
+        table = ", ".join(str(3 * end) for of_pair in pairs.ends for end in of_pair)
+        return Statement(
+            self._text(call, part, phases.body, special, indent=8),
+            at_pairs=AtPairs(
+                count=len(pairs.ends),
+                ends=count,
+                table=tuple(textwrap.wrap(table, 100)),
+                real=self.writing.real,
+                size=first,
+                places=tuple(places),
+            ),
         )
 
     def _element(self, name: str, stage: Stage) -> str:

@@ -34,6 +34,12 @@ def limits_view(limits: Limits) -> tuple[Member, ...]:
     if limits.clearance is not None:
         doc = "least distance between the surfaces of links that no joint joins (m)"
         members.append(Member(doc, ("double clearance;",), repr(limits.clearance), "clearance"))
+    if limits.axis_distance is not None:
+        doc = "least distance of S_i from the first axis of its leg (m)"
+        members.append(Member(doc, ("double axis_distance;",), repr(limits.axis_distance), "axis_distance"))
+    if limits.elbow is not None:
+        doc = "angle between the links that an elbow joins (rad): lowest, highest"
+        members.append(Member(doc, ("double elbow[2];",), _number(limits.elbow), "elbow"))
     return tuple(members)
 
 

@@ -1,4 +1,4 @@
-"""Statements of a function as the C templates see them: calls, iterations, loops over roots."""
+"""Statements of a function as the C templates see them: calls, iterations, loops over roots and pairs."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ from krhpr.codegen.composition import Only
 
 @dataclass(frozen=True)
 class Statement:
-    """A statement, for the platform or a leg: a kernel's call, an iteration around it, a loop over roots."""
+    """A statement, for the platform or a leg: a kernel's call, maybe in an iteration or a loop."""
 
     text: str
     iteration: Iteration | None = None
     at_roots: AtRoots | None = None
+    at_pairs: AtPairs | None = None
 
 
 @dataclass(frozen=True)
@@ -64,3 +65,19 @@ class AtRoots:
     """What of it is an output."""
     tail_count: int
     tail_stores: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
+class AtPairs:
+    """A kernel called for every pair of links: how many, their ends by number, and the points of the ends."""
+
+    count: int
+    ends: int
+    """Of one pair."""
+    table: tuple[str, ...]
+    """Lines of numbers: for each end the first of its three elements."""
+    real: str
+    size: int
+    """Elements of all points."""
+    places: tuple[tuple[str, int, int], ...]
+    """Variables with the points: name, where the first goes, how many elements."""

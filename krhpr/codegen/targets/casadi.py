@@ -10,7 +10,7 @@ from krhpr.codegen.composition import Call, RobotCode, RobotFunction, Stage, Var
 from krhpr.codegen.part import Part
 from krhpr.codegen.printers.python import CASADI
 from krhpr.codegen.targets.base import File, broken, render
-from krhpr.codegen.targets.python import part_context
+from krhpr.codegen.targets.python import link_pairs, part_context
 
 
 class CasadiTarget:
@@ -31,6 +31,7 @@ class CasadiTarget:
         text = render(
             "casadi/robot.py.j2",
             robot=robot,
+            link_pairs=link_pairs(robot),
             uses_algebra=any(call.part == "algebra" for f in robot.functions for call in f.calls),
             prepared=_prepared(robot) if robot.baked else {},
             functions=[_function(robot, function) for function in robot.functions if not function.procedure],
@@ -61,9 +62,9 @@ def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
     known = variables(function, robot.parts)
     read = function.read(robot.parts, guards=False)
     read_later = {
-        call.variable_in(port.name)
+        name
         for call in function.stage(Stage.PLATFORM)
-        for port in robot.parts[call.part].kernel(call.kernel).inputs
+        for name in call.reads(robot.parts[call.part].kernel(call.kernel))
     }
     collected = [
         variable.name
@@ -87,6 +88,11 @@ def _function(robot: RobotCode, function: RobotFunction) -> dict[str, Any]:
 
 def _call(robot: RobotCode, call: Call, known: Mapping[str, Variable], read: set[str]) -> str:
     kernel = robot.parts[call.part].kernel(call.kernel)
+    if call.pairs is not None:
+        (port,) = kernel.outputs
+        points = " + ".join(call.pairs.places)
+        arguments = [f"{call.part}.{kernel.name}", points, "LINK_PAIRS"]
+        return broken(f"{call.variable_out(port.name)} = rt.of_pairs", arguments, indent=8)
     leg = call.stage is Stage.LEG
     prepared = f'_PREPARED["{call.part}"][i]' if robot.baked else f"{call.part}.prepare(fields)"
     arguments = [prepared] if kernel.geometry is not None else []

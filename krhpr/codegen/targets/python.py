@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -10,6 +11,7 @@ from krhpr.codegen.composition import (
     LEG_STATUSES,
     STATUS_DOC,
     Call,
+    EachPair,
     EachRoot,
     Guard,
     Relation,
@@ -57,6 +59,7 @@ class PythonTarget:
             functions=functions,
             exported=sorted([*_constants(robot), "Geometry", "Status", *(f["name"] for f in functions)]),
             prepared=_prepared(robot) if robot.baked else {},
+            link_pairs=link_pairs(robot),
             limits=python_limits(robot.limits) if robot.limits else "",
             default_mode=default_mode,
             default_assembly=default_assembly,
@@ -74,6 +77,17 @@ def _imports(robot: RobotCode) -> set[str]:
 def _constants(robot: RobotCode) -> list[str]:
     """Names of the module's constants that users read."""
     return ["GEOMETRY" if robot.baked else "DEFAULT_GEOMETRY", *(["LIMITS"] if robot.limits else [])]
+
+
+def link_pairs(robot: RobotCode) -> list[str]:
+    """The ends of every pair of links that a function is called for, in lines."""
+    for function in robot.functions:
+        for call in function.calls:
+            if call.pairs is not None:
+                return textwrap.wrap(
+                    ", ".join(f"({', '.join(map(str, ends))})" for ends in call.pairs.ends), 100
+                )
+    return []
 
 
 def _prepared(robot: RobotCode) -> dict[str, list[tuple[str, str]]]:
@@ -215,6 +229,8 @@ def python_port(port: Port) -> str:
 
 def _call(robot: RobotCode, call: Call, known: Mapping[str, Variable], read: set[str]) -> str:
     kernel = robot.parts[call.part].kernel(call.kernel)
+    if call.pairs is not None:
+        return _of_pairs(call, call.pairs, kernel, known, robot.legs)
     arguments = [f"g.{call.part}"] if kernel.geometry is not None else []
     for port in kernel.inputs:
         if call.each is not None and port.name == call.each.root:
@@ -240,6 +256,17 @@ def _iteration(call: Call, repeat: Repeat, kernel: Kernel, arguments: list[str],
     step = f"lambda at: {call.part}.{kernel.name}({', '.join(inside)})"
     return broken(
         f"{', '.join(names)} = rt.repeat", [step, start, repr(repeat.tolerance), str(repeat.limit)], indent=8
+    )
+
+
+def _of_pairs(call: Call, pairs: EachPair, kernel: Kernel, known: Mapping[str, Variable], legs: int) -> str:
+    """The kernel for every pair of links, by the runtime."""
+    (port,) = kernel.outputs
+    points = " + ".join(_argument(known[name], Stage.PLATFORM, legs) for name in pairs.places)
+    return broken(
+        f"{call.variable_out(port.name)} = rt.of_pairs",
+        [f"{call.part}.{kernel.name}", points, "LINK_PAIRS", "arguments.batch"],
+        indent=8,
     )
 
 

@@ -20,4 +20,8 @@ def python_limits(limits: Limits) -> str:
         lines.append(f"    spherical={limits.spherical!r},")
     if limits.clearance is not None:
         lines.append(f"    clearance={limits.clearance!r},")
+    if limits.axis_distance is not None:
+        lines.append(f"    axis_distance={limits.axis_distance!r},")
+    if limits.elbow is not None:
+        lines.append(f"    elbow={limits.elbow!r},")
     return "\n".join([*lines, ")"])

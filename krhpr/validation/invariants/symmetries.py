@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from krhpr.codegen.composition import RobotFunction
 from krhpr.codegen.kernel import LEGS, Layout, Port, Unit
 from krhpr.validation.differences import arc, call
 from krhpr.validation.invariants.batch import runner
@@ -141,6 +142,8 @@ def legs_exchanged(one: Numeric, batch: Batch, found: Measured) -> None:
                 if port.name == "kantorovich":
                     continue  # its unknowns are those of the first leg
                 wanted = _exchanged(port, here[port.name], order, parity)
+                if function.name == "clearances":
+                    wanted = wanted[..., _pairs_exchanged(one.subject, function, order)]
                 if port.name == "det_J" and one.subject.planar:
                     wanted = wanted * parity  # in space both factors change their sign
                 if function.name == "forward_all" and port.shape and parity < 0:
@@ -150,6 +153,22 @@ def legs_exchanged(one: Numeric, batch: Batch, found: Measured) -> None:
                     reference = _exchanged(port, reference, order, parity)
                 error = relative(port, exchanged[port.name], wanted, reference)
                 found.worse(error, f"{function.name}: {port.name}, legs {order}")
+
+
+def _pairs_exchanged(subject: Subject, function: RobotFunction, order: tuple[int, ...]) -> list[int]:
+    """For each pair of links with the legs in another order: its place in the order that there was."""
+    (each,) = (call.pairs for call in function.calls if call.pairs is not None)
+    rows = len(subject.subleg.points_port().labels)
+
+    def before(end: int) -> int:
+        leg, row = divmod(end, rows)
+        return LEGS * rows + order[end - LEGS * rows] if leg >= LEGS else order[leg] * rows + row
+
+    def links(ends: tuple[int, ...]) -> frozenset[frozenset[int]]:
+        return frozenset((frozenset(ends[:2]), frozenset(ends[2:])))
+
+    place = {links(ends): k for k, ends in enumerate(each.ends)}
+    return [place[links(tuple(map(before, ends)))] for ends in each.ends]
 
 
 def _other_way_round(subject: Subject, wanted: Floats, count: Floats) -> Floats:

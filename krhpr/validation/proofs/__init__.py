@@ -11,6 +11,7 @@ from krhpr.validation.proofs import (
     assemblies,
     forward,
     indices,
+    links,
     platforms,
     robots,
     statics,
@@ -26,5 +27,6 @@ RUNNERS: dict[str, Runner] = {
     **forward.RUNNERS,
     **approaches.RUNNERS,
     **indices.RUNNERS,
+    **links.RUNNERS,
 }
 """The code of each proof by its name in the plan."""

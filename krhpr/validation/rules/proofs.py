@@ -395,6 +395,15 @@ ROBOT_PROOFS = (
         needs="platform.assembly_modes",
     ),
     Proof(
+        "distances of links",
+        "clearances",
+        BALL,
+        FEW,
+        "The distance between two links is the least of those of their ends from one another, of an end from "
+        "its foot on the other link, and along their common normal where that meets both.",
+        ("link_points", "algebra.segment_distance"),
+    ),
+    Proof(
         "joint motion",
         "joint_rates",
         EXACT,
