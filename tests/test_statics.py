@@ -176,8 +176,9 @@ def test_the_reference_objects(case: dict[str, Any]) -> None:
     np.testing.assert_allclose(got, applied, rtol=0, atol=1e-12 * np.abs(applied).max())
 
 
-def test_a_grasp_that_does_not_hold_says_why() -> None:
-    robot = krhpr.load("spatial_rrr_c", backend="numpy")
+@pytest.mark.parametrize("backend", ["numpy", "compiled"])
+def test_a_grasp_that_does_not_hold_says_why(backend: str) -> None:
+    robot = krhpr.load("spatial_rrr_c", backend=backend)
     slides = robot.end_points(np.zeros(3), np.eye(3), np.ones(3))
     contacts, load = 0.03 * slides, [0.0, 0.0, -3.0]
     held = robot.grasp(np.eye(3), contacts, 5.0, load, friction=0.5, check=True)
