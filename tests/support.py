@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
+    from krhpr.codegen.composition import RobotCode
     from krhpr.codegen.pipeline import Derived
     from krhpr.codegen.targets.base import File
 
@@ -92,6 +93,11 @@ def derived_robots() -> Derived:
     from krhpr.codegen.pipeline import derive
 
     return derive()
+
+
+def catalogued() -> list[RobotCode]:
+    """Those that robot files choose from: the catalogue's, with three legs."""
+    return [robot for robot in derived_robots().robots if robot.legs == 3]
 
 
 @cache

@@ -12,7 +12,7 @@ import krhpr
 from krhpr.robot_files import RobotFileError, is_robot_file
 from krhpr.robot_files.facts import choice, facts_of_code, facts_of_module
 from tests.files.support import EXAMPLE, FIVEBAR, Write, facts_of, head, problems, read, the_problem
-from tests.support import derived_robots
+from tests.support import catalogued
 
 ROBOTS = krhpr.catalogue()
 
@@ -44,7 +44,7 @@ def test_every_field_of_every_robot_can_be_set(identifier: str, write: Write) ->
 
 
 def test_facts_are_the_same_from_generated_and_from_derived_code() -> None:
-    for robot in derived_robots().robots:
+    for robot in catalogued():
         module = __import__(f"krhpr.generated.python.{robot.identifier}", fromlist=["x"])
         assert facts_of_code(robot) == facts_of_module(module)
 

@@ -16,7 +16,7 @@ from krhpr.robot_files.facts import facts_of_code
 from krhpr.robot_files.schema import schema, schema_text
 from tests.cli.support import Cli
 from tests.files.support import EXAMPLE, FIVEBAR, PLANAR, Write, facts_of, head, problems
-from tests.support import ROOT, derived_robots, run_python
+from tests.support import ROOT, catalogued, run_python
 
 PUBLISHED = ROOT / "generated" / "robot-file.schema.json"
 
@@ -38,7 +38,7 @@ def accepts(text: str) -> bool:
 
 
 def test_the_published_schema_is_that_of_the_code() -> None:
-    robots = [facts_of_code(robot) for robot in derived_robots().robots]
+    robots = [facts_of_code(robot) for robot in catalogued()]
     assert PUBLISHED.read_text(encoding="utf-8") == schema_text(robots), "run `make generate`"
 
 
