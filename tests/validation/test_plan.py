@@ -21,11 +21,12 @@ from krhpr.validation.proofs.platforms import EQUILATERAL
 from krhpr.validation.proofs.thesis import ATTACHMENTS, ROWS, VELOCITY
 from krhpr.validation.rules import EVERY, FIRST_PRINCIPLES, THESIS_ROWS, THESIS_VELOCITY
 from krhpr.validation.run import RUNNERS
-from tests.support import derived_robots
+from tests.support import catalogued, derived_robots
 
 DERIVED = derived_robots()
-PLANS = {robot.identifier: plan(robot) for robot in DERIVED.robots}
-ROBOTS = pytest.mark.parametrize("robot", DERIVED.robots, ids=lambda robot: robot.identifier)
+CATALOGUED = catalogued()
+PLANS = {robot.identifier: plan(robot) for robot in CATALOGUED}
+ROBOTS = pytest.mark.parametrize("robot", CATALOGUED, ids=lambda robot: robot.identifier)
 
 DERIVATIVES = {
     "subleg_jacobian",
@@ -56,7 +57,7 @@ def test_every_rule_has_code_and_all_code_is_used() -> None:
 
 
 def test_what_is_known_of_parts_is_known_everywhere() -> None:
-    parts = {robot.subleg.name for robot in DERIVED.robots}
+    parts = {robot.subleg.name for robot in CATALOGUED}
     assert set(FIRST_PRINCIPLES) == set(CLOSURES) == set(LEGS_BY_NAME)
     assert set(THESIS_VELOCITY) == set(VELOCITY)
     assert set(THESIS_ROWS) == set(ROWS) == set(EQUILATERAL) == set(ATTACHMENTS)
@@ -66,7 +67,7 @@ def test_what_is_known_of_parts_is_known_everywhere() -> None:
         for entry in catalogue()
         if SubLegKernels(entry.robot.subleg).factors()[2]
     }
-    assert set(THESIS_ROWS) == {robot.platform.name for robot in DERIVED.robots}
+    assert set(THESIS_ROWS) == {robot.platform.name for robot in CATALOGUED}
 
 
 @ROBOTS
@@ -134,12 +135,12 @@ def test_the_page_shows_every_check_and_does_not_change() -> None:
             )
             if check.kind in (Kind.PROOF, Kind.DIFFERENCES, Kind.INVARIANT, Kind.REFERENCE):
                 assert check.statement in text
-    for robot in DERIVED.robots:
+    for robot in CATALOGUED:
         for function in robot.functions:
             assert f"| `{function.name}` |" in text
     again = {file.path: file.text for file in report_files(DERIVED.robots, DERIVED.parts, [])}
     assert again["VALIDATION.md"] == text
-    assert page(DERIVED.robots)["total"] == sum(len(found) for found in PLANS.values())
+    assert page(CATALOGUED)["total"] == sum(len(found) for found in PLANS.values())
 
 
 def test_the_plan_needs_nothing_heavy() -> None:
