@@ -63,7 +63,9 @@ static inline const struct function *find(const struct function *all, size_t cou
 static inline double *known(struct configuration *c, const char *name)
 {
     static double positive = 1.0, sticky = 1e9, ones[3] = {1.0, 1.0, 1.0}, box[6] = {0.5, 2.6, 0.5, 2.6, 0.5, 2.6};
-    static double zeros[3] = {0.0, 0.0, 0.0}, left[4] = {0.0, 0.0, 1.0, 0.0}, apart[4] = {0.1, 0.0, -0.1, 0.0}, faces[2] = {3.0, 0.0};
+    static double zeros[3] = {0.0, 0.0, 0.0}, left[4] = {0.0, 0.0, 1.0, 0.0}, faces[2] = {3.0, 0.0};
+    /* as two or three points in the plane, or three in space */
+    static double apart[9] = {0.1, 0.0, -0.1, 0.0, 0.05, 0.1, -0.02, 0.1, 0.03};
     const struct { const char *name; double *value; } names[] = {
         {"p", c->p}, {"Q", c->Q}, {"phi", c->phi}, {"redundant", c->redundant}, {"mode", c->mode},
         {"assembly", c->assembly}, {"s", c->s}, {"theta", c->theta}, {"theta_near", c->theta_near},

@@ -3,7 +3,7 @@
 
 #include <pthread.h>
 
-enum { FUNCTIONS = sizeof functions / sizeof functions[0], THREADS = 4, CASES = 50, ROOM = 160 };
+enum { FUNCTIONS = sizeof functions / sizeof functions[0], THREADS = 4, CASES = 50, ROOM = 192 };
 
 static geometry shared;
 
