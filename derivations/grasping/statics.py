@@ -37,6 +37,7 @@ from krhpr.derivations.grasping.ports import (
     both,
     together,
 )
+from krhpr.derivations.platforms.kernels import NO_SIZE
 from krhpr.derivations.vectors import E, cross2, dot
 
 LEAST = replace(
@@ -123,7 +124,7 @@ def redundant_kernel() -> Kernel:
     reach = dot(first, first) + dot(second, second)
     k.output(
         "apart",
-        sp.Matrix([square / reach, norm / scale]),
+        sp.Matrix([square / (reach + NO_SIZE), norm / (scale + NO_SIZE)]),
         doc="zero where P and S coincide, or no actuator gives a force along PS",
     )
     return k.kernel()

@@ -439,7 +439,7 @@ KRHPR_STATIC void krhpr_platform_planar_jaws_right_jaw(
 }
 
 /* Forces of the actuators for a wrench of both jaws as one body: the least ones, the null space, and their
- * sum.  Thesis: (5.24), (5.25).  (38 add, 56 multiply, 5 divide, 1 square root) */
+ * sum.  Thesis: (5.24), (5.25).  (40 add, 56 multiply, 5 divide, 1 square root) */
 KRHPR_STATIC void krhpr_platform_planar_jaws_one_body(
     const double s[4], const double M[8], const double wrench[3], double internal_force,
     double *KRHPR_RESTRICT actuator_forces, double *KRHPR_RESTRICT least_forces,
@@ -473,7 +473,7 @@ KRHPR_STATIC void krhpr_platform_planar_jaws_one_body(
     const double f_min_1 = f_0_1 - t8 * (k_1 * t7);
     const double f_min_2 = f_0_2 + t8 * (t5 * t7);
     const double f_min_3 = f_0_3 + t8 * (t6 * t7);
-    const double t9 = M[0] * M[0] + M[1] * M[1] + M[2] * M[2] + M[3] * M[3] + M[4] * M[4] + M[5] * M[5];
+    const double t9 = 1e-150 + M[0] * M[0] + M[1] * M[1] + M[2] * M[2] + M[3] * M[3] + M[4] * M[4] + M[5] * M[5];
     actuator_forces[0] = f_min_0 + internal_force * k_0;
     actuator_forces[1] = f_min_1 + internal_force * k_1;
     actuator_forces[2] = f_min_2 - internal_force * t5;
@@ -486,7 +486,7 @@ KRHPR_STATIC void krhpr_platform_planar_jaws_one_body(
     null_space[1] = k_1;
     null_space[2] = k_2;
     null_space[3] = k_3;
-    apart[0] = c2 / (s[0] * s[0] + s[1] * s[1] + s[2] * s[2] + s[3] * s[3]);
+    apart[0] = c2 / (1e-150 + s[0] * s[0] + s[1] * s[1] + s[2] * s[2] + s[3] * s[3]);
     apart[1] = k2 / (t9 + M[6] * M[6] + M[7] * M[7]);
 }
 

@@ -432,7 +432,7 @@ KRHPR_INLINE void krhpr_platform_planar_jaws_right_jaw_lanes(
 }
 
 /* Forces of the actuators for a wrench of both jaws as one body: the least ones, the null space, and their
- * sum.  Thesis: (5.24), (5.25).  (38 add, 56 multiply, 5 divide, 1 square root) */
+ * sum.  Thesis: (5.24), (5.25).  (40 add, 56 multiply, 5 divide, 1 square root) */
 KRHPR_INLINE void krhpr_platform_planar_jaws_one_body_lanes(
     const krhpr_lanes_at s[4], const krhpr_lanes_at M[8], const krhpr_lanes_at wrench[3],
     krhpr_lanes internal_force, krhpr_lanes_at *KRHPR_RESTRICT actuator_forces,
@@ -467,7 +467,7 @@ KRHPR_INLINE void krhpr_platform_planar_jaws_one_body_lanes(
     const krhpr_lanes f_min_1 = f_0_1 - t8 * (k_1 * t7);
     const krhpr_lanes f_min_2 = f_0_2 + t8 * (t5 * t7);
     const krhpr_lanes f_min_3 = f_0_3 + t8 * (t6 * t7);
-    const krhpr_lanes t9 = M[0] * M[0] + M[1] * M[1] + M[2] * M[2] + M[3] * M[3] + M[4] * M[4] + M[5] * M[5];
+    const krhpr_lanes t9 = 1e-150 + M[0] * M[0] + M[1] * M[1] + M[2] * M[2] + M[3] * M[3] + M[4] * M[4] + M[5] * M[5];
     actuator_forces[0] = f_min_0 + internal_force * k_0;
     actuator_forces[1] = f_min_1 + internal_force * k_1;
     actuator_forces[2] = f_min_2 - internal_force * t5;
@@ -480,7 +480,7 @@ KRHPR_INLINE void krhpr_platform_planar_jaws_one_body_lanes(
     null_space[1] = k_1;
     null_space[2] = k_2;
     null_space[3] = k_3;
-    apart[0] = c2 / (s[0] * s[0] + s[1] * s[1] + s[2] * s[2] + s[3] * s[3]);
+    apart[0] = c2 / (1e-150 + s[0] * s[0] + s[1] * s[1] + s[2] * s[2] + s[3] * s[3]);
     apart[1] = k2 / (t9 + M[6] * M[6] + M[7] * M[7]);
 }
 

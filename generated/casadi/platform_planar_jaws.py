@@ -490,7 +490,7 @@ def right_jaw(wrench: Any, pivot: Any, s: Any, M: Any) -> tuple[Any, ...]:
 
 def one_body(s: Any, M: Any, wrench: Any, internal_force: Any) -> tuple[Any, ...]:
     """Forces of the actuators for a wrench of both jaws as one body: the least ones, the null space,
-    and their sum.  Thesis: (5.24), (5.25).  (38 add, 56 multiply, 5 divide, 1 square root)"""
+    and their sum.  Thesis: (5.24), (5.25).  (40 add, 56 multiply, 5 divide, 1 square root)"""
     s_00, s_01, s_10, s_11 = s
     M_000, M_001, M_010, M_011, M_100, M_101, M_110, M_111 = M
     wrench_0, wrench_1, wrench_2 = wrench
@@ -523,7 +523,7 @@ def one_body(s: Any, M: Any, wrench: Any, internal_force: Any) -> tuple[Any, ...
     f_min_1 = f_0_1 - t8 * (k_1 * t7)
     f_min_2 = f_0_2 + t8 * (t5 * t7)
     f_min_3 = f_0_3 + t8 * (t6 * t7)
-    t9 = M_000 * M_000 + M_001 * M_001 + M_010 * M_010 + M_011 * M_011 + M_100 * M_100 + M_101 * M_101
+    t9 = 1e-150 + M_000 * M_000 + M_001 * M_001 + M_010 * M_010 + M_011 * M_011 + M_100 * M_100
     return (
         (  # actuator_forces
             f_min_0 + internal_force * k_0,
@@ -544,8 +544,8 @@ def one_body(s: Any, M: Any, wrench: Any, internal_force: Any) -> tuple[Any, ...
             k_3,
         ),
         (  # apart
-            c2 / (s_00 * s_00 + s_01 * s_01 + s_10 * s_10 + s_11 * s_11),
-            k2 / (t9 + M_110 * M_110 + M_111 * M_111),
+            c2 / (1e-150 + s_00 * s_00 + s_01 * s_01 + s_10 * s_10 + s_11 * s_11),
+            k2 / (t9 + M_101 * M_101 + M_110 * M_110 + M_111 * M_111),
         ),
     )
 

@@ -844,7 +844,7 @@ KRHPR_STATIC void krhpr_platform_planar_jaws_right_jaw_tangent(
 }
 
 /* `one_body` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.24), (5.25).
- * (134 add, 162 multiply, 7 divide, 1 square root) */
+ * (136 add, 162 multiply, 7 divide, 1 square root) */
 KRHPR_STATIC void krhpr_platform_planar_jaws_one_body_tangent(
     const krhpr_dual *s, const krhpr_dual *M, const krhpr_dual *wrench, const krhpr_dual *internal_force,
     krhpr_dual *KRHPR_RESTRICT actuator_forces, krhpr_dual *KRHPR_RESTRICT least_forces,
@@ -885,9 +885,9 @@ KRHPR_STATIC void krhpr_platform_planar_jaws_one_body_tangent(
     const double f_min_2 = f_0_2 + h11 * h14;
     const double h15 = h9 * h10;
     const double f_min_3 = f_0_3 + h11 * h15;
-    const double t1 = s[0].v * s[0].v + s[1].v * s[1].v + s[2].v * s[2].v + s[3].v * s[3].v;
+    const double t1 = 1e-150 + s[0].v * s[0].v + s[1].v * s[1].v + s[2].v * s[2].v + s[3].v * s[3].v;
     const double apart_0 = c2 / t1;
-    const double t2 = M[0].v * M[0].v + M[1].v * M[1].v + M[2].v * M[2].v + M[3].v * M[3].v + M[4].v * M[4].v;
+    const double t2 = 1e-150 + M[0].v * M[0].v + M[1].v * M[1].v + M[2].v * M[2].v + M[3].v * M[3].v + M[4].v * M[4].v;
     const double t3 = t2 + M[5].v * M[5].v + M[6].v * M[6].v + M[7].v * M[7].v;
     const double apart_1 = k2 / t3;
     const double h16 = 1.0 / t1;
