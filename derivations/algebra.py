@@ -11,7 +11,7 @@ from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.platforms.statics import whole_wrench
 from krhpr.derivations.spectra import bound_of_bounds, eigenvalue_bound, largest_eigenvalue
 from krhpr.derivations.terms import Space
-from krhpr.derivations.vectors import cross2, determinant3, dot
+from krhpr.derivations.vectors import NO_LENGTH, cross2, determinant3, dot
 
 
 def kernels(space: Space) -> tuple[Kernel, ...]:
@@ -86,9 +86,6 @@ def _rotation_error() -> Kernel:
     k.output("error", k.maximum(worst, 1 - determinant3(Q)))
     return k.kernel()
 
-
-NO_LENGTH = sp.Rational(1, 10**150)
-"""Beside the square of a length nothing, in any unit."""
 
 PARALLEL = sp.Rational(1, 10**15)
 """Sine squared below which links count as parallel: the numbers that tell more are rounding."""

@@ -10,6 +10,10 @@ import sympy as sp
 E = sp.Matrix([[0, -1], [1, 0]])
 """The planar quarter turn (2.6): E a is a turned by 90 degrees counter-clockwise."""
 
+NO_LENGTH = sp.Rational(1, 10**150)
+"""Beside the square of a length nothing, in any unit.  It keeps slopes finite where points meet, and makes
+what has no size singular before squares of an inverse are more than a double holds."""
+
 
 def dot(a: sp.Matrix, b: sp.Matrix) -> Any:
     """a^T b."""

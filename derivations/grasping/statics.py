@@ -37,8 +37,7 @@ from krhpr.derivations.grasping.ports import (
     both,
     together,
 )
-from krhpr.derivations.platforms.kernels import NO_SIZE
-from krhpr.derivations.vectors import E, cross2, dot
+from krhpr.derivations.vectors import NO_LENGTH, E, cross2, dot
 
 LEAST = replace(
     together(ACTUATORS), name="least_forces", doc="U^I F of (5.25): the least actuator forces of that wrench"
@@ -124,7 +123,7 @@ def redundant_kernel() -> Kernel:
     reach = dot(first, first) + dot(second, second)
     k.output(
         "apart",
-        sp.Matrix([square / (reach + NO_SIZE), norm / (scale + NO_SIZE)]),
+        sp.Matrix([square / (reach + NO_LENGTH), norm / (scale + NO_LENGTH)]),
         doc="zero where P and S coincide, or no actuator gives a force along PS",
     )
     return k.kernel()

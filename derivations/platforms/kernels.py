@@ -10,16 +10,12 @@ from krhpr.codegen.kernel import Frame, Kernel, Layout, Port, Unit
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.spectra import cofactors, determinant
 from krhpr.derivations.terms import Pose, Space
-from krhpr.derivations.vectors import E, cross, determinant3, dot, solve3
+from krhpr.derivations.vectors import NO_LENGTH, E, cross, determinant3, dot, solve3
 
 if TYPE_CHECKING:
     from krhpr.derivations.platforms.base import Platform
 
 STACKED = Layout.STACKED
-
-NO_SIZE = sp.Rational(1, 10**150)
-"""Beside |S_i - O'|^2 nothing, in any unit; end points that are closer together are a singular platform,
-before squares of the inverse of J are more than a double holds."""
 
 
 class PlatformKernels:
@@ -267,7 +263,7 @@ class PlatformKernels:
         singular.
         """
         directions = [k.let(f"d2_{i}", line[0] ** 2 + line[1] ** 2) for i, line in enumerate(lines)]
-        size = k.let("size", sum(dot(point, point) for point in points) + NO_SIZE, "sum of |S_i - O'|^2")
+        size = k.let("size", sum(dot(point, point) for point in points) + NO_LENGTH, "sum of |S_i - O'|^2")
         value_a = det_a**2 / (directions[0] * directions[1] * directions[2] * size)
         values = [value_a] if det_n is None else [value_a, det_n**2 / size**2]
         k.add_output(self.ports.regularity, values)

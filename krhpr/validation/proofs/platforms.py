@@ -13,7 +13,7 @@ from krhpr.codegen.evaluate import evaluate_kernel
 from krhpr.codegen.kernel import LEGS, Kernel
 from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.platforms.base import Platform
-from krhpr.derivations.platforms.kernels import NO_SIZE
+from krhpr.derivations.vectors import NO_LENGTH
 from krhpr.validation.arithmetic import RATIONAL
 from krhpr.validation.check import Check
 from krhpr.validation.configurations import Configuration, configuration
@@ -246,7 +246,7 @@ def _regularity(
     points = matrix(gathered["point"], 2)
     directions = [line[:2] for line in matrix(gathered["line"], 3 if subject.planar else 6)]
     moments = [line[-1] for line in matrix(gathered["line"], 3 if subject.planar else 6)]
-    size = sum((dot(point, point) for point in points), Exact(Fraction(NO_SIZE.p, NO_SIZE.q)))
+    size = sum((dot(point, point) for point in points), Exact(Fraction(NO_LENGTH.p, NO_LENGTH.q)))
     in_plane = determinant([[*line, moment] for line, moment in zip(directions, moments, strict=True)])
     bound = size
     for line in directions:
