@@ -129,7 +129,10 @@ class Ball:
             raise NotRational(f"power with the exponent {number}: only whole exponents are supported")
         if number < 0:
             return 1 / self ** Exact(-number)
-        return Ball._of(self._value ** int(number.p))
+        power = int(number.p)
+        if power and self._value.mid() == 0:  # the library has no power of a ball around zero itself
+            return Ball._of(arb(0, self._value.rad() ** power))
+        return Ball._of(self._value**power)
 
     def __neg__(self) -> Ball:
         return Ball._of(-self._value)

@@ -54,6 +54,18 @@ def test_ball_functions_agree_with_mpmath(a: Fraction, b: Fraction) -> None:
             assert ball.close(Exact(mpmath.nstr(reference, 93)), Fraction(1, 10**80))
 
 
+@pytest.mark.usefixtures("ball_bits")
+def test_powers_of_balls_around_zero() -> None:
+    around = Ball.around(0, Fraction(1, 8))
+    for power in (1, 2, 3):
+        for inside in (Fraction(-1, 8), Fraction(0), Fraction(1, 8)):
+            assert (around**power).overlaps(inside**power)
+        assert abs(around**power) < Fraction(1, 8) ** power + Fraction(1, 1000)
+    assert around**0 == 1
+    with pytest.raises(Undefined):
+        around**-1
+
+
 @given(floats)
 def test_balls_take_floats_by_their_exact_value(f: float) -> None:
     with ball_precision(10):
