@@ -97,5 +97,10 @@ class WorkspaceError(KrhprError, ValueError):
     """A workspace that cannot be computed as asked: what is wrong, what is expected."""
 
 
+class DesignError(KrhprError, ValueError):
+    """A design, or what is to be varied or improved of it, that cannot be used: what is wrong, and what is
+    expected."""
+
+
 class PluginError(KrhprError, ValueError):
     """A sub-leg of one's own that cannot be used: which file, what is wrong, and what is expected."""

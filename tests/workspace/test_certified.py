@@ -185,7 +185,7 @@ def test_each_limit_alone_stops_at_its_place(reason: str) -> None:
     the finest balls leave; limits are found by halving along the diagonals."""
     found, examiner = certifier(krhpr.load("spatial_rrr_a"), **ALONE[reason])
     centre = np.array([0.0, 0.0, 0.35])
-    cube = found.largest(centre, 0.8, share=0.01, balls=60_000)
+    cube = found.largest(centre, 0.8, share=0.03, balls=20_000)
     at = np.linspace(-0.5, 0.5, 25)
     grid = np.stack(np.meshgrid(at, at, at), axis=-1).reshape(-1, 3)
     low, high = 0.0, 0.8
