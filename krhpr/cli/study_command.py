@@ -17,7 +17,7 @@ FOLDER = Path("build/study")
 
 @dataclass(frozen=True)
 class Option:
-    """An option that one study has; `default` is what its module gets where the option is not given."""
+    """An option that one study has, or several; `default` is what their modules get where it is not given."""
 
     flag: str
     metavar: str | None
@@ -42,6 +42,11 @@ class Study:
     options: tuple[Option, ...] = ()
 
 
+ROBOT = Option("--robot", "ROBOT", "identifier or robot file (default: that of the section)")
+SEED = Option("--seed", "N", "of the random errors, or of the search (default: 0)", 0, int)
+COARSER = Option("--coarser", "N", "steps N times as wide (default: 1; of maps 1 mm and 1 degree)", 1, int)
+STORE = Option("--store", "DIR", "keep what is made there; an interrupted study goes on", type=Path)
+
 STUDIES = (
     Study(
         "forward-accuracy",
@@ -49,7 +54,7 @@ STUDIES = (
         "Section 3.4: random errors on every encoder of the 3-RRRSR robot along the example trajectory, and "
         "what the seven approaches to the forward kinematics make of them; Figs. 3.8 to 3.11",
         (
-            Option("--seed", "N", "of the random errors (default: 0)", 0, int),
+            SEED,
             Option(
                 "--errors",
                 None,
@@ -92,15 +97,36 @@ STUDIES = (
         "Section 1.7: layers of the translational workspace, and the orientational one by torsion and tilt, "
         "with limits of joints and interference; Figs. 1.6 to 1.9",
         (
-            Option(
-                "--robot",
-                "ROBOT",
-                "identifier or robot file (default: spatial_r_fivebar_a)",
-                "spatial_r_fivebar_a",
-            ),
-            Option("--coarser", "N", "steps of N mm and N degrees (default: 1)", 1, int),
+            ROBOT,
+            COARSER,
             Option("--cluster", "ADDRESS", "a Dask scheduler, or a number of processes (default: this one)"),
-            Option("--store", "DIR", "keep the maps there; an interrupted study goes on", type=Path),
+            STORE,
+        ),
+    ),
+    Study(
+        "design",
+        "study_design",
+        "Section 4.2: the workspaces of the 3-RRRSR robot by its redundant angles, redundant links and "
+        "platform, Figs. 4.1 and 4.2; and then the front of designs that are judged by the whole workspace, "
+        "and the best of them as robot files",
+        (
+            ROBOT,
+            COARSER,
+            STORE,
+            SEED,
+            Option(
+                "--vary",
+                "LIST",
+                "NAME=LOW:HIGH of each variable, in metres and radians: fields of the geometry, redundant, "
+                "height (default: of platform, base and legs)",
+            ),
+            Option(
+                "--objectives",
+                "LIST",
+                "of volume, orientations, box, eta_1, eta_2, eta_3, length (default: volume,eta_2,box)",
+            ),
+            Option("--generations", "N", "of the search in each direction (default: 8)", 8, int),
+            Option("--workers", "N", "processes that judge designs (default: 1)", 1, int),
         ),
     ),
 )
@@ -114,7 +140,10 @@ examples:
   krhpr study forward-accuracy --seed 7 --repeat 20
   krhpr study grasp --file my_gripper.yaml --out build/gripper
   krhpr study workspace --coarser 4 --robot spatial_rrr_a
-  krhpr study workspace --cluster tcp://127.0.0.1:8786 --store build/maps"""
+  krhpr study workspace --cluster tcp://127.0.0.1:8786 --store build/maps
+  krhpr study design --workers 4 --store build/designs
+  krhpr study design --robot my_robot.yaml --vary "R_p=0.08:0.15,redundant=1:2" \\
+      --objectives orientations,eta_1"""
 
 
 def _epilog() -> str:
@@ -138,11 +167,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out", metavar="DIR", type=Path, default=FOLDER, help=f"folder of the results (default: {FOLDER})"
     )
-    for study in STUDIES:
-        if not study.options:
-            continue
-        group = parser.add_argument_group(f"of {study.name}")
-        for option in study.options:
+    for owners, options in _grouped():
+        group = parser.add_argument_group(f"of {', '.join(owners)}")
+        for option in options:
             group.add_argument(
                 option.flag,
                 metavar=option.metavar,
@@ -152,13 +179,27 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             )
 
 
+def _grouped() -> list[tuple[tuple[str, ...], list[Option]]]:
+    """Options by the studies that have them; some are of several."""
+    owners: dict[Option, tuple[str, ...]] = {}
+    for study in STUDIES:
+        for option in study.options:
+            owners[option] = (*owners.get(option, ()), study.name)
+    groups: dict[tuple[str, ...], list[Option]] = {}
+    for option, names in owners.items():
+        groups.setdefault(names, []).append(option)
+    return list(groups.items())
+
+
 def run(options: argparse.Namespace) -> int:
     """Run the study, print what came of it and write the pictures."""
     (chosen,) = (study for study in STUDIES if study.name == options.study)
-    for study in STUDIES:
-        given = [option.flag for option in study.options if getattr(options, option.name) is not None]
-        if given and study is not chosen:
-            raise WrongUse(f"{', '.join(given)} belongs to {study.name}; {chosen.name} has no such option")
+    for owners, its in _grouped():
+        given = [option.flag for option in its if getattr(options, option.name) is not None]
+        if given and chosen.name not in owners:
+            raise WrongUse(
+                f"{', '.join(given)} belongs to {' and '.join(owners)}; {chosen.name} has no such option"
+            )
     for option in chosen.options:
         if getattr(options, option.name) is None:
             setattr(options, option.name, option.default)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 import krhpr
 from krhpr.cli.common import Column, Step, WrongUse, print_table, progress
 from krhpr.cli.studying import tell, write
-from krhpr.study.workspace import PRINTED_SPAN, WorkspaceStudy, workspace_study
+from krhpr.study.workspace import PRINTED_SPAN, ROBOT, WorkspaceStudy, workspace_study
 from krhpr.study.workspace_pictures import workspace_figures
 
 TENTHS = 10
@@ -22,7 +22,7 @@ def run(options: argparse.Namespace) -> int:
     """The workspace study."""
     if options.coarser < 1 or 360 % options.coarser:
         raise WrongUse(f"--coarser is {options.coarser}; it must be a divisor of 360")
-    robot = krhpr.load(options.robot)
+    robot = krhpr.load(options.robot or ROBOT)
     with progress(3 * (TENTHS + 1)) as step:
         found = workspace_study(
             robot,
