@@ -35,7 +35,7 @@ EFFORT = Effort(samples=64, parts=4, generations=8, population=8)
 FINER = 2
 """How many times finer the grids are on which the best designs are looked at again."""
 BALLS = 200_000
-"""With which the cubes of the best are proven."""
+"""With so many the cubes of the best are proven."""
 REACH = 0.75
 """Of the legs of the 3-RRRSR robot, l_2 + l_3 (m), which is kept."""
 
@@ -127,6 +127,7 @@ def design_study(
     objectives: Sequence[Objective] = OBJECTIVES,
     effort: Effort = EFFORT,
     grid: Grid | None = None,
+    balls: int = BALLS,
     workers: int = 1,
     log: Path | None = None,
     progress: Step | None = None,
@@ -139,6 +140,7 @@ def design_study(
         objectives: of `Objective`.
         effort: how long is searched.
         grid: at which nodes designs are looked at.
+        balls: with how many the cubes of the best are proven.
         workers: processes that judge designs.
         log: as for `krhpr.design.search`.
         progress: called as designs are judged.
@@ -157,8 +159,9 @@ def design_study(
     for number, (name, one) in enumerate(names.items()):
         if progress is not None:
             progress("the best on finer grids", number, len(names))
-        chosen.append(_again(problem, name, one))
-    return DesignStudy(problem, found, _own(problem, found), tuple(chosen))
+        chosen.append(_again(problem, name, one, balls))
+    own = _again(problem, "own", found.own, balls)
+    return DesignStudy(problem, found, own, tuple(chosen))
 
 
 def between(front: Sequence[Evaluation], objectives: Sequence[Objective]) -> Evaluation:
@@ -170,12 +173,10 @@ def between(front: Sequence[Evaluation], objectives: Sequence[Objective]) -> Eva
     return front[int(np.argmin(away.max(axis=1)))]
 
 
-def _own(problem: Problem, found: Found) -> Chosen:
-    return _again(problem, "own", found.own) if found.own.works else Chosen("own", found.own, found.own)
-
-
-def _again(problem: Problem, name: str, design: Evaluation) -> Chosen:
+def _again(problem: Problem, name: str, design: Evaluation, balls: int) -> Chosen:
     """A design on finer grids, the cube proven with more balls."""
-    grid = replace(problem.grid.finer(FINER), balls=BALLS)
+    if not design.works:
+        return Chosen(name, design, design)
+    grid = replace(problem.grid.finer(FINER), balls=balls)
     finer = problem.grid_of(problem.space.robot_of(design.values), design.values, grid)
     return Chosen(name, design, finer)

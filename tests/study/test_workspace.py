@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 import krhpr
+from krhpr.study.convergence import convergence
 from krhpr.study.files import save_figures
-from krhpr.study.workspace import WorkspaceStudy, workspace_study
+from krhpr.study.workspace import BETA, WorkspaceStudy, workspace_study
 from krhpr.study.workspace_pictures import PICTURES, workspace_figures
+from krhpr.workspace import constant, section_1_7
 
 
 @cache
@@ -35,6 +37,22 @@ def test_readings_of_the_bodies() -> None:
     assert found["neither"][0] == 263
     spans = [span for span, _, _ in found.values()]
     assert min(spans) < 220 < max(spans)
+
+
+def test_volumes_converge() -> None:
+    """Wider steps are off by no more than is said of both, and by less the smaller they are."""
+    robot = krhpr.load("spatial_r_fivebar_a")
+    found = convergence(robot, section_1_7(robot), constant(BETA), times=(4, 8, 24))
+    best = found[0]
+    assert [one.times for one in found] == [4, 8, 24]
+    for part in ("positions", "orientations"):
+        reference = getattr(best, part)
+        off = []
+        for one in found[1:]:
+            measure = getattr(one, part)
+            assert abs(measure.value - reference.value) < measure.error + reference.error
+            off.append(measure.error)
+        assert off == sorted(off) and reference.error < off[0] < 0.03 * reference.value
 
 
 def test_a_claim_can_fail() -> None:
