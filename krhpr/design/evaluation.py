@@ -43,9 +43,9 @@ REFUSED = 10.0
 class Grid:
     """The nodes at which every design is looked at: the same for all of them."""
 
-    across: float = 0.72
+    across: float = 0.76
     """Largest |x| and |y| (m)."""
-    heights: tuple[float, float] = (0.0, 0.92)
+    heights: tuple[float, float] = (0.0, 0.84)
     """Least and largest z (m)."""
     step: float = 0.04
     """Of x, y and z (m)."""
