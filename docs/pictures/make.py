@@ -14,6 +14,7 @@ from itertools import permutations, product
 from pathlib import Path
 from typing import Any
 
+import designs
 import matplotlib
 import numpy as np
 import workspaces
@@ -392,6 +393,7 @@ PICTURES: dict[str, Callable[[], Figure]] = {
     "grasping": grasping,
     "grasping_study": grasping_study,
     **workspaces.PICTURES,
+    **designs.PICTURES,
 }
 
 

@@ -38,7 +38,7 @@ def families(found: Enlargement) -> Any:
     spherical joints."""
     from matplotlib import pyplot
 
-    figure = pyplot.figure(figsize=(9.6, 7.0), layout="constrained")
+    figure = pyplot.figure(figsize=(8.8, 6.4), layout="constrained")
     for column, case in enumerate(CASES):
         layer = figure.add_subplot(2, 3, column + 1)
         tilt: Any = figure.add_subplot(2, 3, column + 4, projection="polar")
@@ -93,6 +93,8 @@ def slices(found: Enlargement) -> Any:
             if part == "tilt":
                 del shown[REACH]  # it goes all the way round
             _slice(ax, case, shown, unit)
+            if column == len(CASES) - 1:
+                ax.twin.set_ylabel("indices with all limits")
             if column == 0:
                 ax.set_ylabel(("way along x (mm)", "tilt about y' (deg)")[row])
             if row == 1:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from functools import cache
 from pathlib import Path
 
@@ -10,9 +11,10 @@ import pytest
 
 import krhpr
 from krhpr import workspace
-from krhpr.design import Effort, Evaluation, Grid, Objective, Variable
+from krhpr.design import DesignSpace, Effort, Evaluation, Grid, Objective, Problem, Variable
 from krhpr.errors import DesignError
 from krhpr.study.design import (
+    OBJECTIVES,
     DesignStudy,
     between,
     default_variables,
@@ -22,6 +24,7 @@ from krhpr.study.design import (
 )
 from krhpr.study.design_pictures import front_figure
 from krhpr.study.files import save_figures
+from tests.support import ROOT
 
 QUICK = Effort(samples=12, parts=1, generations=1, population=4)
 COARSE = Grid(step=0.08, angle=np.pi / 5, balls=300)
@@ -103,3 +106,26 @@ def test_the_picture(tmp_path: Path) -> None:
     marked = {"own": found.own.design, "between": found.chosen[-1].design}
     (path,) = save_figures(front_figure(found.found.designs, found.problem.objectives, marked), tmp_path)
     assert path.stem == "design_front" and path.stat().st_size > 15_000
+
+
+def test_what_the_documentation_shows_is_what_the_study_finds() -> None:
+    """The robots in examples/designs, judged again on the grids of the study."""
+    found = json.loads((ROOT / "docs/pictures/designs.json").read_text("utf-8"))
+    robot = krhpr.load("spatial_rrr_a")
+    space = DesignSpace(robot, default_variables(robot))
+    problem = Problem(space, OBJECTIVES, workspace.section_1_7(robot))
+    now = json.loads(json.dumps(problem.settings()))
+    assert {**found["settings"], "version": now["version"]} == now
+    paths = sorted((ROOT / "examples" / "designs").glob("*.yaml"))
+    assert {path.stem for path in paths} == set(found["best"]) - {"the robot itself"}
+    for path in paths:
+        one = krhpr.load(path)
+        fields = {**one.geometry.fields, "redundant": one.home.redundant, "height": one.home.p[2:]}
+        judged = problem.evaluate([float(fields[name][0]) for name in space.names])
+        own = [judged.results[name] for name in OBJECTIVES]
+        assert own == pytest.approx(found["best"][path.stem], rel=1e-3)
+        assert not judged.cut
+    rows = np.array(found["designs"])
+    best = rows.max(axis=0)
+    for k, name in ((0, "best_volume"), (2, "best_box")):
+        assert found["best"][name][k] == best[k]
