@@ -31,8 +31,7 @@ def run(options: argparse.Namespace) -> int:
     robot = krhpr.load(options.robot or ROBOT)
     variables = () if options.vary is None else variables_from(options.vary)
     objectives = OBJECTIVES if options.objectives is None else objectives_from(options.objectives)
-    grid = Grid()
-    grid = replace(grid, step=grid.step * options.coarser, angle=min(grid.angle * options.coarser, np.pi / 2))
+    grid = Grid().coarser(options.coarser)
     section = None
     with progress(None) as step:
         if options.robot in (None, ROBOT):

@@ -63,6 +63,12 @@ class Grid:
                 "pi / 2 at most"
             )
 
+    def coarser(self, times: int) -> Grid:
+        """With wider steps over the same range, and fewer balls."""
+        step = min(self.step * times, self.across, self.heights[1] - self.heights[0])
+        angle = min(self.angle * times, np.pi / 2)
+        return Grid(self.across, self.heights, step, angle, max(1, self.balls // times**3))
+
     def finer(self, times: int) -> Grid:
         """With smaller steps over the same range, and more balls."""
         return Grid(self.across, self.heights, self.step / times, self.angle / times, self.balls * times**3)

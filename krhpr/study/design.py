@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -33,9 +33,7 @@ Step = Callable[[str, int, int], None]
 OBJECTIVES = (Objective.VOLUME, Objective.ETA_2, Objective.BOX)
 EFFORT = Effort(samples=64, parts=4, generations=8, population=8)
 FINER = 2
-"""How many times finer the grids are on which the best designs are looked at again."""
-BALLS = 200_000
-"""With so many the cubes of the best are proven."""
+"""How many times finer the grids are on which the best designs are looked at again, with more balls."""
 REACH = 0.75
 """Of the legs of the 3-RRRSR robot, l_2 + l_3 (m), which is kept."""
 
@@ -127,7 +125,6 @@ def design_study(
     objectives: Sequence[Objective] = OBJECTIVES,
     effort: Effort = EFFORT,
     grid: Grid | None = None,
-    balls: int = BALLS,
     workers: int = 1,
     log: Path | None = None,
     progress: Step | None = None,
@@ -140,7 +137,6 @@ def design_study(
         objectives: of `Objective`.
         effort: how long is searched.
         grid: at which nodes designs are looked at.
-        balls: with how many the cubes of the best are proven.
         workers: processes that judge designs.
         log: as for `krhpr.design.search`.
         progress: called as designs are judged.
@@ -159,8 +155,8 @@ def design_study(
     for number, (name, one) in enumerate(names.items()):
         if progress is not None:
             progress("the best on finer grids", number, len(names))
-        chosen.append(_again(problem, name, one, balls))
-    own = _again(problem, "own", found.own, balls)
+        chosen.append(_again(problem, name, one))
+    own = _again(problem, "own", found.own)
     return DesignStudy(problem, found, own, tuple(chosen))
 
 
@@ -173,10 +169,10 @@ def between(front: Sequence[Evaluation], objectives: Sequence[Objective]) -> Eva
     return front[int(np.argmin(away.max(axis=1)))]
 
 
-def _again(problem: Problem, name: str, design: Evaluation, balls: int) -> Chosen:
+def _again(problem: Problem, name: str, design: Evaluation) -> Chosen:
     """A design on finer grids, the cube proven with more balls."""
     if not design.works:
         return Chosen(name, design, design)
-    grid = replace(problem.grid.finer(FINER), balls=balls)
-    finer = problem.grid_of(problem.space.robot_of(design.values), design.values, grid)
+    robot = problem.space.robot_of(design.values)
+    finer = problem.grid_of(robot, design.values, problem.grid.finer(FINER))
     return Chosen(name, design, finer)

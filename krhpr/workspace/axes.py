@@ -81,8 +81,8 @@ class Layers(Family):
     names = ("h", "theta_c", "d_p")
     units = ("m", "rad", "m")
     docs = ("height of the platform", "direction of the ray", "distance from the z-axis")
-    # S_i moves with the platform.  Joints and links move faster where a leg is nearly stretched: with links of
-    # 0.3 m an elbow that is 10 degrees away from it turns by 38 rad/m.
+    # S_i moves with the platform.  Joints and links move faster where a leg is nearly stretched: with links
+    # of 0.3 m an elbow that is 10 degrees away from it turns by 38 rad/m.
     slopes = MappingProxyType(
         {
             Stop.AXIS: 1.0,
