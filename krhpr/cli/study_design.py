@@ -35,7 +35,8 @@ def run(options: argparse.Namespace) -> int:
     section = None
     with progress(None) as step:
         if options.robot in (None, ROBOT):
-            section = enlargement(rays=max(24, RAYS // options.coarser), progress=_parts(step))
+            rays = max(60, RAYS // options.coarser)
+            section = enlargement(rays=rays, coarser=min(options.coarser, 3), progress=_parts(step))
         found = design_study(
             robot,
             variables=variables,
@@ -84,7 +85,7 @@ def _print_section(found: Enlargement) -> None:
     for case in CASES:
         for reading in (ALL, FREE, REACH):
             one = found.found[case.name, reading]
-            ends = (case.values[0], case.values[-1])
+            ends = one.along_x.values[[0, -1]]
             layers = one.areas()[0]
             rows.append(
                 (

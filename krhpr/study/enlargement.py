@@ -59,10 +59,9 @@ class Case:
     shown: tuple[float, ...]
     """Four magnitudes for Fig. 4.1, in the units of the pictures."""
 
-    @property
-    def values(self) -> Floats:
+    def values(self, coarser: int = 1) -> Floats:
         """Of the variable (rad or m)."""
-        return steps(self.variable.low, self.variable.high, self.step)
+        return steps(self.variable.low, self.variable.high, coarser * self.step)
 
     def robot(self, base: Robot, value: float) -> Robot:
         """One of them."""
@@ -197,12 +196,15 @@ class Enlargement:
         )
 
 
-def enlargement(robot: Robot | None = None, *, rays: int = 360, progress: Step | None = None) -> Enlargement:
+def enlargement(
+    robot: Robot | None = None, *, rays: int = 360, coarser: int = 1, progress: Step | None = None
+) -> Enlargement:
     """Everything of Section 4.2.1 and Fig. 4.2, in steps of 1 mm and 1 degree.
 
     Args:
         robot: the 3-RRRSR robot unless given.
         rays: directions of the boundaries of Fig. 4.1.
+        coarser: how many times wider the steps of Fig. 4.2 are than 5 degrees and 5 mm.
         progress: called after each case and reading.
     """
     base = krhpr.load(ROBOT) if robot is None else robot
@@ -210,14 +212,15 @@ def enlargement(robot: Robot | None = None, *, rays: int = 360, progress: Step |
     found: dict[tuple[str, str], Found] = {}
     for case in CASES:
         for reading, limits in readings.items():
-            found[case.name, reading] = _found(base, case, limits, rays)
+            found[case.name, reading] = _found(base, case, limits, rays, coarser)
             if progress is not None:
                 progress(f"Section 4.2, {case.name}", len(found), len(CASES) * len(readings))
     return Enlargement(base, found)
 
 
-def _found(base: Robot, case: Case, limits: WorkspaceLimits, rays: int) -> Found:
-    robots = [case.robot(base, value) for value in case.values]
+def _found(base: Robot, case: Case, limits: WorkspaceLimits, rays: int, coarser: int) -> Found:
+    values = case.values(coarser)
+    robots = [case.robot(base, value) for value in values]
     shown = [case.robot(base, value * case.unit) for value in case.shown]
     ways, tilts = Layers(), TiltTorsion((0.0, 0.0, HEIGHT))
     far, steep = steps(0.0, FARTHEST, MILLIMETRE), steps(0.0, np.pi, DEGREE)
@@ -227,8 +230,8 @@ def _found(base: Robot, case: Case, limits: WorkspaceLimits, rays: int) -> Found
             yield _map(robot, limits, family, [first], directions(rays), along)
 
     return Found(
-        _slice(robots, case.values, limits, ways, HEIGHT, 0.0, far),
-        _slice(robots, case.values, limits, tilts, 0.0, np.pi / 2, steep),
+        _slice(robots, values, limits, ways, HEIGHT, 0.0, far),
+        _slice(robots, values, limits, tilts, 0.0, np.pi / 2, steep),
         tuple(maps(ways, far, HEIGHT)),
         tuple(maps(tilts, steep, 0.0)),
     )

@@ -82,7 +82,7 @@ def test_designs(cli: Cli, tmp_path: Path) -> None:
     done = cli("study", "design", *quick, *store, "--out", str(tmp_path))
     assert done.code == 0, done.err
     assert done.out.count("holds: ") == 8 and "DOES NOT HOLD" not in done.out
-    assert "angles, 55 to 175  reach alone" in done.out and "546 to 625" in done.out
+    assert "angles, 55 to 175    reach alone            546 to 625" in done.out
     assert "best volume" in done.out and "samples: " in done.err
     numbers = json.loads((tmp_path / "design.json").read_text("utf-8"))
     assert len(numbers["section_4_2"]) == 9 and len(numbers["front"]) == 1

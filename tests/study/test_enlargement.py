@@ -44,7 +44,7 @@ def test_slices_are_rays_of_the_maps() -> None:
         found, limits = study().found[case.name, FREE], readings_of(robot)[FREE]
         value = case.shown[2] * case.unit
         one = case.robot(robot, value)
-        if not np.isclose(case.values, value).any():
+        if not np.isclose(case.values(), value).any():
             continue
         redundant = one.home.redundant
         layer = workspace.translational(
