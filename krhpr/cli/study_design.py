@@ -12,7 +12,15 @@ import krhpr
 from krhpr.cli.common import Column, Step, WrongUse, print_table, progress
 from krhpr.cli.studying import tell, write
 from krhpr.design import Evaluation, Grid, Objective
-from krhpr.study.design import EFFORT, OBJECTIVES, DesignStudy, design_study, objectives_from, variables_from
+from krhpr.study.design import (
+    EFFORT,
+    OBJECTIVES,
+    DesignStudy,
+    design_study,
+    objectives_from,
+    problem_of,
+    variables_from,
+)
 from krhpr.study.design_pictures import enlargement_figures, front_figure
 from krhpr.study.enlargement import ALL, CASES, FREE, REACH, ROBOT, Enlargement, Slice, enlargement
 
@@ -31,18 +39,15 @@ def run(options: argparse.Namespace) -> int:
     robot = krhpr.load(options.robot or ROBOT)
     variables = () if options.vary is None else variables_from(options.vary)
     objectives = OBJECTIVES if options.objectives is None else objectives_from(options.objectives)
-    grid = Grid().coarser(options.coarser)
+    problem = problem_of(robot, variables, objectives, Grid().coarser(options.coarser))
     section = None
     with progress(None) as step:
         if options.robot in (None, ROBOT):
             rays = max(60, RAYS // options.coarser)
             section = enlargement(rays=rays, coarser=min(options.coarser, 3), progress=_parts(step))
         found = design_study(
-            robot,
-            variables=variables,
-            objectives=objectives,
-            effort=replace(EFFORT, generations=options.generations, seed=options.seed),
-            grid=grid,
+            problem,
+            replace(EFFORT, generations=options.generations, seed=options.seed),
             workers=options.workers,
             log=None if options.store is None else options.store / f"{robot.name}.jsonl",
             progress=_parts(step),

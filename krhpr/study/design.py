@@ -118,35 +118,48 @@ def objectives_from(text: str) -> tuple[Objective, ...]:
     return tuple(found)
 
 
-def design_study(
+def problem_of(
     robot: Robot,
-    *,
     variables: Sequence[Variable] = (),
     objectives: Sequence[Objective] = OBJECTIVES,
-    effort: Effort = EFFORT,
     grid: Grid | None = None,
-    workers: int = 1,
-    log: Path | None = None,
-    progress: Step | None = None,
-) -> DesignStudy:
-    """Search the designs of a robot within the limits of its file, or of Section 1.7.
+) -> Problem:
+    """A robot within the limits of its file, or of Section 1.7 where it has none.
 
     Args:
         robot: in space, with an inverse in closed form.
         variables: those of `default_variables` unless given.
         objectives: of `Objective`.
-        effort: how long is searched.
         grid: at which nodes designs are looked at.
+
+    Raises:
+        DesignError: what is varied cannot be used.
+    """
+    limits = workspace.WorkspaceLimits(lowest=0.0) if robot.limits else workspace.section_1_7(robot)
+    space = DesignSpace(robot, tuple(variables) or default_variables(robot))
+    return Problem(space, tuple(objectives), limits, grid or Grid())
+
+
+def design_study(
+    problem: Problem,
+    effort: Effort = EFFORT,
+    *,
+    workers: int = 1,
+    log: Path | None = None,
+    progress: Step | None = None,
+) -> DesignStudy:
+    """Search the designs, and look at the best again.
+
+    Args:
+        problem: of `problem_of`.
+        effort: how long is searched.
         workers: processes that judge designs.
         log: as for `krhpr.design.search`.
         progress: called as designs are judged.
 
     Raises:
-        DesignError: what is varied cannot be used, or no design works.
+        DesignError: no design works.
     """
-    limits = workspace.WorkspaceLimits(lowest=0.0) if robot.limits else workspace.section_1_7(robot)
-    space = DesignSpace(robot, tuple(variables) or default_variables(robot))
-    problem = Problem(space, tuple(objectives), limits, grid or Grid())
     found = search(problem, effort, workers=workers, log=log, progress=progress).demand()
     names = {f"best_{one}": best(found.front, one) for one in problem.objectives}
     if len(problem.objectives) > 1:
@@ -156,8 +169,7 @@ def design_study(
         if progress is not None:
             progress("the best on finer grids", number, len(names))
         chosen.append(_again(problem, name, one))
-    own = _again(problem, "own", found.own)
-    return DesignStudy(problem, found, own, tuple(chosen))
+    return DesignStudy(problem, found, _again(problem, "own", found.own), tuple(chosen))
 
 
 def between(front: Sequence[Evaluation], objectives: Sequence[Objective]) -> Evaluation:

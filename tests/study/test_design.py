@@ -11,7 +11,7 @@ import pytest
 
 import krhpr
 from krhpr import workspace
-from krhpr.design import DesignSpace, Effort, Evaluation, Grid, Objective, Problem, Variable
+from krhpr.design import Effort, Evaluation, Grid, Objective, Variable
 from krhpr.errors import DesignError
 from krhpr.study.design import (
     OBJECTIVES,
@@ -20,6 +20,7 @@ from krhpr.study.design import (
     default_variables,
     design_study,
     objectives_from,
+    problem_of,
     variables_from,
 )
 from krhpr.study.design_pictures import front_figure
@@ -33,7 +34,7 @@ COARSE = Grid(step=0.08, angle=np.pi / 5, balls=300)
 @cache
 def study(name: str = "spatial_rrr_a") -> DesignStudy:
     pair = (Objective.VOLUME, Objective.ETA_2)
-    return design_study(krhpr.load(name), objectives=pair, effort=QUICK, grid=COARSE)
+    return design_study(problem_of(krhpr.load(name), (), pair, COARSE), QUICK)
 
 
 def test_the_best_are_written_as_robots_that_are_as_good(tmp_path: Path) -> None:
@@ -112,8 +113,8 @@ def test_what_the_documentation_shows_is_what_the_study_finds() -> None:
     """The robots in examples/designs, judged again on the grids of the study."""
     found = json.loads((ROOT / "docs/pictures/designs.json").read_text("utf-8"))
     robot = krhpr.load("spatial_rrr_a")
-    space = DesignSpace(robot, default_variables(robot))
-    problem = Problem(space, OBJECTIVES, workspace.section_1_7(robot))
+    problem = problem_of(robot)
+    space = problem.space
     now = json.loads(json.dumps(problem.settings()))
     assert {**found["settings"], "version": now["version"]} == now
     paths = sorted((ROOT / "examples" / "designs").glob("*.yaml"))
