@@ -171,7 +171,7 @@ def _refuse(robot: GraspingRobot | Robot, pose: Sequence[Any], theta: ArrayLike 
     if isinstance(robot, GraspingRobot):
         robot.inverse_statics_n(pose[0], s, joints, np.ones(4), check=True)
     else:
-        robot.inverse_statics(*pose[:2], s, joints, np.ones(3 if robot.planar else 6), check=True)
+        robot.inverse_statics(pose[0], pose[1], s, joints, np.ones(3 if robot.planar else 6), check=True)
 
 
 def _capability(grip: Grip, bounds: Bounds, load: Floats, wrench: Floats | None) -> GraspCapability:

@@ -37,7 +37,7 @@ class Grip:
     @property
     def contacts(self) -> int:
         """How many jaws there are."""
-        return self.balance.shape[-1] // self.dimension
+        return int(self.balance.shape[-1]) // self.dimension
 
     def at(self, index: tuple[int, ...]) -> Grip:
         """The grip of one pose."""
@@ -67,12 +67,14 @@ def grip_of(
             raise InvalidInput(
                 f"{robot.name} needs faces: the directions of the jaws' normals, as grasp takes them"
             )
-        return _of_jaws(robot, *_of_pose(pose, 2), at, finite("faces", faces, (2,)), centre, joints)
+        pivot, angles = _of_pose(pose, 2)
+        return _of_jaws(robot, pivot, angles, at, finite("faces", faces, (2,)), centre, joints)
     if faces is not None:
         raise InvalidInput(
             f"faces are those of the grasping robots; jaws of {robot.name} are normal to their slides"
         )
-    return _of_slides(robot, *_of_pose(pose, 3), at, centre, joints)
+    p, turned, redundant = _of_pose(pose, 3)
+    return _of_slides(robot, p, turned, redundant, at, centre, joints)
 
 
 def finite(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Floats:

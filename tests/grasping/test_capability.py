@@ -486,9 +486,7 @@ def test_joints_in_another_working_mode() -> None:
     modes = case.robot.inverse_all(*case.pose)
     chosen = modes[:, case.robot.modes.index(case.robot.default_mode)]
     assert case.found(theta=chosen).grasp_force == one.grasp_force
-    other = modes[
-        :, [mode for mode in range(len(case.robot.modes)) if not np.allclose(modes[:, mode], chosen)][0]
-    ]
+    other = next(modes[:, n] for n in range(len(case.robot.modes)) if not np.allclose(modes[:, n], chosen))
     found = case.found(theta=other)
     s = case.robot.end_points(*case.pose)
     for extreme in (found.least, found.most):
