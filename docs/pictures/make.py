@@ -43,6 +43,8 @@ from krhpr.study.dexterity import dexterity
 from krhpr.study.figures import dexterity_figures, redundancy_figures
 from krhpr.study.forward_accuracy import forward_accuracy
 from krhpr.study.grasp import contacts, grasp_study
+from krhpr.study.grasp_capability import capability_study
+from krhpr.study.grasp_capability_picture import picture as capability_picture
 from krhpr.study.grasp_picture import picture as grasp_picture
 from krhpr.study.histograms import accuracy_figures
 from krhpr.study.redundancy import redundancy
@@ -378,6 +380,12 @@ def grasping_study() -> Figure:
     return figure
 
 
+def grasping_capability() -> Figure:
+    """What the prototype can grasp with, and the moments that it resists."""
+    figure: Figure = capability_picture(capability_study())
+    return figure
+
+
 PICTURES: dict[str, Callable[[], Figure]] = {
     "flagship": flagship,
     "planar": planar,
@@ -391,6 +399,7 @@ PICTURES: dict[str, Callable[[], Figure]] = {
     "singularity_locus": singularity_locus,
     "grasping": grasping,
     "grasping_study": grasping_study,
+    "grasping_capability": grasping_capability,
     **workspaces.PICTURES,
 }
 

@@ -70,12 +70,12 @@ class GraspCapability:
     """By how many newtons of force at the contacts every one of them would have to be wider, at least; zero
     where the loads can be held, infinite where no forces balance them."""
     scale: tuple[float, float] | None
-    """The factors of the external wrench between which it is resisted; NaN where none is, None where no
-    wrench was given."""
+    """The factors of the disturbance between which it is resisted beside the loads; NaN where none is, None
+    where none was given."""
     strongest: Extreme | None
     """At the largest factor."""
 
     @property
     def held(self) -> bool:
-        """Whether the object can be held with all its loads, the external wrench among them."""
+        """Whether the object can be held with its weight and the external wrench."""
         return self.least is not None

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from krhpr.capability.answer import Extreme, GraspCapability, Limit
+from krhpr.capability.answer import Extreme, GraspCapability
 from krhpr.capability.grip import Grip, finite, grip_of
 from krhpr.capability.programme import Bounds, Programme
 from krhpr.errors import InvalidInput, NoGrasp
@@ -34,6 +34,7 @@ def grasp_capability(
     weight: ArrayLike | None = None,
     mass_centre: ArrayLike | None = None,
     wrench: ArrayLike | None = None,
+    disturbance: ArrayLike | None = None,
     theta: ArrayLike | None = None,
     facets: int = FACETS,
 ) -> GraspCapability:
@@ -47,18 +48,19 @@ def grasp_capability(
     force and moment about the mass centre, base frame; a force of zero leaves a pure moment.  `theta` are the
     joints at the pose, those of the default working mode unless given.
 
-    The grasping forces are those with the weight and the wrench.  `scale` are the factors of the wrench,
-    beside the weight as it is, that can be resisted with forces of the jaws' own choice: 1 is among them
-    where it is resisted, and the larger one is the margin.
+    The grasping forces are those with the weight and the wrench.  `disturbance` is a wrench that may come on
+    top of them, and `scale` its factors that can be resisted with forces of the jaws' own choice: 1 is among
+    them where it is resisted, and the larger one is the margin.
 
     Friction is that of points.  In space cones are pyramids of `facets` inside them.
 
     Raises:
         Unreachable, Singular: a pose out of reach, or in which actuators do not bear all loads.
         NoGrasp: jaws that overlap.
-        InvalidInput: shapes, NaN, negative limits or friction, or a wrench of zero.
+        InvalidInput: shapes, NaN, negative limits or friction, or a disturbance of zero.
     """
-    bounds, load, more = _given(robot, actuator_limits, friction, facets, weight, wrench)
+    bounds = _bounds(robot, actuator_limits, friction, facets)
+    load, more = _loads(robot, weight, wrench, disturbance)
     grip = grip_of(robot, pose, contacts, faces, mass_centre, theta)
     if grip.status.shape:
         raise InvalidInput(f"one pose at a time; these are {grip.status.shape}: use grasp_capability_map")
@@ -75,7 +77,7 @@ class GraspCapabilityMap:
     """The least grasping force; NaN where a pose is out of reach or singular, or does not hold the loads."""
     most: Floats
     scale: Floats
-    """The largest factor of the wrench that is resisted; NaN without a wrench."""
+    """(..., 2): the least and the largest factor of the disturbance that are resisted; NaN without one."""
     status: NDArray[np.int64]
     """Of the poses: 0 where actuators bear all loads."""
     stopped_by: NDArray[np.object_]
@@ -96,6 +98,7 @@ def grasp_capability_map(
     weight: ArrayLike | None = None,
     mass_centre: ArrayLike | None = None,
     wrench: ArrayLike | None = None,
+    disturbance: ArrayLike | None = None,
     theta: ArrayLike | None = None,
     facets: int = FACETS,
 ) -> GraspCapabilityMap:
@@ -104,10 +107,11 @@ def grasp_capability_map(
 
     Poses out of reach and singular ones have their status.  About five milliseconds a pose.
     """
-    bounds, load, more = _given(robot, actuator_limits, friction, facets, weight, wrench)
+    bounds = _bounds(robot, actuator_limits, friction, facets)
+    load, more = _loads(robot, weight, wrench, disturbance)
     grip = grip_of(robot, poses, contacts, faces, mass_centre, theta)
     shape = grip.status.shape
-    least, most, scale = (np.full(shape, np.nan) for _ in range(3))
+    least, most, scale = np.full(shape, np.nan), np.full(shape, np.nan), np.full((*shape, 2), np.nan)
     stopped, scale_stopped = (np.full(shape, None, dtype=object) for _ in range(2))
     for index in np.ndindex(shape):
         stopped[index] = scale_stopped[index] = ()
@@ -117,22 +121,16 @@ def grasp_capability_map(
         least[index], most[index] = one.grasp_force
         stopped[index] = one.conflict if one.most is None else one.most.stopped_by
         if one.scale is not None:
-            scale[index] = one.scale[1]
+            scale[index] = one.scale
         if one.strongest is not None:
             scale_stopped[index] = one.strongest.stopped_by
     return GraspCapabilityMap(least, most, scale, grip.status, stopped, scale_stopped)
 
 
-def _given(
-    robot: GraspingRobot | Robot,
-    actuator_limits: ArrayLike,
-    friction: ArrayLike,
-    facets: int,
-    weight: ArrayLike | None,
-    wrench: ArrayLike | None,
-) -> tuple[Bounds, Floats, Floats | None]:
-    """Limits and loads, checked."""
-    d = 2 if robot.planar else 3
+def _bounds(
+    robot: GraspingRobot | Robot, actuator_limits: ArrayLike, friction: ArrayLike, facets: int
+) -> Bounds:
+    """Limits, checked."""
     jaws = 2 if isinstance(robot, GraspingRobot) else 3
     strength = _not_negative("actuator_limits", actuator_limits, (robot.legs, len(robot.angular)))
     rough = _not_negative("friction", friction, (jaws,))
@@ -140,13 +138,28 @@ def _given(
         raise InvalidInput("friction is infinite; expected coefficients")
     if facets < 3:
         raise InvalidInput(f"facets are {facets}; a pyramid has three or more")
+    return Bounds(strength, rough, facets)
+
+
+def _loads(
+    robot: GraspingRobot | Robot,
+    weight: ArrayLike | None,
+    wrench: ArrayLike | None,
+    disturbance: ArrayLike | None,
+) -> tuple[Floats, Floats | None]:
+    """Weight and wrench together, and the disturbance."""
+    d = 2 if robot.planar else 3
     load = np.zeros(3 if d == 2 else 6)
     if weight is not None:
-        load[:d] = finite("weight", weight, (d,))
-    more = None if wrench is None else finite("wrench", wrench, load.shape)
-    if more is not None and not more.any():
-        raise InvalidInput("the wrench is zero; leave it out where nothing acts beside the weight")
-    return Bounds(strength, rough, facets), load, more
+        load[:d] += finite("weight", weight, (d,))
+    if wrench is not None:
+        load += finite("wrench", wrench, load.shape)
+    if disturbance is None:
+        return load, None
+    more = finite("disturbance", disturbance, load.shape)
+    if not more.any():
+        raise InvalidInput("the disturbance is zero; leave it out where there is none")
+    return load, more
 
 
 def _not_negative(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Floats:
@@ -174,19 +187,18 @@ def _refuse(robot: GraspingRobot | Robot, pose: Sequence[Any], theta: ArrayLike 
         robot.inverse_statics(pose[0], pose[1], s, joints, np.ones(3 if robot.planar else 6), check=True)
 
 
-def _capability(grip: Grip, bounds: Bounds, load: Floats, wrench: Floats | None) -> GraspCapability:
+def _capability(grip: Grip, bounds: Bounds, load: Floats, disturbance: Floats | None) -> GraspCapability:
     programme = Programme(grip, bounds, load)
     strongest: Extreme | None = None
     scale: tuple[float, float] | None = None
-    if wrench is not None:
-        weakest, strongest = programme.scale(wrench, -1.0), programme.scale(wrench, 1.0)
+    if disturbance is not None:
+        weakest, strongest = programme.scale(disturbance, -1.0), programme.scale(disturbance, 1.0)
         scale = (float("nan"), float("nan"))
         if weakest is not None and strongest is not None:
             scale = (weakest.value, strongest.value)
-    most = programme.most_grasp(wrench)
-    least = None if most is None else programme.least_grasp(wrench)
+    most = programme.most_grasp()
+    least = None if most is None else programme.least_grasp()
     if most is None or least is None:
-        shortage, conflict = programme.feasible(wrench)
+        shortage, conflict = programme.shortage()
         return GraspCapability((float("nan"),) * 2, None, None, conflict, shortage, scale, strongest)
-    nothing: tuple[Limit, ...] = ()
-    return GraspCapability((least.value, most.value), least, most, nothing, 0.0, scale, strongest)
+    return GraspCapability((least.value, most.value), least, most, (), 0.0, scale, strongest)

@@ -69,14 +69,13 @@ class Programme:
         """The places of the normal forces."""
         return range(0, self.size, self.grip.dimension)
 
-    def feasible(self, wrench: Floats | None = None) -> tuple[float, tuple[Limit, ...]]:
-        """By how much every limit would have to be wider for the loads (and the wrench) to be held, and
-        limits that contradict one another; zero and none where they are held, infinite where no forces
-        balance them.
+    def shortage(self) -> tuple[float, tuple[Limit, ...]]:
+        """By how much every limit would have to be wider for the loads to be held, and limits that contradict
+        one another; zero and none where they are held, infinite where no forces balance them.
         """
         widened = np.full(len(self.rows), -1.0)
         objective = np.append(np.zeros(self.size), 1.0)
-        found = self._solve(objective, widened, least=0.0, constant=wrench)
+        found = self._solve(objective, widened, least=0.0)
         if found.status != OPTIMAL:
             return float("inf"), ()
         short = self.unit * float(found.x[-1])
@@ -84,13 +83,13 @@ class Programme:
             return 0.0, ()
         return short, self._active(found)
 
-    def least_grasp(self, wrench: Floats | None) -> Extreme | None:
+    def least_grasp(self) -> Extreme | None:
         """Where the smallest normal force is least; None where nothing holds the loads."""
         best = None
         for place in self.normals:
             objective = np.zeros(self.size + 1)
             objective[place] = 1.0
-            found = self._solve(objective, np.zeros(len(self.rows)), least=0.0, most=0.0, constant=wrench)
+            found = self._solve(objective, np.zeros(len(self.rows)), least=0.0, most=0.0)
             if found.status == INFEASIBLE:
                 return None
             if best is None or found.fun < best.fun:
@@ -98,26 +97,26 @@ class Programme:
         assert best is not None
         return self._extreme(best, self.unit * float(best.fun))
 
-    def most_grasp(self, wrench: Floats | None) -> Extreme | None:
+    def most_grasp(self) -> Extreme | None:
         """Where the smallest normal force is largest."""
         objective = np.append(np.zeros(self.size), -1.0)
         below = np.zeros((self.grip.contacts, self.size + 1))
         below[range(len(below)), self.normals] = -1.0
         below[:, -1] = 1.0
-        found = self._solve(objective, np.zeros(len(self.rows)), more=below, constant=wrench)
+        found = self._solve(objective, np.zeros(len(self.rows)), more=below)
         if found.status == INFEASIBLE:
             return None
         if found.status == UNBOUNDED:
             return self._without_end()
         return self._extreme(found, -self.unit * float(found.fun))
 
-    def scale(self, wrench: Floats, sign: float) -> Extreme | None:
-        """The largest (sign 1) or least (sign -1) factor of the wrench that is resisted; None where none
+    def scale(self, disturbance: Floats, sign: float) -> Extreme | None:
+        """The largest (sign 1) or least (sign -1) factor of the disturbance that is resisted; None where none
         is."""
-        force, moment = wrench[: self.grip.dimension], wrench[self.grip.dimension :]
+        force, moment = disturbance[: self.grip.dimension], disturbance[self.grip.dimension :]
         size = max(np.linalg.norm(force), np.linalg.norm(moment) / self.length)
         objective = np.append(np.zeros(self.size), -sign)
-        found = self._solve(objective, np.zeros(len(self.rows)), scaled=wrench * (self.unit / size))
+        found = self._solve(objective, np.zeros(len(self.rows)), scaled=disturbance * (self.unit / size))
         if found.status == INFEASIBLE:
             return None
         if found.status == UNBOUNDED:
@@ -132,13 +131,12 @@ class Programme:
         column: Floats,
         *,
         scaled: Floats | None = None,
-        constant: Floats | None = None,
         more: Floats | None = None,
         least: float | None = None,
         most: float | None = None,
     ) -> Any:
         """Minimise over the contact forces and one more variable, which stands in the limits with `column`
-        and in the balance with the wrench `scaled`.
+        and in the balance with the disturbance `scaled`.
         """
         from scipy.optimize import linprog
 
@@ -146,7 +144,7 @@ class Programme:
         per_row = np.append(np.ones(d), np.full(len(self.load) - d, 1.0 / self.length))
         balance = self.grip.balance * per_row[:, None]
         extra = np.zeros(len(self.load)) if scaled is None else scaled * per_row / self.unit
-        load = (self.load + (0.0 if constant is None else constant)) * per_row / self.unit
+        load = self.load * per_row / self.unit
         above, right = np.column_stack([self.rows, column]), self.right
         if more is not None:
             above, right = np.vstack([above, more]), np.append(right, np.zeros(len(more)))

@@ -42,6 +42,13 @@ class Study:
     options: tuple[Option, ...] = ()
 
 
+GRASP_FILE = Option(
+    "--file", "FILE", "robot, object and trajectories (YAML); of grasp-capability too", type=Path
+)
+COARSER = Option(
+    "--coarser", "N", "steps of workspace and grasp-capability N times as wide (default: 1)", 1, int
+)
+
 STUDIES = (
     Study(
         "forward-accuracy",
@@ -84,7 +91,18 @@ STUDIES = (
         "study_grasp",
         "Section 5.5: actuator forces and motor torques with which the prototype holds an object along "
         "(5.73) to (5.75), or what a --file says instead (examples/grasping_prototype.yaml)",
-        (Option("--file", "FILE", "robot, object and trajectories (YAML)", type=Path),),
+        (GRASP_FILE,),
+    ),
+    Study(
+        "grasp-capability",
+        "study_grasp_capability",
+        "what the prototype, or the robot of a --file, can grasp with over heights of its pivot and turns of "
+        "its jaws, and which moments on the object it resists, within friction and what motors give",
+        (
+            GRASP_FILE,
+            COARSER,
+            Option("--torque", "N_M", "largest of a motor's shaft, N m (default: 0.01)", 0.01, float),
+        ),
     ),
     Study(
         "workspace",
@@ -98,7 +116,7 @@ STUDIES = (
                 "identifier or robot file (default: spatial_r_fivebar_a)",
                 "spatial_r_fivebar_a",
             ),
-            Option("--coarser", "N", "steps of N mm and N degrees (default: 1)", 1, int),
+            COARSER,
             Option("--cluster", "ADDRESS", "a Dask scheduler, or a number of processes (default: this one)"),
             Option("--store", "DIR", "keep the maps there; an interrupted study goes on", type=Path),
         ),
@@ -138,11 +156,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out", metavar="DIR", type=Path, default=FOLDER, help=f"folder of the results (default: {FOLDER})"
     )
+    shown: set[str] = set()
     for study in STUDIES:
-        if not study.options:
+        own = [option for option in study.options if option.flag not in shown]
+        if not own:
             continue
+        shown |= {option.flag for option in own}
         group = parser.add_argument_group(f"of {study.name}")
-        for option in study.options:
+        for option in own:
             group.add_argument(
                 option.flag,
                 metavar=option.metavar,
@@ -156,8 +177,12 @@ def run(options: argparse.Namespace) -> int:
     """Run the study, print what came of it and write the pictures."""
     (chosen,) = (study for study in STUDIES if study.name == options.study)
     for study in STUDIES:
-        given = [option.flag for option in study.options if getattr(options, option.name) is not None]
-        if given and study is not chosen:
+        given = [
+            option.flag
+            for option in study.options
+            if option not in chosen.options and getattr(options, option.name) is not None
+        ]
+        if given:
             raise WrongUse(f"{', '.join(given)} belongs to {study.name}; {chosen.name} has no such option")
     for option in chosen.options:
         if getattr(options, option.name) is None:
