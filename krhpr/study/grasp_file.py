@@ -22,14 +22,20 @@ from pathlib import Path
 
 from krhpr.errors import nearest
 from krhpr.loading import grasping_robots, load_grasping
+from krhpr.robot_files.geometry import suspicion
 from krhpr.robot_files.problems import Problems, RobotFileWarning, described
 from krhpr.robot_files.quantities import BadQuantity, Kind, parse
 from krhpr.robot_files.tree import Items, Node, Table, Text, read_tree
 from krhpr.robot_files.tree import described as described_node
 from krhpr.study.grasp import Drive, Held, Motion, Setup
 
-LONG = 10.0
-"""Metres: longer than anything that grasps, so that millimetres without a unit are noticed."""
+USUAL = {
+    "object.weight": (1e-4, 1e3, "N", "newtons, not grams or kilograms"),
+    "object.friction": (0.01, 3.0, "", "a coefficient, not per cent"),
+    "grasp_force": (1e-3, 1e3, "N", "newtons, not millinewtons"),
+    "drive.ratio": (1e-2, 1e4, "", "the gear's reduction, 29 for 29 : 1"),
+}
+"""Numbers of what jaws hold: beyond these, zero apart, a unit is hardly meant that way."""
 
 _TABLES = {
     "pose": {"pivot": Kind.LENGTH, "phi": Kind.ANGLE, "beta": Kind.ANGLE},
@@ -184,9 +190,17 @@ class _Reader:
             except BadQuantity as error:
                 self.problems.wrong(item.line, field, str(error))
                 value = 0.0
-            if kind is Kind.LENGTH and abs(value) > LONG:
-                self.problems.suspicious(
-                    item.line, field, f"it is {value:g} m; are these millimetres without their unit?"
-                )
+            self._suspect(item, field, kind, value)
             found.append(value)
         return found
+
+    def _suspect(self, node: Node, field: str, kind: Kind, value: float) -> None:
+        """Wrong units, by a factor of a thousand or so."""
+        told = "" if kind is Kind.NUMBER else suspicion(node, value, kind)
+        moves = field.startswith(("pose.", "trajectories."))  # these may be as small as they like
+        if field in USUAL and value != 0.0:
+            low, high, unit, expected = USUAL[field]
+            if not low <= value <= high:
+                told = f"{value:g} {unit}".rstrip() + f" is hardly meant; expected {expected}"
+        if told and not (moves and "short" in told):
+            self.problems.suspicious(node.line, field, told)

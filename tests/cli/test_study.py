@@ -35,7 +35,11 @@ def test_grasping(cli: Cli, tmp_path: Path) -> None:
     slippery = tmp_path / "slippery.yaml"
     slippery.write_text(Path(example).read_text("utf-8").replace("friction: 0.5", "friction: 0.01"), "utf-8")
     done = cli("study", "grasp", "--file", str(slippery), "--out", str(tmp_path))
-    assert done.code == 3 and "DOES NOT HOLD: every pose" in done.out and "not held: (5.73)" in done.out
+    assert (
+        done.code == 3
+        and "DOES NOT HOLD: every pose" in done.out
+        and "no answer for (5.73) along x, 0.3 N: SLIPS at 0 s" in done.out
+    )
     slippery.write_text("robot: arm\n", "utf-8")
     done = cli("study", "grasp", "--file", str(slippery), "--out", str(tmp_path))
     assert done.code == 2 and "missing: geometry" in done.err
