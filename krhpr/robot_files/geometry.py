@@ -54,7 +54,7 @@ def _suspicions(node: Node, value: float, line: int, path: str, field: Field, pr
 
 
 def suspicion(node: Node, value: float, kind: Kind) -> str:
-    """What a size is suspected of: a unit wrong by a factor of a thousand, degrees for radians; or nothing."""
+    """What a size is suspected of: units, by a factor of a thousand, or degrees; or nothing."""
     size = abs(value)
     if kind is Kind.ANGLE:
         if size > 2 * math.pi and not has_unit(node):
