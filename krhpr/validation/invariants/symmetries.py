@@ -12,10 +12,11 @@ import numpy as np
 from krhpr.codegen.composition import RobotFunction
 from krhpr.codegen.kernel import LEGS, Layout, Port, Unit
 from krhpr.validation.differences import arc, call
+from krhpr.validation.evaluation import evaluate
 from krhpr.validation.invariants.batch import runner
 from krhpr.validation.numeric import Floats, Numeric
 from krhpr.validation.outcome import Measured, Runner
-from krhpr.validation.sampling import Batch, closure_error, evaluate
+from krhpr.validation.sampling import Batch, closure_error
 from krhpr.validation.scale import relative
 from krhpr.validation.subject import Subject
 
