@@ -84,6 +84,7 @@ def test_a_planar_file_with_slides(tmp_path: Path) -> None:
             ("redundant_rate", "redundant_rat"),
             "limits.redundant_rat: unknown field; did you mean redundant_rate",
         ),
+        (("intervals: 12", "horizon: 0"), "horizon: expected seconds, more than none"),
         (("intervals: 12", "intervals: 1"), "intervals: expected a whole number of two or more"),
         (
             ("rotation: [0, 0, 0]}", "phi: 0}"),
