@@ -107,6 +107,13 @@ def test_non_redundant(name: str, seed: int) -> None:
         close(np.sum(arms * axes, axis=1), np.zeros(3))
         close(np.sum((s_dot - twist[:3]) * axes + arms * np.cross(spin, axes), axis=1), np.zeros(3))
     close(np.sum(arms * (s_dot - twist[:3]), axis=1), at.d * rates)
+    # rows leg by leg, with unit vectors along the slides
+    found = at.robot.jacobians_n(at.p, at.Q, at.s, at.theta)
+    given, wanted = np.hstack([found.J, found.K]), np.hstack(at.sn)
+    wanted[6:] /= at.d[:, None]
+    for row in wanted:
+        assert min(np.abs(given - row).max(axis=1).min(), np.abs(given + row).max(axis=1).min()) < 1e-12
+    close(given[2::3], wanted[6:])
     # the actuators' forces from the wrench and what acts along the slides, like (5.44)
     F_sn = rng.normal(size=9)
     wanted = np.linalg.solve(at.sn[0], at.sn[1]).T @ F_sn
@@ -122,6 +129,8 @@ def test_redundantly_actuated(name: str, seed: int) -> None:
     twist, wrench = rng.normal(size=6), rng.normal(size=6)
     theta_dot = at.robot.joint_rates(at.p, at.Q, at.s, at.theta, twist, np.zeros(3))
     close(J_sr @ twist, K_sr @ theta_dot.ravel())
+    found = at.robot.jacobians_n(at.p, at.Q, at.s, at.theta)
+    close(found.J[:, :6] @ twist, found.K @ theta_dot.ravel())
     U = np.linalg.solve(K_sr, J_sr).T
     call = (at.p, at.Q, at.s, at.theta)
     null = np.array([at.robot.inverse_statics(*call, np.zeros(6), along).ravel() for along in np.eye(3)])
