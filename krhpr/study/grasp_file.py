@@ -17,6 +17,7 @@ read as robot files are: it cannot run anything.
 
 from __future__ import annotations
 
+import math
 import warnings
 from pathlib import Path
 
@@ -77,6 +78,7 @@ class _Reader:
         force = self._positive("grasp_force")
         duration = self._positive("duration")
         motions = self._motions()
+        self._fits(held, pose["beta"][0] - pose["phi"][0])
         self.problems.stop_if_any()
         for problem in self.problems.suspicions:
             warnings.warn(described(self.problems.path, problem), RobotFileWarning, stacklevel=3)
@@ -163,6 +165,17 @@ class _Reader:
             if key in node.entries
         }
         return Motion(name, **values)
+
+    def _fits(self, held: dict[str, list[float]], gamma: float) -> None:
+        """An object that reaches beyond the lines of the jaws' links is hardly between them."""
+        width, height = held["width"][0], held["height"][0]
+        if height > 0 and 0 < gamma < math.pi and width > (apart := 2 * height * math.tan(gamma / 2)):
+            self.problems.suspicious(
+                self.root.entries["object"].line,
+                "object.width",
+                f"{width:g} m is wider than the jaws are open: their lines are {apart:.4g} m apart at its "
+                "height",
+            )
 
     # -- values ---------------------------------------------------------------------------------------------
 

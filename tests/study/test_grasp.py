@@ -142,11 +142,16 @@ def test_millimetres_without_their_unit_are_noticed(tmp_path: Path) -> None:
     ("old", "new", "said"),
     [
         ("l_1: 120 mm", "l_1: 0.00012", "geometry.l_1: 0.00012 m is very short; with 0.00012 km in mind"),
-        ("width: 42.7 mm", "width: 42.7", "object.width: 42.7 m is very long; with millimetres in mind"),
+        ("height: 42.5 mm", "height: 42.5", "object.height: 42.5 m is very long; with millimetres in mind"),
         ("radius: 4.5 mm", "radius: 4.5e-6", "drive.radius: 4.5e-06 m is very short"),
         ("phi: 45 deg", "phi: 45", "pose.phi: 45 rad is more than a turn"),
         ("weight: 0.3", "weight: 3000", "object.weight: 3000 N is hardly meant; expected newtons"),
         ("grasp_force: 2 ", "grasp_force: 2e-6 ", "grasp_force: 2e-06 N is hardly meant"),
+        (
+            "width: 42.7 mm",
+            "width: 90 mm",
+            "0.09 m is wider than the jaws are open: their lines are 0.085 m apart",
+        ),
         ("friction: 0.5", "friction: 50", "object.friction: 50 is hardly meant; expected a coefficient"),
     ],
 )
