@@ -105,7 +105,7 @@ def grasp_capability_map(
     """`grasp_capability` at every pose of a batch: the parts of `poses` broadcast as those of other
     functions do.
 
-    Poses out of reach and singular ones have their status.  About five milliseconds a pose.
+    Poses out of reach and singular ones have their status.  Some ten milliseconds a pose.
     """
     bounds = _bounds(robot, actuator_limits, friction, facets)
     load, more = _loads(robot, weight, wrench, disturbance)

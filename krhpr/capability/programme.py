@@ -70,18 +70,15 @@ class Programme:
         return range(0, self.size, self.grip.dimension)
 
     def shortage(self) -> tuple[float, tuple[Limit, ...]]:
-        """By how much every limit would have to be wider for the loads to be held, and limits that contradict
-        one another; zero and none where they are held, infinite where no forces balance them.
+        """By how much every limit would have to be wider for loads that are not held, and limits that
+        contradict one another; infinite and none where no forces balance the loads.
         """
         widened = np.full(len(self.rows), -1.0)
         objective = np.append(np.zeros(self.size), 1.0)
         found = self._solve(objective, widened, least=0.0)
         if found.status != OPTIMAL:
             return float("inf"), ()
-        short = self.unit * float(found.x[-1])
-        if found.x[-1] <= 10 * TOLERANCE:
-            return 0.0, ()
-        return short, self._active(found)
+        return self.unit * float(found.x[-1]), self._active(found)
 
     def least_grasp(self) -> Extreme | None:
         """Where the smallest normal force is least; None where nothing holds the loads."""
