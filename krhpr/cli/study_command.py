@@ -42,6 +42,8 @@ class Study:
     options: tuple[Option, ...] = ()
 
 
+SETUP = Option("--file", "FILE", "robot, object and trajectories (YAML)", type=Path)
+
 STUDIES = (
     Study(
         "forward-accuracy",
@@ -84,7 +86,30 @@ STUDIES = (
         "study_grasp",
         "Section 5.5: actuator forces and motor torques with which the prototype holds an object along "
         "(5.73) to (5.75), or what a --file says instead (examples/grasping_prototype.yaml)",
-        (Option("--file", "FILE", "robot, object and trajectories (YAML)", type=Path),),
+        (SETUP,),
+    ),
+    Study(
+        "grasp-control",
+        "study_grasp_control",
+        "Section 5.5: the grasping force under the control schemes i, ii and iii, as closed-loop simulations "
+        "of the prototype with gear friction, contacts that give, encoders and a load cell; Figs. 5.7, 5.9 to "
+        "5.11",
+        (
+            SETUP,
+            Option(
+                "--control",
+                "FILE",
+                "motors, friction, contacts, sensors and gains (YAML; examples/grasping_control.yaml)",
+                type=Path,
+            ),
+            Option(
+                "--controller",
+                None,
+                "the controller's step in Python, which is the default, or the generated one in C",
+                "python",
+                choices=("python", "c"),
+            ),
+        ),
     ),
     Study(
         "workspace",
@@ -113,6 +138,7 @@ examples:
   krhpr study trajectory --out chapter_4
   krhpr study forward-accuracy --seed 7 --repeat 20
   krhpr study grasp --file my_gripper.yaml --out build/gripper
+  krhpr study grasp-control --control my_gains.yaml --controller c
   krhpr study workspace --coarser 4 --robot spatial_rrr_a
   krhpr study workspace --cluster tcp://127.0.0.1:8786 --store build/maps"""
 
@@ -138,11 +164,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out", metavar="DIR", type=Path, default=FOLDER, help=f"folder of the results (default: {FOLDER})"
     )
-    for study in STUDIES:
-        if not study.options:
-            continue
-        group = parser.add_argument_group(f"of {study.name}")
-        for option in study.options:
+    for owners, options in _grouped():
+        group = parser.add_argument_group(f"of {', '.join(owners)}")
+        for option in options:
             group.add_argument(
                 option.flag,
                 metavar=option.metavar,
@@ -152,13 +176,27 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             )
 
 
+def _grouped() -> list[tuple[tuple[str, ...], list[Option]]]:
+    """Options by the studies that have them; some are of several."""
+    owners: dict[Option, tuple[str, ...]] = {}
+    for study in STUDIES:
+        for option in study.options:
+            owners[option] = (*owners.get(option, ()), study.name)
+    groups: dict[tuple[str, ...], list[Option]] = {}
+    for option, names in owners.items():
+        groups.setdefault(names, []).append(option)
+    return list(groups.items())
+
+
 def run(options: argparse.Namespace) -> int:
     """Run the study, print what came of it and write the pictures."""
     (chosen,) = (study for study in STUDIES if study.name == options.study)
-    for study in STUDIES:
-        given = [option.flag for option in study.options if getattr(options, option.name) is not None]
-        if given and study is not chosen:
-            raise WrongUse(f"{', '.join(given)} belongs to {study.name}; {chosen.name} has no such option")
+    for owners, its in _grouped():
+        given = [option.flag for option in its if getattr(options, option.name) is not None]
+        if given and chosen.name not in owners:
+            raise WrongUse(
+                f"{', '.join(given)} belongs to {' and '.join(owners)}; {chosen.name} has no such option"
+            )
     for option in chosen.options:
         if getattr(options, option.name) is None:
             setattr(options, option.name, option.default)

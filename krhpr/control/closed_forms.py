@@ -11,9 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from krhpr.control.controller import ENOUGH_FRICTION
 from krhpr.control.parameters import ControlSetup
 from krhpr.grasping import GraspingRobot
-from krhpr.study.grasp import Setup
+from krhpr.study.grasp import Setup, contacts
 
 Floats = NDArray[np.float64]
 
@@ -26,6 +27,8 @@ class Grip:
     """v (4,): forces of the actuators for a unit moment between the jaws (1/m)."""
     per_angle: Floats
     """(4,): how the actuators move where the right jaw is turned into the object (m/rad)."""
+    of_weight: Floats
+    """(4,): forces of the actuators that carry the object's weight alone (N)."""
     height: float
     """h (m)."""
     position_stiffness: float
@@ -46,6 +49,11 @@ class Grip:
         """
         give = 1.0 / (self.contact_stiffness * self.height)
         return 1.0 / ((1.0 + self.drag * load_share) / self.rigid_stiffness + give)
+
+    @property
+    def sag(self) -> float:
+        """By how much the jaws open under the object's weight in scheme i (rad): f_g = k (e - sag)."""
+        return float(self.per_moment @ self.of_weight / self.position_stiffness)
 
     @property
     def drag(self) -> float:
@@ -86,15 +94,28 @@ def grip_of(robot: GraspingRobot, setup: Setup, control: ControlSetup) -> Grip:
     pivot, angles = np.array(setup.pivot), np.array([setup.phi, setup.beta])
     theta = robot.inverse(pivot, angles, check=True)
     s = robot.end_points(pivot, angles)
-    per_moment = robot.inverse_statics_n(pivot, s, theta, [0.0, 0.0, 1.0, -1.0], check=True)
-    closing = np.sign(np.sin(setup.beta - setup.phi))
-    per_angle = robot.joint_rates(pivot, s, theta, [0.0, 0.0], [closing, 0.0], check=True)
+    touch, faces, mass_centre = contacts(setup)
+    loads = [
+        robot.grasp(
+            angles,
+            touch,
+            faces,
+            setup.force,
+            weight=[0.0, weight],
+            mass_centre=mass_centre,
+            friction=ENOUGH_FRICTION,
+            check=True,
+        ).loads
+        for weight in (0.0, -setup.held.weight)
+    ]
+    turning = [np.sign(np.sin(setup.beta - setup.phi)), 0.0]
     return Grip(
-        np.ravel(per_moment),
-        np.ravel(per_angle),
-        setup.held.height,
-        control.position.stiffness,
-        control.contact.stiffness / 2,
+        per_moment=np.ravel(robot.inverse_statics_n(pivot, s, theta, [0.0, 0.0, 1.0, -1.0], check=True)),
+        per_angle=np.ravel(robot.joint_rates(pivot, s, theta, [0.0, 0.0], turning, check=True)),
+        of_weight=np.ravel(robot.inverse_statics_n(pivot, s, theta, loads[1] - loads[0], check=True)),
+        height=setup.held.height,
+        position_stiffness=control.position.stiffness,
+        contact_stiffness=control.contact.stiffness / 2,
     )
 
 

@@ -119,7 +119,7 @@ class GraspControl:
 
     @property
     def expected_slope(self) -> float:
-        """k of (5.72) in closed form where the gears rub: slowly, so that friction is that at rest (N/rad)."""
+        """k of (5.72) in closed form where the gears rub: slowly, so that friction is that at rest."""
         friction = self.control.friction
         return self.grip.stiffness(friction.load_share * friction.stiction)
 
