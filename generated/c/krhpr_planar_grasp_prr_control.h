@@ -9,8 +9,8 @@
 #ifndef KRHPR_PLANAR_GRASP_PRR_CONTROL_H
 #define KRHPR_PLANAR_GRASP_PRR_CONTROL_H
 
-#include "krhpr_control.h"
 #include "krhpr_planar_grasp_prr.h"
+#include "krhpr_control.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -92,8 +92,8 @@ STUDIES = (
         "grasp-control",
         "study_grasp_control",
         "Section 5.5: the grasping force under the control schemes i, ii and iii, as closed-loop simulations "
-        "of the prototype with gear friction, contacts that give, encoders and a load cell; Figs. 5.7, 5.9 to "
-        "5.11",
+        "of the prototype with gear friction, contacts that give, encoders and a load cell; Figs. 5.7, 5.9 "
+        "to 5.11",
         (
             SETUP,
             Option(

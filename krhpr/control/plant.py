@@ -89,34 +89,36 @@ def branch_of(robot: GraspingRobot, pivot: Floats, angles: Floats) -> Branch:
 
 
 def check_grasp(robot: GraspingRobot, setup: Setup) -> None:
-    """Whether the robot reaches the pose with the object and can open its jaws beyond it.
+    """Whether the object goes between the jaws, and the robot reaches it and can open beyond it.
+
+    The widest that jaws open is the distance of their ends P and S where they are aligned, b + l.
 
     Raises:
         ControlError: what is out of reach, or that the object is too wide.
     """
     pivot, angles = np.array(setup.pivot), np.array([setup.phi, setup.beta])
-    closing = np.sin(angles[1] - angles[0])
-    opened = angles + OPENED / 2 * np.array([-1.0, 1.0])
-    if abs(closing) < np.sin(OPENED):
+    width, lengths = setup.held.width, robot.geometry.fields["l_j"]
+    if not width < sum(lengths):
+        jaws = " and ".join(f"{1e3 * length:g}" for length in lengths)
         raise ControlError(
-            "the jaws are aligned at the pose with the object (gamma is 0 or 180 deg), and cannot grasp"
+            f"the object is wider than the jaws open: {1e3 * width:g} mm, and jaws of {jaws} mm open to less "
+            f"than {1e3 * sum(lengths):g} mm"
+        )
+    gamma = angles[1] - angles[0]
+    if abs(np.sin(gamma)) < np.sin(OPENED):
+        raise ControlError(
+            f"the jaws are aligned at the pose with the object (gamma is {np.degrees(gamma):.3g} deg)"
         )
     try:
         robot.inverse(pivot, angles, check=True)
     except KrhprError as error:
         raise ControlError(f"the pose with the object is out of reach: {error}") from error
-    at = ", ".join(f"{1e3 * length:g} mm" for length in (setup.held.width, setup.held.height))
     try:
-        robot.inverse(pivot, opened, check=True)
+        robot.inverse(pivot, angles + np.sign(np.sin(gamma)) * OPENED / 2 * np.array([-1.0, 1.0]), check=True)
     except KrhprError as error:
         raise ControlError(
-            f"the object (width, height: {at}) is wider than the jaws open: opened by "
-            f"{np.degrees(OPENED):g} deg more, {error}"
+            f"the jaws do not open beyond the object: opened by {np.degrees(OPENED):g} deg, {error}"
         ) from error
-    if np.sin(opened[1] - opened[0]) * closing < 0:
-        raise ControlError(
-            f"the object (width, height: {at}) is wider than the jaws open: they are aligned then"
-        )
 
 
 class _Called:
