@@ -124,8 +124,8 @@ def test_scheme_iii_needs_no_knowledge_of_friction() -> None:
 def test_scheme_iii_holds_along_the_trajectories(number: int) -> None:
     """(5.73) to (5.75), quicker than in the thesis so that every actuator turns round in a short run."""
     motion = PROTOTYPE.motions[number]
-    quick = replace(motion, frequency=2.0)
-    found: Along = along(Loop(plant(), in_python), quick, duration=2.4)
+    quick = replace(motion, frequency=2.5)
+    found: Along = along(Loop(plant(), in_python), quick, duration=1.6)
     assert np.sqrt((found.error**2).mean()) < 0.05 * PROTOTYPE.force
     assert np.abs(found.error).max() < 0.2 * PROTOTYPE.force
     assert found.position_error < 2.5e-3

@@ -22,7 +22,7 @@ CONTROL = ROOT / "examples" / "grasping_control.yaml"
 @pytest.fixture
 def short(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     """A study of seconds: few inputs, led to quickly, and short trajectories; the file that says so."""
-    for name, value in {"SHARES": (0.5, 1.0), "RAMP": 0.2, "HOLD": 0.2, "LOOK": 0.1, "AFTER": 1.2}.items():
+    for name, value in {"SHARES": (0.5, 1.0), "RAMP": 0.1, "HOLD": 0.1, "LOOK": 0.05, "AFTER": 1.6}.items():
         monkeypatch.setattr(study, name, value)
     path = tmp_path / "grasp.yaml"
     path.write_text(GRASP.read_text().replace("duration: 20", "duration: 0.5"))
