@@ -14,7 +14,7 @@ object away, (5.70), which `grasp` tells by its `pulls`.  The same step exists i
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -118,7 +118,7 @@ class Controller:
         forces: Floats = robot.inverse_statics_n(pose.pivot, s, theta, held.loads, check=True)
         return forces
 
-    def _grasp(self, angles: Floats, force: float, measured: str) -> object:
+    def _grasp(self, angles: Floats, force: float, measured: str) -> Any:
         return self.robot.grasp(
             angles,
             self._touch,

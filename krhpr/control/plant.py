@@ -130,8 +130,8 @@ class _Called:
         self._given = np.zeros(STATES), np.zeros(ACTUATORS)
         self._found = np.zeros(STATES), np.zeros(1)
         for place, (argument, result) in enumerate(zip(self._given, self._found, strict=True)):
-            self._buffer.set_arg(place, memoryview(argument))
-            self._buffer.set_res(place, memoryview(result))
+            self._buffer.set_arg(place, argument.data)
+            self._buffer.set_res(place, result.data)
 
     def __call__(self, state: Floats, force: Floats) -> tuple[Floats, float]:
         self._given[0][:], self._given[1][:] = state, force

@@ -61,7 +61,7 @@ def simulate(
     u = np.zeros(ACTUATORS)
     grasp = plant.grasp_force(x, u)
     controller.reset()
-    times = period * np.arange(count)
+    times: Floats = period * np.arange(count, dtype=float)
     states, inputs = np.empty((count, len(x))), np.empty((count, ACTUATORS))
     theta, torques, force = np.empty((count, ACTUATORS)), np.empty((count, ACTUATORS)), np.empty(count)
     told = []
