@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import csv
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,10 @@ from krhpr.cli.common import Column, WrongUse, print_table
 from krhpr.cli.studying import tell, write
 from krhpr.errors import ControlError
 from krhpr.study.grasp import PROTOTYPE
+
+if TYPE_CHECKING:
+    from krhpr.control.simulation import Trace
+    from krhpr.study.grasp_control import GraspControl
 
 EVERY = 5
 """Rows of a trace for one in its CSV file."""
@@ -55,12 +59,12 @@ def run(options: argparse.Namespace) -> int:
     return code
 
 
-def _traces(found: Any) -> dict[str, Any]:
+def _traces(found: GraspControl) -> dict[str, Trace]:
     names = {"i": found.position.trace, "ii": found.feedforward.trace, "iii_step": found.step}
     return names | {f"iii_{number}": one.trace for number, one in enumerate(found.along, start=1)}
 
 
-def _facts(found: Any) -> dict[str, Any]:
+def _facts(found: GraspControl) -> dict[str, Any]:
     line = found.position.line
     return {
         "rate_Hz": found.control.rate,
@@ -88,7 +92,7 @@ def _facts(found: Any) -> dict[str, Any]:
                     "rms_error_N": float(np.sqrt((one.error**2).mean())),
                     "largest_error_N": float(np.abs(one.error).max()),
                     "largest_position_error_m": one.position_error,
-                    "friction_needed": float(one.trace.seen.friction[one.moving].max()),
+                    "friction_needed": one.friction_needed,
                 }
                 for one in found.along
             ],
@@ -96,7 +100,7 @@ def _facts(found: Any) -> dict[str, Any]:
     }
 
 
-def _print(found: Any) -> None:
+def _print(found: GraspControl) -> None:
     aim = found.setup.force
     columns = [Column("run", whole=True)]
     columns += [
@@ -135,7 +139,7 @@ def _print(found: Any) -> None:
     print(f"scheme iii: the step settles within 5 % after {1e3 * found.settling:.0f} ms")
 
 
-def _write_trace(path: Path, trace: Any) -> Path:
+def _write_trace(path: Path, trace: Trace) -> Path:
     """One row for every few steps of the controller."""
     head = ["time_s", "wanted_N", "measured_N", "grasp_N", "right_N", "left_N"]
     head += [f"rho_{k}_m" for k in range(1, 5)] + [f"torque_{k}_Nm" for k in range(1, 5)]

@@ -217,7 +217,7 @@ class Plant:
         self._observe = ca.Function(
             "observe",
             [x, u],
-            [pivot, angles, normal, grasp, self._applied["compression"], friction, self._energy],
+            [pivot, angles, normal, grasp, self._compression, friction, self._energy],
         )
         self._grasp_force = ca.Function("grasp_force", [x, u], [grasp])
 
@@ -243,7 +243,7 @@ class Plant:
     def _quickest(self) -> float:
         """Angular frequency of the grip on contacts and bristles, about (rad/s)."""
         pose = self.at_rest(np.array(self.setup.pivot), np.array([self.setup.phi, self.setup.beta]))
-        gradient = ca.Function("gradient", [self._state], [self._applied["gradient"]])(pose)
+        gradient = ca.Function("gradient", [self._state], [self._opening])(pose)
         stiffness = self.control.contact.stiffness / 2 * float(ca.sumsqr(gradient))
         gear = self.control.friction
         bristles = self.control.coulomb(self.setup.drive) / gear.presliding
@@ -285,22 +285,22 @@ class Plant:
         return ca.norm_2(right - left)
 
     @cached_property
-    def _applied(self) -> dict[str, Any]:
-        """delta, its rate, and d(distance)/d(theta)."""
-        theta, rates = self._state[:ACTUATORS], self._state[ACTUATORS : 2 * ACTUATORS]
-        gradient = ca.gradient(self._distance, theta)
-        return {
-            "compression": self.setup.held.width - self._distance,
-            "rate": -ca.dot(gradient, rates),
-            "gradient": gradient,
-        }
+    def _compression(self) -> Any:
+        """delta."""
+        return self.setup.held.width - self._distance
+
+    @cached_property
+    def _opening(self) -> Any:
+        """d(distance)/d(theta)."""
+        return ca.gradient(self._distance, self._state[:ACTUATORS])
 
     @cached_property
     def _press(self) -> Any:
         """P, with which the object presses the contacts apart."""
-        contact, applied = self.control.contact, self._applied
-        spring = contact.stiffness / 2 * ca.fmax(applied["compression"], 0.0)
-        return spring * ca.fmax(1.0 + contact.damping * applied["rate"], 0.0)
+        contact = self.control.contact
+        rate = -ca.dot(self._opening, self._state[ACTUATORS : 2 * ACTUATORS])
+        spring = contact.stiffness / 2 * ca.fmax(self._compression, 0.0)
+        return spring * ca.fmax(1.0 + contact.damping * rate, 0.0)
 
     @cached_property
     def _centre(self) -> Any:
@@ -321,7 +321,7 @@ class Plant:
     def _load(self) -> Any:
         """Forces of the object and its weight on the actuators."""
         weight = ca.DM([0.0, -self.object_mass * GRAVITY])
-        return self._press * self._applied["gradient"] + self._centre_jacobian.T @ weight
+        return self._press * self._opening + self._centre_jacobian.T @ weight
 
     @cached_property
     def _friction(self) -> tuple[Any, Any]:
@@ -349,7 +349,7 @@ class Plant:
         rates, bend = self._state[4:8], self._state[8:]
         velocity = self._centre_jacobian @ rates
         kinetic = (self.mass * ca.sumsqr(rates) + self.object_mass * ca.sumsqr(velocity)) / 2
-        spring = self.control.contact.stiffness / 4 * ca.fmax(self._applied["compression"], 0.0) ** 2
+        spring = self.control.contact.stiffness / 4 * ca.fmax(self._compression, 0.0) ** 2
         gear = self.control.friction
         sigma = self.control.coulomb(self.setup.drive) / gear.presliding
         return kinetic + spring + self.object_mass * GRAVITY * self._centre[1] + sigma * ca.sumsqr(bend) / 2

@@ -94,6 +94,11 @@ class Along:
         return error
 
     @property
+    def friction_needed(self) -> float:
+        """Largest coefficient of friction that the contacts need; infinite where one does not press."""
+        return float(self.trace.seen.friction[self.moving].max())
+
+    @property
     def position_error(self) -> float:
         """Largest distance of the pivot from where it should be (m)."""
         rows = self.moving
@@ -169,6 +174,10 @@ class GraspControl:
                     bool(np.sqrt((one.error**2).mean()) < 0.05 * aim),
                 )
                 for one in self.along
+            ),
+            Claim(
+                "scheme iii: friction on the faces holds the object along the trajectories",
+                all(one.friction_needed < self.setup.held.friction for one in self.along),
             ),
         ]
 

@@ -85,7 +85,7 @@ def test_every_claim_holds() -> None:
     for seed in (0, 5):
         found = grasp_control(control=replace(study.CONTROL, seed=seed), make=CONTROLLERS["c"])
         assert [claim.text for claim in found.claims() if not claim.holds] == []
-        assert len(found.claims()) == 8
+        assert len(found.claims()) == 9
         assert found.position.line.slope == pytest.approx(found.expected_slope, rel=0.05)
         assert np.abs(found.easy_feedforward.line.slope - 1 / (1 + found.grip.held_back)) < 5e-3
         assert all(one.position_error < 1e-3 for one in found.along)
