@@ -25,7 +25,7 @@ def short(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     for name, value in {"SHARES": (0.5, 1.0), "RAMP": 0.1, "HOLD": 0.1, "LOOK": 0.05, "AFTER": 1.6}.items():
         monkeypatch.setattr(study, name, value)
     path = tmp_path / "grasp.yaml"
-    path.write_text(GRASP.read_text().replace("duration: 20", "duration: 0.5"))
+    path.write_text(GRASP.read_text().replace("duration: 20", "duration: 0.3"))
     return path
 
 
@@ -50,7 +50,7 @@ def test_the_command(
         head, *rows = csv.reader(file)
     assert head[:4] == ["time_s", "wanted_N", "measured_N", "grasp_N"] and len(head) == len(rows[0]) == 14
     table = np.array(rows, dtype=float)
-    assert np.diff(table[:, 0]) == pytest.approx(0.01) and table[-1, 0] == pytest.approx(1.49)
+    assert np.diff(table[:, 0]) == pytest.approx(0.01) and table[-1, 0] == pytest.approx(1.29)
     assert (table[:, 1] == 2.0).all() and np.abs(table[-1, 3] - 2.0) < 0.1
 
 
