@@ -97,5 +97,9 @@ class WorkspaceError(KrhprError, ValueError):
     """A workspace that cannot be computed as asked: what is wrong, what is expected."""
 
 
+class ControlError(KrhprError, ValueError):
+    """A plant, gains or a grasp that cannot be simulated: what was found, and what is expected."""
+
+
 class PluginError(KrhprError, ValueError):
     """A sub-leg of one's own that cannot be used: which file, what is wrong, and what is expected."""

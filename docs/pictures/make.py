@@ -45,6 +45,8 @@ from krhpr.study.forward_accuracy import forward_accuracy
 from krhpr.study.grasp import contacts, grasp_study
 from krhpr.study.grasp_capability import capability_study
 from krhpr.study.grasp_capability_picture import picture as capability_picture
+from krhpr.study.grasp_control import grasp_control
+from krhpr.study.grasp_control_figures import grasp_control_figures
 from krhpr.study.grasp_picture import picture as grasp_picture
 from krhpr.study.histograms import accuracy_figures
 from krhpr.study.redundancy import redundancy
@@ -352,8 +354,9 @@ STUDIES: dict[str, Callable[[], dict[str, Figure]]] = {
     "accuracy": lambda: accuracy_figures(forward_accuracy()),
     "dexterity": lambda: dexterity_figures(dexterity()),
     "redundancy": lambda: redundancy_figures(redundancy()),
+    "grasp_control": lambda: grasp_control_figures(grasp_control()),
 }
-"""Figures of `krhpr study`, several of each: Figs. 3.8 to 3.11, 1.10 to 1.12, and 4.3 and 4.4."""
+"""Figures of `krhpr study`, several of each: 3.8 to 3.11, 1.10 to 1.12, 4.3 and 4.4, 5.7 and 5.9 to 5.11."""
 
 
 JAW_COLOURS = ("#1b4f72", "#b03a2e")

@@ -42,12 +42,8 @@ class Study:
     options: tuple[Option, ...] = ()
 
 
-GRASP_FILE = Option(
-    "--file", "FILE", "robot, object and trajectories (YAML); of grasp-capability too", type=Path
-)
-COARSER = Option(
-    "--coarser", "N", "steps of workspace and grasp-capability N times as wide (default: 1)", 1, int
-)
+SETUP = Option("--file", "FILE", "robot, object and trajectories (YAML)", type=Path)
+COARSER = Option("--coarser", "N", "steps N times as wide (default: 1)", 1, int)
 
 STUDIES = (
     Study(
@@ -91,7 +87,7 @@ STUDIES = (
         "study_grasp",
         "Section 5.5: actuator forces and motor torques with which the prototype holds an object along "
         "(5.73) to (5.75), or what a --file says instead (examples/grasping_prototype.yaml)",
-        (GRASP_FILE,),
+        (SETUP,),
     ),
     Study(
         "grasp-capability",
@@ -99,9 +95,32 @@ STUDIES = (
         "what the prototype, or the robot of a --file, can grasp with over heights of its pivot and turns of "
         "its jaws, and which moments on the object it resists, within friction and what motors give",
         (
-            GRASP_FILE,
+            SETUP,
             COARSER,
             Option("--torque", "N_M", "largest of a motor's shaft, N m (default: 0.01)", 0.01, float),
+        ),
+    ),
+    Study(
+        "grasp-control",
+        "study_grasp_control",
+        "Section 5.5: the grasping force under the control schemes i, ii and iii, as closed-loop simulations "
+        "of the prototype with gear friction, contacts that give, encoders and a load cell; Figs. 5.7, 5.9 "
+        "to 5.11",
+        (
+            SETUP,
+            Option(
+                "--control",
+                "FILE",
+                "motors, friction, contacts, sensors and gains (YAML; examples/grasping_control.yaml)",
+                type=Path,
+            ),
+            Option(
+                "--controller",
+                None,
+                "the controller's step in Python, which is the default, or the generated one in C",
+                "python",
+                choices=("python", "c"),
+            ),
         ),
     ),
     Study(
@@ -131,6 +150,7 @@ examples:
   krhpr study trajectory --out chapter_4
   krhpr study forward-accuracy --seed 7 --repeat 20
   krhpr study grasp --file my_gripper.yaml --out build/gripper
+  krhpr study grasp-control --control my_gains.yaml --controller c
   krhpr study workspace --coarser 4 --robot spatial_rrr_a
   krhpr study workspace --cluster tcp://127.0.0.1:8786 --store build/maps"""
 
@@ -156,14 +176,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out", metavar="DIR", type=Path, default=FOLDER, help=f"folder of the results (default: {FOLDER})"
     )
-    shown: set[str] = set()
-    for study in STUDIES:
-        own = [option for option in study.options if option.flag not in shown]
-        if not own:
-            continue
-        shown |= {option.flag for option in own}
-        group = parser.add_argument_group(f"of {study.name}")
-        for option in own:
+    for owners, options in _grouped():
+        group = parser.add_argument_group(f"of {', '.join(owners)}")
+        for option in options:
             group.add_argument(
                 option.flag,
                 metavar=option.metavar,
@@ -173,17 +188,27 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             )
 
 
+def _grouped() -> list[tuple[tuple[str, ...], list[Option]]]:
+    """Options by the studies that have them; some are of several."""
+    owners: dict[Option, tuple[str, ...]] = {}
+    for study in STUDIES:
+        for option in study.options:
+            owners[option] = (*owners.get(option, ()), study.name)
+    groups: dict[tuple[str, ...], list[Option]] = {}
+    for option, names in owners.items():
+        groups.setdefault(names, []).append(option)
+    return list(groups.items())
+
+
 def run(options: argparse.Namespace) -> int:
     """Run the study, print what came of it and write the pictures."""
     (chosen,) = (study for study in STUDIES if study.name == options.study)
-    for study in STUDIES:
-        given = [
-            option.flag
-            for option in study.options
-            if option not in chosen.options and getattr(options, option.name) is not None
-        ]
-        if given:
-            raise WrongUse(f"{', '.join(given)} belongs to {study.name}; {chosen.name} has no such option")
+    for owners, its in _grouped():
+        given = [option.flag for option in its if getattr(options, option.name) is not None]
+        if given and chosen.name not in owners:
+            raise WrongUse(
+                f"{', '.join(given)} belongs to {', '.join(owners)}; {chosen.name} has no such option"
+            )
     for option in chosen.options:
         if getattr(options, option.name) is None:
             setattr(options, option.name, option.default)

@@ -53,8 +53,11 @@ def _suspicions(node: Node, value: float, line: int, path: str, field: Field, pr
         problems.suspicious(line, path, told)
 
 
-def suspicion(node: Node, value: float, kind: Kind) -> str:
-    """What a size is suspected of: units, by a factor of a thousand, or degrees; or nothing."""
+def suspicion(node: Node, value: float, kind: Kind, small: float = SMALL) -> str:
+    """What a size is suspected of: a unit wrong by a thousand, or degrees for radians; or nothing.
+
+    Lengths below `small` are suspected too.
+    """
     size = abs(value)
     if kind is Kind.ANGLE:
         if size > 2 * math.pi and not has_unit(node):
@@ -62,7 +65,7 @@ def suspicion(node: Node, value: float, kind: Kind) -> str:
     elif size >= LARGE:
         hint = "" if has_unit(node) else f"; with millimetres in mind write `{value:g} mm`"
         return f"{value:g} m is very long{hint}"
-    elif 0.0 < size < SMALL:
+    elif 0.0 < size < small:
         hint = f"; with {value:g} km in mind write `{1000 * value:g} m`" if not has_unit(node) else ""
         return f"{value:g} m is very short{hint}"
     return ""

@@ -79,6 +79,12 @@ class Setup:
         """The robot with its sizes."""
         return load_grasping(self.robot).with_geometry(**self.geometry)
 
+    def poses(self, motion: Motion, times: Floats) -> tuple[Floats, Floats]:
+        """Pivots (n, 2) and angles (n, 2) along a motion."""
+        sine = np.sin(motion.frequency * times)
+        pivot = np.array(self.pivot) + np.outer(sine, [motion.x, motion.y])
+        return pivot, np.array([self.phi, self.beta]) + motion.turn * sine[:, None]
+
 
 PROTOTYPE = Setup(
     robot="planar_grasp_prr",
@@ -191,9 +197,7 @@ def contacts(setup: Setup) -> tuple[Floats, Floats, Floats]:
 
 def _along(robot: GraspingRobot, setup: Setup, motion: Motion, weight: float) -> Along:
     times = np.linspace(0.0, setup.duration, round(SAMPLES_PER_SECOND * setup.duration) + 1)
-    sine = np.sin(motion.frequency * times)
-    pivot = np.array(setup.pivot) + np.outer(sine, [motion.x, motion.y])
-    angles = np.array([setup.phi, setup.beta]) + motion.turn * sine[:, None]
+    pivot, angles = setup.poses(motion, times)
     s = robot.end_points(pivot, angles)
     theta, reach = robot.inverse(pivot, angles, status=True)
     touch, faces, centre = contacts(setup)

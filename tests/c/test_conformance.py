@@ -7,7 +7,18 @@ from pathlib import Path
 
 import pytest
 
-from tests.c.support import CONFORMANCE, CPP, CPP_CONFORMANCE, KINDS, ROBOTS, SOURCES, program, run, sections
+from tests.c.support import (
+    CONFORMANCE,
+    CONTROLLED,
+    CPP,
+    CPP_CONFORMANCE,
+    KINDS,
+    ROBOTS,
+    SOURCES,
+    program,
+    run,
+    sections,
+)
 from tests.support import SOME
 
 HEADERS = sorted(path.name for path in SOURCES.glob("krhpr*.h"))
@@ -179,4 +190,5 @@ def test_loops_are_bounded(path: Path) -> None:
 def test_every_robot_is_here() -> None:
     assert ROBOTS
     expected = {f"krhpr_{robot}{kind}" for robot in ROBOTS for kind in KINDS}
+    expected |= {f"krhpr_{robot}_control" for robot in CONTROLLED}
     assert {path.stem for path in SOURCES.glob("krhpr_*.c")} == expected

@@ -31,7 +31,10 @@ def test_grasping(cli: Cli, tmp_path: Path) -> None:
     assert (tmp_path / "grasp.png").stat().st_size > 10_000
     assert cli("study", "grasp", "--out", str(tmp_path)).out == done.out
     refused = cli("study", "forward-accuracy", "--file", example)
-    assert refused.code == 2 and "--file belongs to grasp; forward-accuracy has no such option" in refused.err
+    assert (
+        refused.code == 2
+        and "--file belongs to grasp, grasp-capability, grasp-control; forward" in refused.err
+    )
     slippery = tmp_path / "slippery.yaml"
     slippery.write_text(Path(example).read_text("utf-8").replace("friction: 0.5", "friction: 0.01"), "utf-8")
     done = cli("study", "grasp", "--file", str(slippery), "--out", str(tmp_path))

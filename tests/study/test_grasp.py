@@ -145,14 +145,14 @@ def test_millimetres_without_their_unit_are_noticed(tmp_path: Path) -> None:
         ("height: 42.5 mm", "height: 42.5", "object.height: 42.5 m is very long; with millimetres in mind"),
         ("radius: 4.5 mm", "radius: 4.5e-6", "drive.radius: 4.5e-06 m is very short"),
         ("phi: 45 deg", "phi: 45", "pose.phi: 45 rad is more than a turn"),
-        ("weight: 0.3", "weight: 3000", "object.weight: 3000 N is hardly meant; expected newtons"),
-        ("grasp_force: 2 ", "grasp_force: 2e-6 ", "grasp_force: 2e-06 N is hardly meant"),
+        ("weight: 0.3", "weight: 3000", "object.weight: it is 3000 N, and usual is 0.0001 to 1000"),
+        ("grasp_force: 2 ", "grasp_force: 2e-6 ", "grasp_force: it is 2e-06 N, and usual is"),
         (
             "width: 42.7 mm",
             "width: 90 mm",
             "0.09 m is wider than the jaws are open: their lines are 0.085 m apart",
         ),
-        ("friction: 0.5", "friction: 50", "object.friction: 50 is hardly meant; expected a coefficient"),
+        ("friction: 0.5", "friction: 50", "object.friction: it is 50, and usual is 0.01 to 3"),
     ],
 )
 def test_units_that_are_hardly_meant(tmp_path: Path, old: str, new: str, said: str) -> None:
