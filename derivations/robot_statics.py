@@ -9,7 +9,10 @@ give is the null space of the redundantly actuated one, (5.25).
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from krhpr.codegen.composition import SINGULAR_TOLERANCE, Call, Guard, Relation, RobotFunction, Stage, Status
+from krhpr.codegen.kernel import Layout
 from krhpr.derivations.platforms.statics import StaticsPorts as PlatformStatics
 from krhpr.derivations.robot_functions import FunctionsOf
 from krhpr.derivations.sublegs.statics import StaticsPorts as SubLegStatics
@@ -17,6 +20,36 @@ from krhpr.derivations.sublegs.statics import StaticsPorts as SubLegStatics
 
 class StaticsFunctions(FunctionsOf):
     """The statics of one robot."""
+
+    def _jacobians_n(self) -> RobotFunction:
+        subleg = self.robot.subleg
+        leg = SubLegStatics(subleg)
+        swivels = " and of the swivels" if subleg.redundant else ""
+        J = replace(leg.J_n, name="J", doc=f"Jacobian of the twist, of the redundant coordinates{swivels}")
+        K = replace(
+            leg.K_n,
+            name="K",
+            shape=(leg.count, subleg.n),
+            doc="Jacobian of the actuators, legs on the block diagonal",
+            layout=Layout.DIAGONAL,
+        )
+        guards = self._leg_guards(subleg.has_parallel_factors())
+        return self._function(
+            "jacobians_n",
+            f"J_n and K_n of J_n [t, rates of the redundant coordinates{swivels}] = K_n theta_dot: the "
+            "non-redundant view.  Without its last columns J_n is J_r, with redundant coordinates blocked.",
+            "(5.55) to (5.60)",
+            (*self.pose, self.leg.s, self.leg.theta),
+            (J, K),
+            (
+                self._on_leg("platform", "rows", {"J": "J_lines"}),
+                self._on_leg("platform", "redundant_line"),
+                self._posture(),
+                self._on_leg("subleg", "transmission", {"K_n": "K"}),
+                Call(Stage.PLATFORM, "subleg", "non_redundant", {"J": "J_lines"}, {"J_n": "J"}),
+            ),
+            tuple(replace(guard, spoils=("K",)) for guard in guards),
+        )
 
     def _inverse_statics(self) -> RobotFunction:
         subleg = self.robot.subleg

@@ -83,6 +83,7 @@ class _Functions(ForwardFunctions, StaticsFunctions, GripperFunctions, IndexFunc
         yield self._constraints()
         yield self._jacobians()
         yield self._jacobian_blocks()
+        yield self._jacobians_n()
         if self.robot.subleg.has_inverse:
             yield self._inverse()
             yield self._inverse_all()

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
+    from krhpr.capability import GraspCapability, grasp_capability, grasp_capability_map
     from krhpr.errors import (
         Ambiguous,
         GeneratedMismatch,
@@ -59,6 +60,9 @@ _HOME = {
     "UnknownBranch": "krhpr.errors",
     "UnknownRobot": "krhpr.errors",
     "Unreachable": "krhpr.errors",
+    "GraspCapability": "krhpr.capability",
+    "grasp_capability": "krhpr.capability",
+    "grasp_capability_map": "krhpr.capability",
     "Force": "krhpr.grasping",
     "GraspingRobot": "krhpr.grasping",
     "measured_force": "krhpr.grasping",
@@ -74,6 +78,7 @@ __all__ = [
     "Force",
     "GeneratedMismatch",
     "Geometry",
+    "GraspCapability",
     "GraspingRobot",
     "Inconsistent",
     "Interval",
@@ -93,6 +98,8 @@ __all__ = [
     "Unreachable",
     "__version__",
     "catalogue",
+    "grasp_capability",
+    "grasp_capability_map",
     "grasping_robots",
     "load",
     "load_grasping",

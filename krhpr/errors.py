@@ -97,6 +97,10 @@ class WorkspaceError(KrhprError, ValueError):
     """A workspace that cannot be computed as asked: what is wrong, what is expected."""
 
 
+class ControlError(KrhprError, ValueError):
+    """A plant, gains or a grasp that cannot be simulated: what was found, and what is expected."""
+
+
 class DesignError(KrhprError, ValueError):
     """A design, or what is to be varied or improved of it, that cannot be used: what is wrong, and what is
     expected."""

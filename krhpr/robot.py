@@ -207,6 +207,17 @@ class Robot(ForwardKinematics):
         """(J (..., 6, 6), K (..., 3, 2, n)): K as the legs' blocks, without the zeros."""
         return self._answer("jacobian_blocks", (p, Q, s, theta), options)
 
+    def jacobians_n(
+        self, p: ArrayLike, Q: ArrayLike, s: ArrayLike, theta: ArrayLike, **options: Unpack[Options]
+    ) -> Any:
+        """(J_n (..., 9, 9), K_n (..., 9, 3n)) of J_n [t, redundant rates] = K_n theta_dot, (5.59), (5.60);
+        rows leg by leg: its lines, then its redundant coordinate.
+
+        J_n[..., :6] is J_r of (5.56), K_n is K_r.  Redundant sub-legs have a row and a column more, for their
+        swivels.
+        """
+        return self._answer("jacobians_n", (p, Q, s, theta), options)
+
     def twist(
         self,
         p: ArrayLike,

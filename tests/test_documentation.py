@@ -196,7 +196,8 @@ def test_c_of_a_page_compiles_and_runs(page: str, tmp_path: Path) -> None:
             *flags,
             f"-I{folder}",
             source,
-            folder / f"krhpr_{match[1]}.c",
+            # a controller calls its robot
+            *(folder / f"krhpr_{name}.c" for name in {match[1], match[1].removesuffix("_control")}),
             "-lm",
             "-o",
             program,

@@ -70,11 +70,9 @@ def spatial_leg(build: Assembly, robot: Robot, leg: int, at: dict[str, Array], t
     build.joints.append(Joint(place("rod"), place("last"), at["P"], (axis,)))
 
 
-def free_body(
-    robot: Robot, p: Array, Q: Array, s: Array, theta: Array, wrench: Array, forces: Array
-) -> Array:
-    """Forces of the actuators (3, n) by the equilibrium of every body."""
-    d = 2 if robot.planar else 3
+def bodies(robot: Robot, p: Array, Q: Array, s: Array, theta: Array) -> tuple[Assembly, list[Array]]:
+    """The robot without loads, and of each redundant joint the wrench that does work on its motion."""
+    d, motions = 2 if robot.planar else 3, []
     build = Assembly(d)
     points, attachment = robot.link_points(p, Q, s, theta)
     names = robot.signature("link_points").outputs[0].labels
@@ -96,6 +94,17 @@ def free_body(
         # the redundant joint moves the redundant link on the platform
         motion = turn if revolute else build.sliding(slide)
         build.joints.append(Joint("platform", f"redundant {leg}", attachment[leg], (motion,)))
+        motions.append(motion)
+    return build, motions
+
+
+def free_body(
+    robot: Robot, p: Array, Q: Array, s: Array, theta: Array, wrench: Array, forces: Array
+) -> Array:
+    """Forces of the actuators (3, n) by the equilibrium of every body."""
+    build, motions = bodies(robot, p, Q, s, theta)
+    _, attachment = robot.link_points(p, Q, s, theta)
+    for leg, motion in enumerate(motions):
         # the robot applies `forces` there: what it holds pushes the link and the platform apart
         build.loads.append((f"redundant {leg}", attachment[leg], -forces[leg] * motion))
         build.loads.append(("platform", attachment[leg], forces[leg] * motion))

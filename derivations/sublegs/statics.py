@@ -12,7 +12,7 @@ import sympy as sp
 
 from krhpr.codegen.kernel import Frame, Kernel, Layout, Port, Unit
 from krhpr.codegen.writer import KernelWriter
-from krhpr.derivations.vectors import dot, solve_columns
+from krhpr.derivations.vectors import cross, cross2, dot, solve_columns
 
 if TYPE_CHECKING:
     from krhpr.derivations.sublegs.base import SubLeg
@@ -61,6 +61,10 @@ class StaticsPorts:
         self.K_n = Port(
             "K_n", (self.count * n,), Unit.MIXED, Frame.BASE, "the leg's block of K_n, row by row", stacked
         )
+        freedom = subleg.space.degrees_of_freedom + 3 + (3 if subleg.redundant else 0)
+        self.J_n = Port(
+            "J_n", (3 * self.count, freedom), Unit.MIXED, Frame.BASE, "Jacobian of all coordinates"
+        )
 
 
 class StaticsKernels:
@@ -72,7 +76,7 @@ class StaticsKernels:
 
     def all(self) -> tuple[Kernel, ...]:
         """Every kernel, in the order in which it is printed."""
-        return self._transmission(), self._torques(), self._end_force()
+        return self._transmission(), self._non_redundant(), self._torques(), self._end_force()
 
     def _transmission(self) -> Kernel:
         swivel = ", and the swivel's" if self.leg.redundant else ""
@@ -93,6 +97,31 @@ class StaticsKernels:
         k.add_output(self.statics.K_n, whole)
         self.base.regularity(k, (*equations.parallel, *(equations.others if self.leg.redundant else ())))
         return self.base.end(k)
+
+    def _non_redundant(self) -> Kernel:
+        """[[J, 0], [C, 1]], leg by leg as the blocks of K_n: lines, redundant coordinate, swivel."""
+        k = KernelWriter(
+            "non_redundant",
+            "J_n of J_n [t, rates of the redundant coordinates, of swivels] = K_n theta_dot.",
+            "(5.58) to (5.60)",
+        )
+        space, swivels = self.leg.space, 3 if self.leg.redundant else 0
+        d, f, rows = space.dimension, space.degrees_of_freedom, space.rows_per_leg
+        lines = k.input("J", (3, rows * f))
+        along, p, s = k.input("along", (3, d)), k.input("p", (d,)), k.input("s", (3, d))
+        found: list[list[Any]] = []
+        for i in range(3):
+            alone = [sp.Integer(j == i) for j in range(3)]
+            nothing = [sp.Integer(0)] * 3
+            none = [sp.Integer(0)] * swivels
+            found += [[*row, *nothing, *none] for row in sp.Matrix(rows, f, list(lines.row(i))).tolist()]
+            c, arm = along.row(i).T, k.let(f"u_{i + 1}", s.row(i).T - p, "O' to S_i")
+            moment = list(cross(arm, c)) if d == 3 else [cross2(arm, c)]
+            found.append([*c, *moment, *alone, *none])
+            if swivels:
+                found.append([*([sp.Integer(0)] * f), *nothing, *alone])
+        k.add_output(self.statics.J_n, sp.Matrix(found))
+        return k.kernel()
 
     def _torques(self) -> Kernel:
         k = KernelWriter("torques", "Forces of all actuators, f = K_n^T [lambda, phi].", "(5.12), (5.44)")

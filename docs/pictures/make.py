@@ -44,6 +44,10 @@ from krhpr.study.dexterity import dexterity
 from krhpr.study.figures import dexterity_figures, redundancy_figures
 from krhpr.study.forward_accuracy import forward_accuracy
 from krhpr.study.grasp import contacts, grasp_study
+from krhpr.study.grasp_capability import capability_study
+from krhpr.study.grasp_capability_picture import picture as capability_picture
+from krhpr.study.grasp_control import grasp_control
+from krhpr.study.grasp_control_figures import grasp_control_figures
 from krhpr.study.grasp_picture import picture as grasp_picture
 from krhpr.study.histograms import accuracy_figures
 from krhpr.study.redundancy import redundancy
@@ -351,8 +355,9 @@ STUDIES: dict[str, Callable[[], dict[str, Figure]]] = {
     "accuracy": lambda: accuracy_figures(forward_accuracy()),
     "dexterity": lambda: dexterity_figures(dexterity()),
     "redundancy": lambda: redundancy_figures(redundancy()),
+    "grasp_control": lambda: grasp_control_figures(grasp_control()),
 }
-"""Figures of `krhpr study`, several of each: Figs. 3.8 to 3.11, 1.10 to 1.12, and 4.3 and 4.4."""
+"""Figures of `krhpr study`, several of each: 3.8 to 3.11, 1.10 to 1.12, 4.3 and 4.4, 5.7 and 5.9 to 5.11."""
 
 
 JAW_COLOURS = ("#1b4f72", "#b03a2e")
@@ -379,6 +384,12 @@ def grasping_study() -> Figure:
     return figure
 
 
+def grasping_capability() -> Figure:
+    """What the prototype can grasp with, and the moments that it resists."""
+    figure: Figure = capability_picture(capability_study())
+    return figure
+
+
 PICTURES: dict[str, Callable[[], Figure]] = {
     "flagship": flagship,
     "planar": planar,
@@ -392,6 +403,7 @@ PICTURES: dict[str, Callable[[], Figure]] = {
     "singularity_locus": singularity_locus,
     "grasping": grasping,
     "grasping_study": grasping_study,
+    "grasping_capability": grasping_capability,
     **workspaces.PICTURES,
     **designs.PICTURES,
 }

@@ -148,6 +148,19 @@ KRHPR_API int krhpr_planar_fivebar_coupler_a_jacobian_blocks(
     const krhpr_planar_fivebar_coupler_a_geometry *g, const double p[2], double phi, const double s[6],
     const double theta[6], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K);
 
+/* J_n and K_n of J_n [t, rates of the redundant coordinates] = K_n theta_dot: the non-redundant view.
+ * Without its last columns J_n is J_r, with redundant coordinates blocked.  Thesis: (5.55) to (5.60).
+ *   in     p (2, m, base frame): position of O'
+ *   in     phi (scalar, rad, base frame): orientation of the platform, base from platform
+ *   in     s (3 x 2, m, base frame): end point of the sub-leg, S_i
+ *   in     theta (3 x 2, rad or m, joint frame): actuated joints [theta_1, theta_2]
+ *   out    J (6 x 6, mixed, base frame): Jacobian of the twist, of the redundant coordinates
+ *   out    K (6 x 6, mixed, base frame): Jacobian of the actuators, legs on the block diagonal
+ */
+KRHPR_API int krhpr_planar_fivebar_coupler_a_jacobians_n(
+    const krhpr_planar_fivebar_coupler_a_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K);
+
 /* Actuated joints in one working mode for each leg.  Thesis: 1.5, 2.5, App. B.
  *   in     p (2, m, base frame): position of O'
  *   in     phi (scalar, rad, base frame): orientation of the platform, base from platform
@@ -611,6 +624,14 @@ KRHPR_API int krhpr_planar_fivebar_coupler_a_jacobian_blocks_batch(
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
 KRHPR_API int krhpr_planar_fivebar_coupler_a_jacobian_blocks_soa(
+    const krhpr_planar_fivebar_coupler_a_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* jacobians_n: in = p (2), phi (1), s (6), theta (6); out = J (36), K (36). */
+KRHPR_API int krhpr_planar_fivebar_coupler_a_jacobians_n_batch(
+    const krhpr_planar_fivebar_coupler_a_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_planar_fivebar_coupler_a_jacobians_n_soa(
     const krhpr_planar_fivebar_coupler_a_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 /* inverse: in = p (2), phi (1), redundant (3), mode (6); out = theta (6). */

@@ -385,6 +385,65 @@ KRHPR_API int krhpr_planar_prr2_a_jacobian_blocks(
     return status;
 }
 
+KRHPR_API int krhpr_planar_prr2_a_jacobians_n(
+    const krhpr_planar_prr2_a_geometry *g, const double p[2], double phi, const double s[6],
+    const double theta[6], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
+{
+    int status = KRHPR_OK;
+    double Q[4];
+    double J_lines[9];
+    double along[6];
+    double regularity[3];
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(J, 36);
+        krhpr_fill_nan(K, 36);
+        return KRHPR_INVALID_INPUT;
+    }
+    for (int k = 0; k < 36; ++k) {
+        K[k] = 0.0;
+    }
+    double angle[KRHPR_PADDED(1)] = {0.0};
+    double sine[KRHPR_PADDED(1)];
+    double cosine[KRHPR_PADDED(1)];
+    krhpr_algebra_planar_rotation_angles(phi, angle);
+    krhpr_sincos_array(1, angle, sine, cosine);
+    krhpr_algebra_planar_rotation(sine, cosine, Q);
+    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes J_lines_legs[3];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes along_legs[2];
+        krhpr_lanes redundant_line_legs[3];
+        krhpr_lanes w_legs[4];
+        krhpr_lanes b_legs[2];
+        krhpr_lanes K_legs[4];
+        krhpr_lanes regularity_legs[1];
+        krhpr_platform_planar_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_lines_legs, N_legs);
+        krhpr_platform_planar_a_redundant_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, along_legs, redundant_line_legs);
+        krhpr_subleg_planar_prr2_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs);
+        krhpr_subleg_planar_prr2_transmission_lanes(
+            &g->subleg, i, w_legs, b_legs, N_legs, along_legs, K_legs, regularity_legs);
+        krhpr_legs_store(J_lines, 3, J_lines_legs, 3, i);
+        krhpr_legs_store(along, 2, along_legs, 2, i);
+        krhpr_legs_store(K, 14, K_legs, 2, i);
+        krhpr_legs_store(K + 6, 14, K_legs + 2, 2, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
+    }
+    krhpr_subleg_planar_prr2_non_redundant(J_lines, along, p, s, J);
+    for (int i = 0; i < 3; ++i) {
+        if (!(regularity[i] >= 1e-12)) {
+            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            krhpr_fill_nan(K + 14 * i + 0, 2);
+            krhpr_fill_nan(K + 14 * i + 6, 2);
+        }
+    }
+    return status;
+}
+
 KRHPR_API int krhpr_planar_prr2_a_inverse(
     const krhpr_planar_prr2_a_geometry *g, const double p[2], double phi, const double redundant[3],
     const double mode[6], double *KRHPR_RESTRICT theta)

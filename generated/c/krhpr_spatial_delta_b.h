@@ -155,6 +155,19 @@ KRHPR_API int krhpr_spatial_delta_b_jacobian_blocks(
     const krhpr_spatial_delta_b_geometry *g, const double p[3], const double Q[9], const double s[9],
     const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K);
 
+/* J_n and K_n of J_n [t, rates of the redundant coordinates] = K_n theta_dot: the non-redundant view.
+ * Without its last columns J_n is J_r, with redundant coordinates blocked.  Thesis: (5.55) to (5.60).
+ *   in     p (3, m, base frame): position of O'
+ *   in     Q (3 x 3, base frame): orientation, base from platform
+ *   in     s (3 x 3, m, base frame): end point of the sub-leg, S_i
+ *   in     theta (3 x 3, rad or m, joint frame): actuated joints [theta_1, theta_2, theta_3]
+ *   out    J (9 x 9, mixed, base frame): Jacobian of the twist, of the redundant coordinates
+ *   out    K (9 x 9, mixed, base frame): Jacobian of the actuators, legs on the block diagonal
+ */
+KRHPR_API int krhpr_spatial_delta_b_jacobians_n(
+    const krhpr_spatial_delta_b_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K);
+
 /* Actuated joints in one working mode for each leg.  Thesis: 1.5, 2.5, App. B.
  *   in     p (3, m, base frame): position of O'
  *   in     Q (3 x 3, base frame): orientation, base from platform
@@ -656,6 +669,14 @@ KRHPR_API int krhpr_spatial_delta_b_jacobian_blocks_batch(
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
     ptrdiff_t status_step);
 KRHPR_API int krhpr_spatial_delta_b_jacobian_blocks_soa(
+    const krhpr_spatial_delta_b_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
+/* jacobians_n: in = p (3), Q (9), s (9), theta (9); out = J (81), K (81). */
+KRHPR_API int krhpr_spatial_delta_b_jacobians_n_batch(
+    const krhpr_spatial_delta_b_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step);
+KRHPR_API int krhpr_spatial_delta_b_jacobians_n_soa(
     const krhpr_spatial_delta_b_geometry *g, size_t count, size_t block, const double *const in[],
     const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status);
 /* inverse: in = p (3), Q (9), redundant (3), mode (9); out = theta (9). */

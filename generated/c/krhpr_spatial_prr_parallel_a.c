@@ -318,6 +318,55 @@ KRHPR_API int krhpr_spatial_prr_parallel_a_jacobian_blocks(
     return status;
 }
 
+KRHPR_API int krhpr_spatial_prr_parallel_a_jacobians_n(
+    const krhpr_spatial_prr_parallel_a_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
+{
+    int status = KRHPR_OK;
+    double J_lines[36];
+    double along[9];
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(J, 81);
+        krhpr_fill_nan(K, 81);
+        return KRHPR_INVALID_INPUT;
+    }
+    for (int k = 0; k < 81; ++k) {
+        K[k] = 0.0;
+    }
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes J_lines_legs[12];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes along_legs[3];
+        krhpr_lanes redundant_line_legs[6];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes K_legs[9];
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_prr_parallel_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_platform_spatial_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_lines_legs, N_legs);
+        krhpr_platform_spatial_a_redundant_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, along_legs, redundant_line_legs);
+        krhpr_subleg_prr_parallel_posture_lanes(
+            &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
+        krhpr_subleg_prr_parallel_transmission_lanes(
+            &g->subleg, i, d_legs, v_1_legs, N_legs, along_legs, K_legs);
+        krhpr_legs_store(J_lines, 12, J_lines_legs, 12, i);
+        krhpr_legs_store(along, 3, along_legs, 3, i);
+        krhpr_legs_store(K, 30, K_legs, 3, i);
+        krhpr_legs_store(K + 9, 30, K_legs + 3, 3, i);
+        krhpr_legs_store(K + 18, 30, K_legs + 6, 3, i);
+    }
+    krhpr_subleg_prr_parallel_non_redundant(J_lines, along, p, s, J);
+    return status;
+}
+
 KRHPR_API int krhpr_spatial_prr_parallel_a_inverse(
     const krhpr_spatial_prr_parallel_a_geometry *g, const double p[3], const double Q[9],
     const double redundant[3], const double mode[3], double *KRHPR_RESTRICT theta)

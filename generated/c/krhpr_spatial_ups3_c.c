@@ -338,6 +338,60 @@ KRHPR_API int krhpr_spatial_ups3_c_jacobian_blocks(
     return status;
 }
 
+KRHPR_API int krhpr_spatial_ups3_c_jacobians_n(
+    const krhpr_spatial_ups3_c_geometry *g, const double p[3], const double Q[9], const double s[9],
+    const double theta[9], double *KRHPR_RESTRICT J, double *KRHPR_RESTRICT K)
+{
+    int status = KRHPR_OK;
+    double J_lines[36];
+    double along[9];
+    double regularity[3];
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(J, 81);
+        krhpr_fill_nan(K, 81);
+        return KRHPR_INVALID_INPUT;
+    }
+    for (int k = 0; k < 81; ++k) {
+        K[k] = 0.0;
+    }
+    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes J_lines_legs[12];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes along_legs[3];
+        krhpr_lanes redundant_line_legs[6];
+        krhpr_lanes w_legs[9];
+        krhpr_lanes b_legs[3];
+        krhpr_lanes K_legs[9];
+        krhpr_lanes regularity_legs[1];
+        krhpr_platform_spatial_c_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_lines_legs, N_legs);
+        krhpr_platform_spatial_c_redundant_line_lanes(
+            &g->platform, i, p_legs, Q_legs, s_legs, along_legs, redundant_line_legs);
+        krhpr_subleg_ups3_posture_lanes(&g->subleg, i, s_legs, theta_legs, w_legs, b_legs);
+        krhpr_subleg_ups3_transmission_lanes(
+            &g->subleg, i, w_legs, b_legs, N_legs, along_legs, K_legs, regularity_legs);
+        krhpr_legs_store(J_lines, 12, J_lines_legs, 12, i);
+        krhpr_legs_store(along, 3, along_legs, 3, i);
+        krhpr_legs_store(K, 30, K_legs, 3, i);
+        krhpr_legs_store(K + 9, 30, K_legs + 3, 3, i);
+        krhpr_legs_store(K + 18, 30, K_legs + 6, 3, i);
+        krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
+    }
+    krhpr_subleg_ups3_non_redundant(J_lines, along, p, s, J);
+    for (int i = 0; i < 3; ++i) {
+        if (!(regularity[i] >= 1e-12)) {
+            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            krhpr_fill_nan(K + 30 * i + 0, 3);
+            krhpr_fill_nan(K + 30 * i + 9, 3);
+            krhpr_fill_nan(K + 30 * i + 18, 3);
+        }
+    }
+    return status;
+}
+
 KRHPR_API int krhpr_spatial_ups3_c_inverse(
     const krhpr_spatial_ups3_c_geometry *g, const double p[3], const double Q[9], const double redundant[3],
     double *KRHPR_RESTRICT theta)

@@ -1019,6 +1019,145 @@ KRHPR_API int krhpr_spatial_ups3_c_jacobian_blocks_soa(
 }
 #endif
 
+/* jacobians_n of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
+KRHPR_OUTLINE int krhpr_spatial_ups3_c_jacobians_n_lanes(
+    const krhpr_spatial_ups3_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
+    const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT J,
+    krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
+{
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
+        krhpr_poses_taint(theta, 9);
+    krhpr_lanes J_lines[36];
+    krhpr_lanes along[9];
+    krhpr_lanes regularity[3];
+    for (int k = 0; k < 81; ++k) {
+        K[k] = krhpr_all(0.0);
+    }
+    for (int i = 0; i < 3; ++i) {
+        krhpr_lanes N[6];
+        krhpr_lanes redundant_line[6];
+        krhpr_lanes w[9];
+        krhpr_lanes b[3];
+        krhpr_lanes K_block[9];
+        krhpr_platform_spatial_c_rows_lanes(&g->platform, i, p, Q, s + 3 * i, J_lines + 12 * i, N);
+        krhpr_platform_spatial_c_redundant_line_lanes(
+            &g->platform, i, p, Q, s + 3 * i, along + 3 * i, redundant_line);
+        krhpr_subleg_ups3_posture_lanes(&g->subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_ups3_transmission_lanes(&g->subleg, i, w, b, N, along + 3 * i, K_block, &regularity[i]);
+        for (int k = 0; k < 3; ++k) {
+            K[30 * i + 0 + k] = K_block[0 + k];
+            K[30 * i + 9 + k] = K_block[3 + k];
+            K[30 * i + 18 + k] = K_block[6 + k];
+        }
+    }
+    krhpr_subleg_ups3_non_redundant_lanes(J_lines, along, p, s, J);
+    krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
+    for (int i = 0; i < 3; ++i) {
+        fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+    }
+    *answer = krhpr_all_status(KRHPR_OK);
+    if (!krhpr_any(krhpr_not(fine))) {
+        return 0;
+    }
+    /* somewhere there is no answer: why, and NaN */
+    krhpr_ints status = krhpr_all_status(KRHPR_OK);
+    for (int i = 0; i < 3; ++i) {
+        const krhpr_ints kept_1 = krhpr_at_most(krhpr_all(1e-12), regularity[i]);
+        status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
+        krhpr_poses_keep(kept_1, K + 30 * i + 0, 3);
+        krhpr_poses_keep(kept_1, K + 30 * i + 9, 3);
+        krhpr_poses_keep(kept_1, K + 30 * i + 18, 3);
+    }
+    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
+    krhpr_poses_keep(finite, J, 81);
+    krhpr_poses_keep(finite, K, 81);
+    return 1;
+}
+
+KRHPR_API int krhpr_spatial_ups3_c_jacobians_n_batch(
+    const krhpr_spatial_ups3_c_geometry *g, size_t count, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status,
+    ptrdiff_t status_step)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t together = krhpr_poses_together(count);
+for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+        const int here = krhpr_poses_here(count - (size_t)k);
+        krhpr_ints answer;
+        krhpr_lanes p_lanes[3];
+        krhpr_poses_load(p_lanes, in[0] + k * in_step[0], in_step[0], 3, here);
+        krhpr_lanes Q_lanes[9];
+        krhpr_poses_load(Q_lanes, in[1] + k * in_step[1], in_step[1], 9, here);
+        krhpr_lanes s_lanes[9];
+        krhpr_poses_load(s_lanes, in[2] + k * in_step[2], in_step[2], 9, here);
+        krhpr_lanes theta_lanes[9];
+        krhpr_poses_load(theta_lanes, in[3] + k * in_step[3], in_step[3], 9, here);
+        krhpr_lanes J_lanes[81];
+        krhpr_lanes K_lanes[81];
+        const int doubtful = krhpr_spatial_ups3_c_jacobians_n_lanes(
+            g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
+        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 81, here);
+        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 81, here);
+        if (doubtful || status != NULL) {
+            first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
+        }
+    }
+for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
+        const int here = krhpr_spatial_ups3_c_jacobians_n(
+            g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
+            in[3] + k * in_step[3], out[0] + k * out_step[0], out[1] + k * out_step[1]);
+        first = first == KRHPR_OK ? here : first;
+        if (status != NULL) {
+            status[k * status_step] = here;
+        }
+    }
+    return first;
+}
+
+#ifndef KRHPR_WITHOUT_SOA
+KRHPR_API int krhpr_spatial_ups3_c_jacobians_n_soa(
+    const krhpr_spatial_ups3_c_geometry *g, size_t count, size_t block, const double *const in[],
+    const ptrdiff_t in_step[], double *const out[], const ptrdiff_t out_step[], int *status)
+{
+    int first = KRHPR_OK;
+    const ptrdiff_t row = (ptrdiff_t)(block > 0 ? block : count);
+    const ptrdiff_t blocks = row > 0 ? ((ptrdiff_t)count + row - 1) / row : 0;
+    for (ptrdiff_t b = 0; b < blocks; ++b) {
+        const ptrdiff_t left = (ptrdiff_t)count - b * row;
+        const ptrdiff_t size = left < row ? left : row;
+        int *const answers = status == NULL ? NULL : status + b * row;
+
+        for (ptrdiff_t k = 0; k < size; k += KRHPR_LANES) {
+            const int here = krhpr_poses_here((size_t)(size - k));
+            krhpr_ints answer;
+            krhpr_lanes p_room[3];
+            const krhpr_lanes_at *const p_lanes = krhpr_poses_in(p_room, in[0] + b * in_step[0] + k, row, 3, here);
+            krhpr_lanes Q_room[9];
+            const krhpr_lanes_at *const Q_lanes = krhpr_poses_in(Q_room, in[1] + b * in_step[1] + k, row, 9, here);
+            krhpr_lanes s_room[9];
+            const krhpr_lanes_at *const s_lanes = krhpr_poses_in(s_room, in[2] + b * in_step[2] + k, row, 9, here);
+            krhpr_lanes theta_room[9];
+            const krhpr_lanes_at *const theta_lanes = krhpr_poses_in(theta_room, in[3] + b * in_step[3] + k, row, 9, here);
+            krhpr_lanes J_room[81];
+            double *const J_at = out[0] + b * out_step[0] + k;
+            krhpr_lanes_at *const J_lanes = krhpr_poses_out(J_room, J_at, row, here);
+            krhpr_lanes K_room[81];
+            double *const K_at = out[1] + b * out_step[1] + k;
+            krhpr_lanes_at *const K_lanes = krhpr_poses_out(K_room, K_at, row, here);
+            const int doubtful = krhpr_spatial_ups3_c_jacobians_n_lanes(
+                g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
+            krhpr_poses_done(J_room, J_at, row, 81, here);
+            krhpr_poses_done(K_room, K_at, row, 81, here);
+            if (doubtful || answers != NULL) {
+                first = krhpr_poses_report(&answer, here, first, answers == NULL ? NULL : answers + k, 1);
+            }
+        }
+    }
+    return first;
+}
+#endif
+
 /* inverse of KRHPR_LANES poses side by side; 0 where every answer is KRHPR_OK. */
 KRHPR_OUTLINE int krhpr_spatial_ups3_c_inverse_lanes(
     const krhpr_spatial_ups3_c_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],

@@ -653,6 +653,56 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_transmission(
     *regularity = fabs(delta * g->k[14][i]);
 }
 
+/* J_n of J_n [t, rates of the redundant coordinates, of swivels] = K_n theta_dot.  Thesis: (5.58) to
+ * (5.60).  (9 add, 6 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_non_redundant(
+    const double J[9], const double along[6], const double p[2], const double s[6],
+    double *KRHPR_RESTRICT J_n)
+{
+    const double u_1_0 = s[0] - p[0];
+    const double u_1_1 = s[1] - p[1];
+    const double u_2_0 = s[2] - p[0];
+    const double u_2_1 = s[3] - p[1];
+    const double u_3_0 = s[4] - p[0];
+    const double u_3_1 = s[5] - p[1];
+    J_n[0] = J[0];
+    J_n[1] = J[1];
+    J_n[2] = J[2];
+    J_n[3] = 0.0;
+    J_n[4] = 0.0;
+    J_n[5] = 0.0;
+    J_n[6] = along[0];
+    J_n[7] = along[1];
+    J_n[8] = along[1] * u_1_0 - along[0] * u_1_1;
+    J_n[9] = 1.0;
+    J_n[10] = 0.0;
+    J_n[11] = 0.0;
+    J_n[12] = J[3];
+    J_n[13] = J[4];
+    J_n[14] = J[5];
+    J_n[15] = 0.0;
+    J_n[16] = 0.0;
+    J_n[17] = 0.0;
+    J_n[18] = along[2];
+    J_n[19] = along[3];
+    J_n[20] = along[3] * u_2_0 - along[2] * u_2_1;
+    J_n[21] = 0.0;
+    J_n[22] = 1.0;
+    J_n[23] = 0.0;
+    J_n[24] = J[6];
+    J_n[25] = J[7];
+    J_n[26] = J[8];
+    J_n[27] = 0.0;
+    J_n[28] = 0.0;
+    J_n[29] = 0.0;
+    J_n[30] = along[4];
+    J_n[31] = along[5];
+    J_n[32] = along[5] * u_3_0 - along[4] * u_3_1;
+    J_n[33] = 0.0;
+    J_n[34] = 0.0;
+    J_n[35] = 1.0;
+}
+
 /* Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (6 add, 12 multiply) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_torques(
     const double K_n[12], const double line_forces[3], const double redundant_forces[3],

@@ -645,6 +645,56 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_transmission_lanes(
     *regularity = krhpr_lanes_fabs(delta * g_k_10);
 }
 
+/* J_n of J_n [t, rates of the redundant coordinates, of swivels] = K_n theta_dot.  Thesis: (5.58) to
+ * (5.60).  (9 add, 6 multiply) */
+KRHPR_INLINE void krhpr_subleg_planar_fivebar_non_redundant_lanes(
+    const krhpr_lanes_at J[9], const krhpr_lanes_at along[6], const krhpr_lanes_at p[2],
+    const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT J_n)
+{
+    const krhpr_lanes u_1_0 = s[0] - p[0];
+    const krhpr_lanes u_1_1 = s[1] - p[1];
+    const krhpr_lanes u_2_0 = s[2] - p[0];
+    const krhpr_lanes u_2_1 = s[3] - p[1];
+    const krhpr_lanes u_3_0 = s[4] - p[0];
+    const krhpr_lanes u_3_1 = s[5] - p[1];
+    J_n[0] = J[0];
+    J_n[1] = J[1];
+    J_n[2] = J[2];
+    J_n[3] = krhpr_all(0.0);
+    J_n[4] = krhpr_all(0.0);
+    J_n[5] = krhpr_all(0.0);
+    J_n[6] = along[0];
+    J_n[7] = along[1];
+    J_n[8] = along[1] * u_1_0 - along[0] * u_1_1;
+    J_n[9] = krhpr_all(1.0);
+    J_n[10] = krhpr_all(0.0);
+    J_n[11] = krhpr_all(0.0);
+    J_n[12] = J[3];
+    J_n[13] = J[4];
+    J_n[14] = J[5];
+    J_n[15] = krhpr_all(0.0);
+    J_n[16] = krhpr_all(0.0);
+    J_n[17] = krhpr_all(0.0);
+    J_n[18] = along[2];
+    J_n[19] = along[3];
+    J_n[20] = along[3] * u_2_0 - along[2] * u_2_1;
+    J_n[21] = krhpr_all(0.0);
+    J_n[22] = krhpr_all(1.0);
+    J_n[23] = krhpr_all(0.0);
+    J_n[24] = J[6];
+    J_n[25] = J[7];
+    J_n[26] = J[8];
+    J_n[27] = krhpr_all(0.0);
+    J_n[28] = krhpr_all(0.0);
+    J_n[29] = krhpr_all(0.0);
+    J_n[30] = along[4];
+    J_n[31] = along[5];
+    J_n[32] = along[5] * u_3_0 - along[4] * u_3_1;
+    J_n[33] = krhpr_all(0.0);
+    J_n[34] = krhpr_all(0.0);
+    J_n[35] = krhpr_all(1.0);
+}
+
 /* Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (6 add, 12 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_torques_lanes(
     const krhpr_lanes_at K_n[12], const krhpr_lanes_at line_forces[3],

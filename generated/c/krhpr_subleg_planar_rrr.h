@@ -438,6 +438,101 @@ KRHPR_STATIC void krhpr_subleg_planar_rrr_transmission(
     K_n[8] = 1.0;
 }
 
+/* J_n of J_n [t, rates of the redundant coordinates, of swivels] = K_n theta_dot.  Thesis: (5.58) to
+ * (5.60).  (9 add, 6 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_rrr_non_redundant(
+    const double J[9], const double along[6], const double p[2], const double s[6],
+    double *KRHPR_RESTRICT J_n)
+{
+    const double u_1_0 = s[0] - p[0];
+    const double u_1_1 = s[1] - p[1];
+    const double u_2_0 = s[2] - p[0];
+    const double u_2_1 = s[3] - p[1];
+    const double u_3_0 = s[4] - p[0];
+    const double u_3_1 = s[5] - p[1];
+    J_n[0] = J[0];
+    J_n[1] = J[1];
+    J_n[2] = J[2];
+    J_n[3] = 0.0;
+    J_n[4] = 0.0;
+    J_n[5] = 0.0;
+    J_n[6] = 0.0;
+    J_n[7] = 0.0;
+    J_n[8] = 0.0;
+    J_n[9] = along[0];
+    J_n[10] = along[1];
+    J_n[11] = along[1] * u_1_0 - along[0] * u_1_1;
+    J_n[12] = 1.0;
+    J_n[13] = 0.0;
+    J_n[14] = 0.0;
+    J_n[15] = 0.0;
+    J_n[16] = 0.0;
+    J_n[17] = 0.0;
+    J_n[18] = 0.0;
+    J_n[19] = 0.0;
+    J_n[20] = 0.0;
+    J_n[21] = 0.0;
+    J_n[22] = 0.0;
+    J_n[23] = 0.0;
+    J_n[24] = 1.0;
+    J_n[25] = 0.0;
+    J_n[26] = 0.0;
+    J_n[27] = J[3];
+    J_n[28] = J[4];
+    J_n[29] = J[5];
+    J_n[30] = 0.0;
+    J_n[31] = 0.0;
+    J_n[32] = 0.0;
+    J_n[33] = 0.0;
+    J_n[34] = 0.0;
+    J_n[35] = 0.0;
+    J_n[36] = along[2];
+    J_n[37] = along[3];
+    J_n[38] = along[3] * u_2_0 - along[2] * u_2_1;
+    J_n[39] = 0.0;
+    J_n[40] = 1.0;
+    J_n[41] = 0.0;
+    J_n[42] = 0.0;
+    J_n[43] = 0.0;
+    J_n[44] = 0.0;
+    J_n[45] = 0.0;
+    J_n[46] = 0.0;
+    J_n[47] = 0.0;
+    J_n[48] = 0.0;
+    J_n[49] = 0.0;
+    J_n[50] = 0.0;
+    J_n[51] = 0.0;
+    J_n[52] = 1.0;
+    J_n[53] = 0.0;
+    J_n[54] = J[6];
+    J_n[55] = J[7];
+    J_n[56] = J[8];
+    J_n[57] = 0.0;
+    J_n[58] = 0.0;
+    J_n[59] = 0.0;
+    J_n[60] = 0.0;
+    J_n[61] = 0.0;
+    J_n[62] = 0.0;
+    J_n[63] = along[4];
+    J_n[64] = along[5];
+    J_n[65] = along[5] * u_3_0 - along[4] * u_3_1;
+    J_n[66] = 0.0;
+    J_n[67] = 0.0;
+    J_n[68] = 1.0;
+    J_n[69] = 0.0;
+    J_n[70] = 0.0;
+    J_n[71] = 0.0;
+    J_n[72] = 0.0;
+    J_n[73] = 0.0;
+    J_n[74] = 0.0;
+    J_n[75] = 0.0;
+    J_n[76] = 0.0;
+    J_n[77] = 0.0;
+    J_n[78] = 0.0;
+    J_n[79] = 0.0;
+    J_n[80] = 1.0;
+}
+
 /* Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (18 add, 27 multiply) */
 KRHPR_STATIC void krhpr_subleg_planar_rrr_torques(
     const double K_n[27], const double line_forces[3], const double redundant_forces[3],

@@ -463,6 +463,101 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_transmission_lanes(
     K_n[8] = krhpr_all(1.0);
 }
 
+/* J_n of J_n [t, rates of the redundant coordinates, of swivels] = K_n theta_dot.  Thesis: (5.58) to
+ * (5.60).  (9 add, 6 multiply) */
+KRHPR_INLINE void krhpr_subleg_planar_rrr_non_redundant_lanes(
+    const krhpr_lanes_at J[9], const krhpr_lanes_at along[6], const krhpr_lanes_at p[2],
+    const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT J_n)
+{
+    const krhpr_lanes u_1_0 = s[0] - p[0];
+    const krhpr_lanes u_1_1 = s[1] - p[1];
+    const krhpr_lanes u_2_0 = s[2] - p[0];
+    const krhpr_lanes u_2_1 = s[3] - p[1];
+    const krhpr_lanes u_3_0 = s[4] - p[0];
+    const krhpr_lanes u_3_1 = s[5] - p[1];
+    J_n[0] = J[0];
+    J_n[1] = J[1];
+    J_n[2] = J[2];
+    J_n[3] = krhpr_all(0.0);
+    J_n[4] = krhpr_all(0.0);
+    J_n[5] = krhpr_all(0.0);
+    J_n[6] = krhpr_all(0.0);
+    J_n[7] = krhpr_all(0.0);
+    J_n[8] = krhpr_all(0.0);
+    J_n[9] = along[0];
+    J_n[10] = along[1];
+    J_n[11] = along[1] * u_1_0 - along[0] * u_1_1;
+    J_n[12] = krhpr_all(1.0);
+    J_n[13] = krhpr_all(0.0);
+    J_n[14] = krhpr_all(0.0);
+    J_n[15] = krhpr_all(0.0);
+    J_n[16] = krhpr_all(0.0);
+    J_n[17] = krhpr_all(0.0);
+    J_n[18] = krhpr_all(0.0);
+    J_n[19] = krhpr_all(0.0);
+    J_n[20] = krhpr_all(0.0);
+    J_n[21] = krhpr_all(0.0);
+    J_n[22] = krhpr_all(0.0);
+    J_n[23] = krhpr_all(0.0);
+    J_n[24] = krhpr_all(1.0);
+    J_n[25] = krhpr_all(0.0);
+    J_n[26] = krhpr_all(0.0);
+    J_n[27] = J[3];
+    J_n[28] = J[4];
+    J_n[29] = J[5];
+    J_n[30] = krhpr_all(0.0);
+    J_n[31] = krhpr_all(0.0);
+    J_n[32] = krhpr_all(0.0);
+    J_n[33] = krhpr_all(0.0);
+    J_n[34] = krhpr_all(0.0);
+    J_n[35] = krhpr_all(0.0);
+    J_n[36] = along[2];
+    J_n[37] = along[3];
+    J_n[38] = along[3] * u_2_0 - along[2] * u_2_1;
+    J_n[39] = krhpr_all(0.0);
+    J_n[40] = krhpr_all(1.0);
+    J_n[41] = krhpr_all(0.0);
+    J_n[42] = krhpr_all(0.0);
+    J_n[43] = krhpr_all(0.0);
+    J_n[44] = krhpr_all(0.0);
+    J_n[45] = krhpr_all(0.0);
+    J_n[46] = krhpr_all(0.0);
+    J_n[47] = krhpr_all(0.0);
+    J_n[48] = krhpr_all(0.0);
+    J_n[49] = krhpr_all(0.0);
+    J_n[50] = krhpr_all(0.0);
+    J_n[51] = krhpr_all(0.0);
+    J_n[52] = krhpr_all(1.0);
+    J_n[53] = krhpr_all(0.0);
+    J_n[54] = J[6];
+    J_n[55] = J[7];
+    J_n[56] = J[8];
+    J_n[57] = krhpr_all(0.0);
+    J_n[58] = krhpr_all(0.0);
+    J_n[59] = krhpr_all(0.0);
+    J_n[60] = krhpr_all(0.0);
+    J_n[61] = krhpr_all(0.0);
+    J_n[62] = krhpr_all(0.0);
+    J_n[63] = along[4];
+    J_n[64] = along[5];
+    J_n[65] = along[5] * u_3_0 - along[4] * u_3_1;
+    J_n[66] = krhpr_all(0.0);
+    J_n[67] = krhpr_all(0.0);
+    J_n[68] = krhpr_all(1.0);
+    J_n[69] = krhpr_all(0.0);
+    J_n[70] = krhpr_all(0.0);
+    J_n[71] = krhpr_all(0.0);
+    J_n[72] = krhpr_all(0.0);
+    J_n[73] = krhpr_all(0.0);
+    J_n[74] = krhpr_all(0.0);
+    J_n[75] = krhpr_all(0.0);
+    J_n[76] = krhpr_all(0.0);
+    J_n[77] = krhpr_all(0.0);
+    J_n[78] = krhpr_all(0.0);
+    J_n[79] = krhpr_all(0.0);
+    J_n[80] = krhpr_all(1.0);
+}
+
 /* Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (18 add, 27 multiply) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_torques_lanes(
     const krhpr_lanes_at K_n[27], const krhpr_lanes_at line_forces[3],

@@ -673,6 +673,104 @@ KRHPR_INLINE void krhpr_subleg_ups3_transmission_lanes(
     *regularity = krhpr_lanes_fabs(volume * g_k_9);
 }
 
+/* J_n of J_n [t, rates of the redundant coordinates, of swivels] = K_n theta_dot.  Thesis: (5.58) to
+ * (5.60).  (18 add, 18 multiply) */
+KRHPR_INLINE void krhpr_subleg_ups3_non_redundant_lanes(
+    const krhpr_lanes_at J[36], const krhpr_lanes_at along[9], const krhpr_lanes_at p[3],
+    const krhpr_lanes_at s[9], krhpr_lanes_at *KRHPR_RESTRICT J_n)
+{
+    const krhpr_lanes u_1_0 = s[0] - p[0];
+    const krhpr_lanes u_1_1 = s[1] - p[1];
+    const krhpr_lanes u_1_2 = s[2] - p[2];
+    const krhpr_lanes u_2_0 = s[3] - p[0];
+    const krhpr_lanes u_2_1 = s[4] - p[1];
+    const krhpr_lanes u_2_2 = s[5] - p[2];
+    const krhpr_lanes u_3_0 = s[6] - p[0];
+    const krhpr_lanes u_3_1 = s[7] - p[1];
+    const krhpr_lanes u_3_2 = s[8] - p[2];
+    J_n[0] = J[0];
+    J_n[1] = J[1];
+    J_n[2] = J[2];
+    J_n[3] = J[3];
+    J_n[4] = J[4];
+    J_n[5] = J[5];
+    J_n[6] = krhpr_all(0.0);
+    J_n[7] = krhpr_all(0.0);
+    J_n[8] = krhpr_all(0.0);
+    J_n[9] = J[6];
+    J_n[10] = J[7];
+    J_n[11] = J[8];
+    J_n[12] = J[9];
+    J_n[13] = J[10];
+    J_n[14] = J[11];
+    J_n[15] = krhpr_all(0.0);
+    J_n[16] = krhpr_all(0.0);
+    J_n[17] = krhpr_all(0.0);
+    J_n[18] = along[0];
+    J_n[19] = along[1];
+    J_n[20] = along[2];
+    J_n[21] = along[2] * u_1_1 - along[1] * u_1_2;
+    J_n[22] = along[0] * u_1_2 - along[2] * u_1_0;
+    J_n[23] = along[1] * u_1_0 - along[0] * u_1_1;
+    J_n[24] = krhpr_all(1.0);
+    J_n[25] = krhpr_all(0.0);
+    J_n[26] = krhpr_all(0.0);
+    J_n[27] = J[12];
+    J_n[28] = J[13];
+    J_n[29] = J[14];
+    J_n[30] = J[15];
+    J_n[31] = J[16];
+    J_n[32] = J[17];
+    J_n[33] = krhpr_all(0.0);
+    J_n[34] = krhpr_all(0.0);
+    J_n[35] = krhpr_all(0.0);
+    J_n[36] = J[18];
+    J_n[37] = J[19];
+    J_n[38] = J[20];
+    J_n[39] = J[21];
+    J_n[40] = J[22];
+    J_n[41] = J[23];
+    J_n[42] = krhpr_all(0.0);
+    J_n[43] = krhpr_all(0.0);
+    J_n[44] = krhpr_all(0.0);
+    J_n[45] = along[3];
+    J_n[46] = along[4];
+    J_n[47] = along[5];
+    J_n[48] = along[5] * u_2_1 - along[4] * u_2_2;
+    J_n[49] = along[3] * u_2_2 - along[5] * u_2_0;
+    J_n[50] = along[4] * u_2_0 - along[3] * u_2_1;
+    J_n[51] = krhpr_all(0.0);
+    J_n[52] = krhpr_all(1.0);
+    J_n[53] = krhpr_all(0.0);
+    J_n[54] = J[24];
+    J_n[55] = J[25];
+    J_n[56] = J[26];
+    J_n[57] = J[27];
+    J_n[58] = J[28];
+    J_n[59] = J[29];
+    J_n[60] = krhpr_all(0.0);
+    J_n[61] = krhpr_all(0.0);
+    J_n[62] = krhpr_all(0.0);
+    J_n[63] = J[30];
+    J_n[64] = J[31];
+    J_n[65] = J[32];
+    J_n[66] = J[33];
+    J_n[67] = J[34];
+    J_n[68] = J[35];
+    J_n[69] = krhpr_all(0.0);
+    J_n[70] = krhpr_all(0.0);
+    J_n[71] = krhpr_all(0.0);
+    J_n[72] = along[6];
+    J_n[73] = along[7];
+    J_n[74] = along[8];
+    J_n[75] = along[8] * u_3_1 - along[7] * u_3_2;
+    J_n[76] = along[6] * u_3_2 - along[8] * u_3_0;
+    J_n[77] = along[7] * u_3_0 - along[6] * u_3_1;
+    J_n[78] = krhpr_all(0.0);
+    J_n[79] = krhpr_all(0.0);
+    J_n[80] = krhpr_all(1.0);
+}
+
 /* Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (18 add, 27 multiply) */
 KRHPR_INLINE void krhpr_subleg_ups3_torques_lanes(
     const krhpr_lanes_at K_n[27], const krhpr_lanes_at line_forces[6],

@@ -658,6 +658,104 @@ KRHPR_STATIC void krhpr_subleg_upu3_transmission(
     *regularity = fabs(volume * g->k[9][i]);
 }
 
+/* J_n of J_n [t, rates of the redundant coordinates, of swivels] = K_n theta_dot.  Thesis: (5.58) to
+ * (5.60).  (18 add, 18 multiply) */
+KRHPR_STATIC void krhpr_subleg_upu3_non_redundant(
+    const double J[36], const double along[9], const double p[3], const double s[9],
+    double *KRHPR_RESTRICT J_n)
+{
+    const double u_1_0 = s[0] - p[0];
+    const double u_1_1 = s[1] - p[1];
+    const double u_1_2 = s[2] - p[2];
+    const double u_2_0 = s[3] - p[0];
+    const double u_2_1 = s[4] - p[1];
+    const double u_2_2 = s[5] - p[2];
+    const double u_3_0 = s[6] - p[0];
+    const double u_3_1 = s[7] - p[1];
+    const double u_3_2 = s[8] - p[2];
+    J_n[0] = J[0];
+    J_n[1] = J[1];
+    J_n[2] = J[2];
+    J_n[3] = J[3];
+    J_n[4] = J[4];
+    J_n[5] = J[5];
+    J_n[6] = 0.0;
+    J_n[7] = 0.0;
+    J_n[8] = 0.0;
+    J_n[9] = J[6];
+    J_n[10] = J[7];
+    J_n[11] = J[8];
+    J_n[12] = J[9];
+    J_n[13] = J[10];
+    J_n[14] = J[11];
+    J_n[15] = 0.0;
+    J_n[16] = 0.0;
+    J_n[17] = 0.0;
+    J_n[18] = along[0];
+    J_n[19] = along[1];
+    J_n[20] = along[2];
+    J_n[21] = along[2] * u_1_1 - along[1] * u_1_2;
+    J_n[22] = along[0] * u_1_2 - along[2] * u_1_0;
+    J_n[23] = along[1] * u_1_0 - along[0] * u_1_1;
+    J_n[24] = 1.0;
+    J_n[25] = 0.0;
+    J_n[26] = 0.0;
+    J_n[27] = J[12];
+    J_n[28] = J[13];
+    J_n[29] = J[14];
+    J_n[30] = J[15];
+    J_n[31] = J[16];
+    J_n[32] = J[17];
+    J_n[33] = 0.0;
+    J_n[34] = 0.0;
+    J_n[35] = 0.0;
+    J_n[36] = J[18];
+    J_n[37] = J[19];
+    J_n[38] = J[20];
+    J_n[39] = J[21];
+    J_n[40] = J[22];
+    J_n[41] = J[23];
+    J_n[42] = 0.0;
+    J_n[43] = 0.0;
+    J_n[44] = 0.0;
+    J_n[45] = along[3];
+    J_n[46] = along[4];
+    J_n[47] = along[5];
+    J_n[48] = along[5] * u_2_1 - along[4] * u_2_2;
+    J_n[49] = along[3] * u_2_2 - along[5] * u_2_0;
+    J_n[50] = along[4] * u_2_0 - along[3] * u_2_1;
+    J_n[51] = 0.0;
+    J_n[52] = 1.0;
+    J_n[53] = 0.0;
+    J_n[54] = J[24];
+    J_n[55] = J[25];
+    J_n[56] = J[26];
+    J_n[57] = J[27];
+    J_n[58] = J[28];
+    J_n[59] = J[29];
+    J_n[60] = 0.0;
+    J_n[61] = 0.0;
+    J_n[62] = 0.0;
+    J_n[63] = J[30];
+    J_n[64] = J[31];
+    J_n[65] = J[32];
+    J_n[66] = J[33];
+    J_n[67] = J[34];
+    J_n[68] = J[35];
+    J_n[69] = 0.0;
+    J_n[70] = 0.0;
+    J_n[71] = 0.0;
+    J_n[72] = along[6];
+    J_n[73] = along[7];
+    J_n[74] = along[8];
+    J_n[75] = along[8] * u_3_1 - along[7] * u_3_2;
+    J_n[76] = along[6] * u_3_2 - along[8] * u_3_0;
+    J_n[77] = along[7] * u_3_0 - along[6] * u_3_1;
+    J_n[78] = 0.0;
+    J_n[79] = 0.0;
+    J_n[80] = 1.0;
+}
+
 /* Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (18 add, 27 multiply) */
 KRHPR_STATIC void krhpr_subleg_upu3_torques(
     const double K_n[27], const double line_forces[6], const double redundant_forces[3],

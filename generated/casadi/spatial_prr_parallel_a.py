@@ -260,6 +260,41 @@ def jacobian_blocks(geometry: Any) -> Any:
     return call.function({"J": J, "K": K})
 
 
+def jacobians_n(geometry: Any) -> Any:
+    """J_n and K_n of J_n [t, rates of the redundant coordinates] = K_n theta_dot: the non-redundant
+    view.  Without its last columns J_n is J_r, with redundant coordinates blocked."""
+    call = rt.Call(
+        "jacobians_n",
+        (
+            rt.Port("p", (3,), "shared"),
+            rt.Port("Q", (3, 3), "shared"),
+            rt.Port("s", (3, 3), "stacked"),
+            rt.Port("theta", (3, 3), "stacked"),
+        ),
+        (
+            rt.Port("J", (9, 9), "shared"),
+            rt.Port("K", (9, 9), "block diagonal"),
+        ),
+        geometry,
+    )
+    J_lines: list[Any] = []
+    along: list[Any] = []
+    K: list[Any] = []
+    for i in range(rt.LEGS):
+        fields = rt.leg_fields(geometry, FIELDS, i)
+        J_lines_i, N_i = platform.rows(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
+        along_i, _redundant_line = platform.redundant_line(
+            platform.prepare(fields), call.leg("p", i), call.leg("Q", i), call.leg("s", i))
+        d_i, v_1_i = subleg.posture(subleg.prepare(fields), call.leg("s", i), call.leg("theta", i))
+        K_i = subleg.transmission(subleg.prepare(fields), d_i, v_1_i, N_i, along_i)
+        J_lines += J_lines_i
+        along += along_i
+        K += K_i
+    J = subleg.non_redundant(J_lines, along, call.whole("p"), call.whole("s"))
+    return call.function({"J": J, "K": K})
+
+
 def inverse(geometry: Any) -> Any:
     """Actuated joints in one working mode for each leg."""
     call = rt.Call(
@@ -907,6 +942,7 @@ FUNCTIONS = {
     "constraints": constraints,
     "jacobians": jacobians,
     "jacobian_blocks": jacobian_blocks,
+    "jacobians_n": jacobians_n,
     "inverse": inverse,
     "inverse_all": inverse_all,
     "inverse_status": inverse_status,

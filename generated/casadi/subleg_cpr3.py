@@ -1092,6 +1092,107 @@ def transmission(g: Any, w: Any, b: Any, N: Any, along: Any) -> tuple[Any, ...]:
     )
 
 
+def non_redundant(J: Any, along: Any, p: Any, s: Any) -> tuple[Any, ...]:
+    """J_n of J_n [t, rates of the redundant coordinates, of swivels] = K_n theta_dot.  Thesis: (5.58)
+    to (5.60).  (18 add, 18 multiply)"""
+    J_00, J_01, J_02, J_03, J_04, J_05, J_06, J_07, J_08, J_09, J_010, J_011, J_10, J_11, J_12, J_13, J_14, J_15, J_16, J_17, J_18, J_19, J_110, J_111, J_20, J_21, J_22, J_23, J_24, J_25, J_26, J_27, J_28, J_29, J_210, J_211 = J
+    along_00, along_01, along_02, along_10, along_11, along_12, along_20, along_21, along_22 = along
+    p_0, p_1, p_2 = p
+    s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
+    u_1_0 = s_00 - p_0
+    u_1_1 = s_01 - p_1
+    u_1_2 = s_02 - p_2
+    u_2_0 = s_10 - p_0
+    u_2_1 = s_11 - p_1
+    u_2_2 = s_12 - p_2
+    u_3_0 = s_20 - p_0
+    u_3_1 = s_21 - p_1
+    u_3_2 = s_22 - p_2
+    return (
+        J_00,
+        J_01,
+        J_02,
+        J_03,
+        J_04,
+        J_05,
+        0,
+        0,
+        0,
+        J_06,
+        J_07,
+        J_08,
+        J_09,
+        J_010,
+        J_011,
+        0,
+        0,
+        0,
+        along_00,
+        along_01,
+        along_02,
+        along_02 * u_1_1 - along_01 * u_1_2,
+        along_00 * u_1_2 - along_02 * u_1_0,
+        along_01 * u_1_0 - along_00 * u_1_1,
+        1,
+        0,
+        0,
+        J_10,
+        J_11,
+        J_12,
+        J_13,
+        J_14,
+        J_15,
+        0,
+        0,
+        0,
+        J_16,
+        J_17,
+        J_18,
+        J_19,
+        J_110,
+        J_111,
+        0,
+        0,
+        0,
+        along_10,
+        along_11,
+        along_12,
+        along_12 * u_2_1 - along_11 * u_2_2,
+        along_10 * u_2_2 - along_12 * u_2_0,
+        along_11 * u_2_0 - along_10 * u_2_1,
+        0,
+        1,
+        0,
+        J_20,
+        J_21,
+        J_22,
+        J_23,
+        J_24,
+        J_25,
+        0,
+        0,
+        0,
+        J_26,
+        J_27,
+        J_28,
+        J_29,
+        J_210,
+        J_211,
+        0,
+        0,
+        0,
+        along_20,
+        along_21,
+        along_22,
+        along_22 * u_3_1 - along_21 * u_3_2,
+        along_20 * u_3_2 - along_22 * u_3_0,
+        along_21 * u_3_0 - along_20 * u_3_1,
+        0,
+        0,
+        1,
+    )
+
+
 def torques(K_n: Any, line_forces: Any, redundant_forces: Any) -> tuple[Any, ...]:
     """Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (18 add, 27
     multiply)"""

@@ -321,6 +321,59 @@ def transmission(g: Any, d: Any, u: Any, N: Any, along: Any) -> tuple[Any, ...]:
     )
 
 
+def non_redundant(J: Any, along: Any, p: Any, s: Any) -> tuple[Any, ...]:
+    """J_n of J_n [t, rates of the redundant coordinates, of swivels] = K_n theta_dot.  Thesis: (5.58)
+    to (5.60).  (9 add, 6 multiply)"""
+    J_00, J_01, J_02, J_10, J_11, J_12, J_20, J_21, J_22 = J
+    along_00, along_01, along_10, along_11, along_20, along_21 = along
+    p_0, p_1 = p
+    s_00, s_01, s_10, s_11, s_20, s_21 = s
+    u_1_0 = s_00 - p_0
+    u_1_1 = s_01 - p_1
+    u_2_0 = s_10 - p_0
+    u_2_1 = s_11 - p_1
+    u_3_0 = s_20 - p_0
+    u_3_1 = s_21 - p_1
+    return (
+        J_00,
+        J_01,
+        J_02,
+        0,
+        0,
+        0,
+        along_00,
+        along_01,
+        along_01 * u_1_0 - along_00 * u_1_1,
+        1,
+        0,
+        0,
+        J_10,
+        J_11,
+        J_12,
+        0,
+        0,
+        0,
+        along_10,
+        along_11,
+        along_11 * u_2_0 - along_10 * u_2_1,
+        0,
+        1,
+        0,
+        J_20,
+        J_21,
+        J_22,
+        0,
+        0,
+        0,
+        along_20,
+        along_21,
+        along_21 * u_3_0 - along_20 * u_3_1,
+        0,
+        0,
+        1,
+    )
+
+
 def torques(K_n: Any, line_forces: Any, redundant_forces: Any) -> tuple[Any, ...]:
     """Forces of all actuators, f = K_n^T [lambda, phi].  Thesis: (5.12), (5.44).  (6 add, 12 multiply)"""
     K_n_00, K_n_01, K_n_02, K_n_03, K_n_10, K_n_11, K_n_12, K_n_13, K_n_20, K_n_21, K_n_22, K_n_23 = K_n

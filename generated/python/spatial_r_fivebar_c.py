@@ -49,6 +49,7 @@ __all__ = [
     "inverse_status",
     "jacobian_blocks",
     "jacobians",
+    "jacobians_n",
     "joint_accelerations",
     "joint_rates",
     "link_points",
@@ -354,6 +355,22 @@ SIGNATURES = {
             rt.Port("K", (3, 2, 3), "mixed", "base", "the legs' blocks of K", "stacked", ()),
         ),
         "(3),(3,3),(3,3),(3,3)->(6,6),(3,2,3),()",
+    ),
+    "jacobians_n": rt.Signature(
+        "jacobians_n",
+        "J_n and K_n of J_n [t, rates of the redundant coordinates] = K_n theta_dot: the non-redundant view.  Without its last columns J_n is J_r, with redundant coordinates blocked.",
+        "(5.55) to (5.60)",
+        (
+            rt.Port("p", (3,), "m", "base", "position of O'", "shared", ()),
+            rt.Port("Q", (3, 3), "1", "base", "orientation, base from platform", "shared", ()),
+            rt.Port("s", (3, 3), "m", "base", "end point of the sub-leg, S_i", "stacked", ()),
+            rt.Port("theta", (3, 3), "rad or m", "joint", "actuated joints", "stacked", ("theta_1", "theta_2", "theta_3", )),
+        ),
+        (
+            rt.Port("J", (9, 9), "mixed", "base", "Jacobian of the twist, of the redundant coordinates", "shared", ()),
+            rt.Port("K", (9, 9), "mixed", "base", "Jacobian of the actuators, legs on the block diagonal", "block diagonal", ()),
+        ),
+        "(3),(3,3),(3,3),(3,3)->(9,9),(9,9),()",
     ),
     "inverse": rt.Signature(
         "inverse",
@@ -823,6 +840,13 @@ class JacobianBlocks(NamedTuple):
     K: Any
 
 
+class JacobiansN(NamedTuple):
+    """Results of `jacobians_n`."""
+
+    J: Any
+    K: Any
+
+
 class ForwardStatics(NamedTuple):
     """Results of `forward_statics`."""
 
@@ -1285,6 +1309,50 @@ def jacobian_blocks(
             ),
         )
     answer = JacobianBlocks(*results[:-1])
+    return (answer, results[-1]) if status else answer
+
+
+def jacobians_n(
+    p: Any, Q: Any, s: Any, theta: Any, *, geometry: Geometry = DEFAULT_GEOMETRY,
+    status: bool = False) -> Any:
+    """J_n and K_n of J_n [t, rates of the redundant coordinates] = K_n theta_dot: the non-redundant
+    view.  Without its last columns J_n is J_r, with redundant coordinates blocked.
+
+    Thesis: (5.55) to (5.60).
+
+    Args:
+        p (..., 3) [m] in the base frame: position of O'
+        Q (..., 3, 3) in the base frame: orientation, base from platform
+        s (..., 3, 3) [m] in the base frame: end point of the sub-leg, S_i
+        theta (..., 3, 3) [rad or m]: actuated joints [theta_1, theta_2, theta_3]
+        geometry: lengths and angles of the legs; the default sizes unless given.
+        status: whether to return the status codes as well.
+
+    Returns:
+        J (..., 9, 9) [mixed] in the base frame: Jacobian of the twist, of the redundant
+            coordinates
+        K (..., 9, 9) [mixed] in the base frame: Jacobian of the actuators, legs on the block
+            diagonal
+    """
+    arguments = rt.Arguments(SIGNATURES["jacobians_n"], (p, Q, s, theta,))
+    g = prepare(geometry, arguments.dimensions)
+    with rt.quiet():
+        J_lines, N = platform.rows(g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
+        along, _redundant_line = platform.redundant_line(
+            g.platform, arguments.leg("p"), arguments.leg("Q"), arguments.leg("s"))
+        x, e_2, d, u_1, u_2 = subleg.posture(g.subleg, arguments.leg("s"), arguments.leg("theta"))
+        K, regularity = subleg.transmission(g.subleg, x, e_2, d, u_1, u_2, N, along)
+        J = subleg.non_redundant(rt.legs(J_lines), rt.legs(along), arguments.whole("p"), arguments.whole("s"))
+        results = arguments.finish(
+            {
+                "J": J,
+                "K": K,
+            },
+            (
+                rt.Guard(regularity[0], True, 1e-12, Status.SINGULAR_LEG_1, True, ("K", )),
+            ),
+        )
+    answer = JacobiansN(*results[:-1])
     return (answer, results[-1]) if status else answer
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from krhpr.cli.common import Command
 
-METHODS = ("nlp", "constant", "scan", "one", "two")
+METHODS = ("nlp", "constant", "scan", "one", "two", "receding")
 
 EPILOG = """\
 The file says the path, the objective and the limits (docs/trajectories.md):
@@ -19,6 +19,8 @@ The file says the path, the objective and the limits (docs/trajectories.md):
   nlp       each leg's redundant coordinate by itself, by IPOPT (the default)
   constant  the best constant value      scan  the best equal value at each time
   one, two  the thesis' methods one (reduced range) and two (smoothing)
+  receding  the programme over the next seconds alone, planned anew at every interval,
+            as `RecedingHorizon` does it; --horizon says how many seconds
 
 --out NAME writes NAME.npz (all arrays and settings), NAME.csv and NAME_joints.yaml
 (ROS JointTrajectory), and with --plot NAME.png.
@@ -42,6 +44,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "-o", "--out", metavar="NAME", type=Path, help="write results to NAME.npz, NAME.csv ..."
     )
     parser.add_argument("--method", choices=METHODS, help="how to choose; that of the file unless given")
+    parser.add_argument(
+        "--horizon", metavar="SECONDS", type=float, help="of --method receding (default: a third of the path)"
+    )
     parser.add_argument("--mode", metavar="LABEL", help="working mode (default: the robot's)")
     parser.add_argument(
         "--compile",

@@ -31,6 +31,7 @@ def run(options: argparse.Namespace) -> int:
             method=options.method or request.method,
             mode=options.mode,
             intervals=request.intervals,
+            horizon=request.horizon if options.horizon is None else options.horizon,
             progress=step,
             evaluation=Evaluation.COMPILED if options.compile else Evaluation.SX,
         )

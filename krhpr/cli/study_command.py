@@ -44,8 +44,9 @@ class Study:
 
 ROBOT = Option("--robot", "ROBOT", "identifier or robot file (default: that of the section)")
 SEED = Option("--seed", "N", "of the random errors, or of the search (default: 0)", 0, int)
-COARSER = Option("--coarser", "N", "steps N times as wide (default: 1; of maps 1 mm and 1 degree)", 1, int)
+COARSER = Option("--coarser", "N", "steps N times as wide (default: 1)", 1, int)
 STORE = Option("--store", "DIR", "keep what is made there; an interrupted study goes on", type=Path)
+SETUP = Option("--file", "FILE", "robot, object and trajectories (YAML)", type=Path)
 
 STUDIES = (
     Study(
@@ -89,7 +90,41 @@ STUDIES = (
         "study_grasp",
         "Section 5.5: actuator forces and motor torques with which the prototype holds an object along "
         "(5.73) to (5.75), or what a --file says instead (examples/grasping_prototype.yaml)",
-        (Option("--file", "FILE", "robot, object and trajectories (YAML)", type=Path),),
+        (SETUP,),
+    ),
+    Study(
+        "grasp-capability",
+        "study_grasp_capability",
+        "what the prototype, or the robot of a --file, can grasp with over heights of its pivot and turns of "
+        "its jaws, and which moments on the object it resists, within friction and what motors give",
+        (
+            SETUP,
+            COARSER,
+            Option("--torque", "N_M", "largest of a motor's shaft, N m (default: 0.01)", 0.01, float),
+        ),
+    ),
+    Study(
+        "grasp-control",
+        "study_grasp_control",
+        "Section 5.5: the grasping force under the control schemes i, ii and iii, as closed-loop simulations "
+        "of the prototype with gear friction, contacts that give, encoders and a load cell; Figs. 5.7, 5.9 "
+        "to 5.11",
+        (
+            SETUP,
+            Option(
+                "--control",
+                "FILE",
+                "motors, friction, contacts, sensors and gains (YAML; examples/grasping_control.yaml)",
+                type=Path,
+            ),
+            Option(
+                "--controller",
+                None,
+                "the controller's step in Python, which is the default, or the generated one in C",
+                "python",
+                choices=("python", "c"),
+            ),
+        ),
     ),
     Study(
         "workspace",
@@ -139,6 +174,7 @@ examples:
   krhpr study trajectory --out chapter_4
   krhpr study forward-accuracy --seed 7 --repeat 20
   krhpr study grasp --file my_gripper.yaml --out build/gripper
+  krhpr study grasp-control --control my_gains.yaml --controller c
   krhpr study workspace --coarser 4 --robot spatial_rrr_a
   krhpr study workspace --cluster tcp://127.0.0.1:8786 --store build/maps
   krhpr study design --workers 4 --store build/designs
@@ -198,7 +234,7 @@ def run(options: argparse.Namespace) -> int:
         given = [option.flag for option in its if getattr(options, option.name) is not None]
         if given and chosen.name not in owners:
             raise WrongUse(
-                f"{', '.join(given)} belongs to {' and '.join(owners)}; {chosen.name} has no such option"
+                f"{', '.join(given)} belongs to {', '.join(owners)}; {chosen.name} has no such option"
             )
     for option in chosen.options:
         if getattr(options, option.name) is None:

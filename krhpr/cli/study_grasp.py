@@ -26,8 +26,9 @@ def run(options: argparse.Namespace) -> int:
     claims = found.claims()
     for text, holds in claims:
         print(f"{'holds' if holds else 'DOES NOT HOLD'}: {text}")
-    for name in found.unreachable:
-        print(f"out of reach, singular, or the object is not held: {name}")
+    for one in found.along:
+        if one.trouble:
+            print(f"no answer for {one.motion.name}, {one.weight:g} N: {one.trouble}")
     print(
         f"an angle error of the jaws grasps with k = {1e3 * found.stiffness:.4g} N/rad for each N/mm of "
         "stiffness of the actuators, (5.72)"

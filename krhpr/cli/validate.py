@@ -28,6 +28,7 @@ EPILOG = """\
 examples:
   krhpr validate
   krhpr validate spatial_rrr_a --full
+  krhpr validate planar_grasp_prr
   krhpr validate --plugin my_leg.py
 
 Exit code 3 where a check fails. Every check, its worst error and its tolerance
@@ -47,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the checks and print what came of them."""
     own = plugin_entries(options.plugin)
-    known = known_robots(own)
+    known = (*known_robots(own), *krhpr.grasping_robots())
     refuse_unknown(options.robots, known)
     names = options.robots or [entry.identifier for entry in own if options.plugin]
     identifiers = [identifier for identifier in known if not names or identifier in names]
@@ -71,7 +72,7 @@ def _validate(identifiers: Sequence[str], own: Sequence[Entry], options: argpars
 
     size = "large" if options.full else "small"
     theirs = [entry for entry in own if entry.identifier in identifiers]
-    rest = [name for name in identifiers if name in krhpr.catalogue()]
+    rest = [name for name in identifiers if name not in {entry.identifier for entry in theirs}]
     with progress(None) as step:
         if not theirs:
             return validate(rest, size, step, folder=options.report)

@@ -20,13 +20,20 @@ from krhpr.codegen.report import report_files
 from krhpr.codegen.targets.base import File, Target
 from krhpr.codegen.targets.c import CTarget
 from krhpr.codegen.targets.c_casadi import CasadiShimTarget
+from krhpr.codegen.targets.c_control import CControlTarget
 from krhpr.codegen.targets.casadi import CasadiTarget
 from krhpr.codegen.targets.python import PythonTarget
 from krhpr.derivations.catalogue import Entry, catalogue
 from krhpr.derivations.grasping.catalogue import GraspingEntry, grasping
 from krhpr.limits import Limits
 
-TARGETS: tuple[Target, ...] = (CTarget(), CasadiShimTarget(), PythonTarget(), CasadiTarget())
+TARGETS: tuple[Target, ...] = (
+    CTarget(),
+    CControlTarget(),
+    CasadiShimTarget(),
+    PythonTarget(),
+    CasadiTarget(),
+)
 
 Progress = Callable[[str], None]
 

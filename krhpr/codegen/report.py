@@ -13,6 +13,7 @@ from krhpr.codegen.composition import RobotCode
 from krhpr.codegen.kernel import LEGS
 from krhpr.codegen.part import Part
 from krhpr.codegen.targets.base import File, render
+from krhpr.codegen.targets.c_control import is_controlled
 from krhpr.robot_files.facts import facts_of_code
 from krhpr.robot_files.schema import schema_text
 from krhpr.validation.page import page
@@ -39,7 +40,15 @@ def report_files(robots: Sequence[RobotCode], parts: Iterable[Part], printed: Se
         ),
         File("python/__init__.py", render("python/targets_package.py.j2", what="NumPy modules")),
         File("casadi/__init__.py", render("python/targets_package.py.j2", what="CasADi modules")),
-        File("c/CMakeLists.txt", render("c/CMakeLists.txt.j2", identifiers=identifiers, version=__version__)),
+        File(
+            "c/CMakeLists.txt",
+            render(
+                "c/CMakeLists.txt.j2",
+                identifiers=identifiers,
+                controlled=[robot.identifier for robot in robots if is_controlled(robot)],
+                version=__version__,
+            ),
+        ),
         File(SCHEMA_FILE, schema_text([facts_of_code(robot) for robot in usual])),
         File("operations.json", _operations(robots, parts)),
         File("README.md", render("README.md.j2", rows=rows, robots=robots)),

@@ -48,19 +48,27 @@ def _read(node: Node, line: int, field: Field, problems: Problems) -> Legs | Non
 
 
 def _suspicions(node: Node, value: float, line: int, path: str, field: Field, problems: Problems) -> None:
-    """Wrong units by a factor of a thousand, or degrees for radians."""
+    told = suspicion(node, value, field.kind)
+    if told:
+        problems.suspicious(line, path, told)
+
+
+def suspicion(node: Node, value: float, kind: Kind, small: float = SMALL) -> str:
+    """What a size is suspected of: a unit wrong by a thousand, or degrees for radians; or nothing.
+
+    Lengths below `small` are suspected too.
+    """
     size = abs(value)
-    if field.kind is Kind.ANGLE:
+    if kind is Kind.ANGLE:
         if size > 2 * math.pi and not has_unit(node):
-            problems.suspicious(
-                line, path, f"{value:g} rad is more than a turn; with degrees in mind write `{value:g} deg`"
-            )
+            return f"{value:g} rad is more than a turn; with degrees in mind write `{value:g} deg`"
     elif size >= LARGE:
         hint = "" if has_unit(node) else f"; with millimetres in mind write `{value:g} mm`"
-        problems.suspicious(line, path, f"{value:g} m is very long{hint}")
-    elif 0.0 < size < SMALL:
+        return f"{value:g} m is very long{hint}"
+    elif 0.0 < size < small:
         hint = f"; with {value:g} km in mind write `{1000 * value:g} m`" if not has_unit(node) else ""
-        problems.suspicious(line, path, f"{value:g} m is very short{hint}")
+        return f"{value:g} m is very short{hint}"
+    return ""
 
 
 def _requirements(

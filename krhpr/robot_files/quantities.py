@@ -1,4 +1,4 @@
-"""Lengths and angles as people write them: `0.125`, `125 mm`, `120 deg`; a strict pattern and no more."""
+"""Quantities as people write them: `0.125`, `125 mm`, `120 deg`, `5 N/mm`; a strict pattern and no more."""
 
 from __future__ import annotations
 
@@ -20,20 +20,24 @@ class Kind(StrEnum):
     LENGTH = "m"
     ANGLE = "rad"
     NUMBER = "1"
+    FORCE = "N"
+    TORQUE = "N m"
+    TIME = "s"
+    FREQUENCY = "Hz"
+    SPEED = "m/s"
+    STIFFNESS = "N/m"
+    DAMPING = "N s/m"
+    INERTIA = "kg m2"
 
     @property
     def noun(self) -> str:
         """`a length`."""
-        return {Kind.LENGTH: "a length", Kind.ANGLE: "an angle", Kind.NUMBER: "a number"}[self]
+        return _WORDS[self][0]
 
     @property
     def expected(self) -> str:
         """What a message says that is allowed."""
-        return {
-            Kind.LENGTH: "a length in metres (0.125), or with its unit (125 mm, 12.5 cm, 0.125 m)",
-            Kind.ANGLE: "an angle in radians (2.09), or with its unit (120 deg, 2.09 rad)",
-            Kind.NUMBER: "a number",
-        }[self]
+        return _WORDS[self][1]
 
     @property
     def units(self) -> tuple[str, ...]:
@@ -45,6 +49,37 @@ _UNITS: dict[Kind, dict[str, Fraction]] = {
     Kind.LENGTH: {"mm": Fraction(1, 1000), "cm": Fraction(1, 100), "m": Fraction(1)},
     Kind.ANGLE: {"deg": Fraction(1), "rad": Fraction(1)},
     Kind.NUMBER: {},
+    Kind.FORCE: {"mN": Fraction(1, 1000), "N": Fraction(1)},
+    Kind.TORQUE: {"mN m": Fraction(1, 1000), "N m": Fraction(1)},
+    Kind.TIME: {"ms": Fraction(1, 1000), "s": Fraction(1)},
+    Kind.FREQUENCY: {"kHz": Fraction(1000), "Hz": Fraction(1)},
+    Kind.SPEED: {"mm/s": Fraction(1, 1000), "m/s": Fraction(1)},
+    Kind.STIFFNESS: {"N/mm": Fraction(1000), "N/m": Fraction(1)},
+    Kind.DAMPING: {"N s/mm": Fraction(1000), "N s/m": Fraction(1)},
+    Kind.INERTIA: {"g cm2": Fraction(1, 10**7), "kg m2": Fraction(1)},
+}
+
+_WORDS = {
+    Kind.LENGTH: ("a length", "a length in metres (0.125), or with its unit (125 mm, 12.5 cm, 0.125 m)"),
+    Kind.ANGLE: ("an angle", "an angle in radians (2.09), or with its unit (120 deg, 2.09 rad)"),
+    Kind.NUMBER: ("a number", "a number"),
+    Kind.FORCE: ("a force", "a force in newtons (2), or with its unit (20 mN, 2 N)"),
+    Kind.TORQUE: ("a torque", "a torque in newton metres (0.012), or with its unit (12 mN m, 0.012 N m)"),
+    Kind.TIME: ("a time", "a time in seconds (0.005), or with its unit (5 ms, 0.005 s)"),
+    Kind.FREQUENCY: ("a rate", "a rate in hertz (500), or with its unit (0.5 kHz, 500 Hz)"),
+    Kind.SPEED: ("a speed", "a speed in metres per second (0.001), or with its unit (1 mm/s, 0.001 m/s)"),
+    Kind.STIFFNESS: (
+        "a stiffness",
+        "a stiffness in newtons per metre (5000), or with its unit (5 N/mm, 5000 N/m)",
+    ),
+    Kind.DAMPING: (
+        "a damping",
+        "a damping in newton seconds per metre (400), or with its unit (0.4 N s/mm, 400 N s/m)",
+    ),
+    Kind.INERTIA: (
+        "a moment of inertia",
+        "a moment of inertia in kg m2 (4.2e-7), or with its unit (4.2 g cm2, 4.2e-7 kg m2)",
+    ),
 }
 
 
@@ -67,7 +102,7 @@ def parse(node: Node, kind: Kind) -> float:
     text = node.text
     if len(text) > _LONGEST:
         raise BadQuantity(f"found {shown(text)}, expected {kind.expected}")
-    match = re.fullmatch(rf"({_NUMBER})(?: *([A-Za-z]+))?", text)
+    match = re.fullmatch(rf"({_NUMBER})(?: *([A-Za-z][A-Za-z0-9/ ]*))?", text)
     if match is None:
         raise BadQuantity(f"found {described(node)}, expected {kind.expected}")
     unit = match[2]
@@ -92,5 +127,5 @@ def _value(number: str, unit: str | None, kind: Kind, node: Text) -> float:
 
 
 def has_unit(node: Node) -> bool:
-    """Whether a value says its unit."""
+    """Whether a length or an angle says its unit."""
     return isinstance(node, Text) and node.text[-1:].isalpha()

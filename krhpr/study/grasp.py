@@ -13,6 +13,7 @@ from math import radians
 import numpy as np
 from numpy.typing import NDArray
 
+from krhpr.generated.python.runtime import Status
 from krhpr.grasping import GraspingRobot, measured_force
 from krhpr.loading import load_grasping
 
@@ -78,6 +79,12 @@ class Setup:
         """The robot with its sizes."""
         return load_grasping(self.robot).with_geometry(**self.geometry)
 
+    def poses(self, motion: Motion, times: Floats) -> tuple[Floats, Floats]:
+        """Pivots (n, 2) and angles (n, 2) along a motion."""
+        sine = np.sin(motion.frequency * times)
+        pivot = np.array(self.pivot) + np.outer(sine, [motion.x, motion.y])
+        return pivot, np.array([self.phi, self.beta]) + motion.turn * sine[:, None]
+
 
 PROTOTYPE = Setup(
     robot="planar_grasp_prr",
@@ -115,6 +122,8 @@ class Along:
     contact_forces: Floats
     slip: Floats
     """f_p / f_o, the friction that each contact needs."""
+    trouble: str = ""
+    """The first moment without an answer, and its status."""
 
 
 @dataclass(frozen=True)
@@ -188,12 +197,11 @@ def contacts(setup: Setup) -> tuple[Floats, Floats, Floats]:
 
 def _along(robot: GraspingRobot, setup: Setup, motion: Motion, weight: float) -> Along:
     times = np.linspace(0.0, setup.duration, round(SAMPLES_PER_SECOND * setup.duration) + 1)
-    sine = np.sin(motion.frequency * times)
-    pivot = np.array(setup.pivot) + np.outer(sine, [motion.x, motion.y])
-    angles = np.array([setup.phi, setup.beta]) + motion.turn * sine[:, None]
-    s, theta = robot.end_points(pivot, angles), robot.inverse(pivot, angles)
+    pivot, angles = setup.poses(motion, times)
+    s = robot.end_points(pivot, angles)
+    theta, reach = robot.inverse(pivot, angles, status=True)
     touch, faces, centre = contacts(setup)
-    held = robot.grasp(
+    held, grip = robot.grasp(
         angles,
         touch,
         faces,
@@ -202,8 +210,9 @@ def _along(robot: GraspingRobot, setup: Setup, motion: Motion, weight: float) ->
         weight=[0.0, -weight],
         mass_centre=centre,
         friction=setup.held.friction,
+        status=True,
     )
-    forces = robot.inverse_statics_n(pivot, s, theta, held.loads)
+    forces, statics = robot.inverse_statics_n(pivot, s, theta, held.loads, status=True)
     # of the sub-legs on P and S, and along their chains
     J, _ = robot.jacobians_n(pivot, s, theta)
     chains = J[:, :, :2].reshape(-1, 2, 2, 2)
@@ -224,7 +233,18 @@ def _along(robot: GraspingRobot, setup: Setup, motion: Motion, weight: float) ->
         np.linalg.norm(on_object[:, 0] - ends[:, 0], axis=-1),
         held.contact_forces,
         np.abs(held.contact_forces[..., 1]) / held.contact_forces[..., 0],
+        _trouble(times, reach, grip, statics),
     )
+
+
+def _trouble(times: Floats, *statuses: NDArray[np.int64]) -> str:
+    """The first moment with a status that is not OK, and the first such status there."""
+    bad = np.array(statuses) != Status.OK
+    if not bad.any():
+        return ""
+    first = int(np.argmax(bad.any(axis=0)))
+    status = int(np.array(statuses)[np.argmax(bad[:, first]), first])
+    return f"{Status(status).name} at {times[first]:g} s"
 
 
 def _in_base(angles: Floats, faces: Floats, forces: Floats) -> Floats:

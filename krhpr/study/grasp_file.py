@@ -17,19 +17,24 @@ read as robot files are: it cannot run anything.
 
 from __future__ import annotations
 
-import warnings
+import math
 from pathlib import Path
 
 from krhpr.errors import nearest
 from krhpr.loading import grasping_robots, load_grasping
-from krhpr.robot_files.problems import Problems, RobotFileWarning, described
-from krhpr.robot_files.quantities import BadQuantity, Kind, parse
-from krhpr.robot_files.tree import Items, Node, Table, Text, read_tree
+from krhpr.robot_files.fields import FieldReader
+from krhpr.robot_files.quantities import Kind
+from krhpr.robot_files.tree import Items, Node, Table, Text
 from krhpr.robot_files.tree import described as described_node
 from krhpr.study.grasp import Drive, Held, Motion, Setup
 
-LONG = 10.0
-"""Metres: longer than anything that grasps, so that millimetres without a unit are noticed."""
+USUAL = {
+    "object.weight": (1e-4, 1e3, " N"),
+    "object.friction": (0.01, 3.0, ""),
+    "grasp_force": (1e-3, 1e3, " N"),
+    "drive.ratio": (1e-2, 1e4, ""),
+}
+"""Numbers of what jaws hold, and their unit: beyond these a unit is hardly meant, as grams for newtons."""
 
 _TABLES = {
     "pose": {"pivot": Kind.LENGTH, "phi": Kind.ANGLE, "beta": Kind.ANGLE},
@@ -55,25 +60,18 @@ def read_grasp_file(path: Path) -> Setup:
     return _Reader(path).setup()
 
 
-class _Reader:
-    def __init__(self, path: Path) -> None:
-        self.problems, self.root = Problems(str(path)), read_tree(path)
-
+class _Reader(FieldReader):
     def setup(self) -> Setup:
-        self._known(self.root, "", FIELDS)
-        missing = [name for name in FIELDS if name not in self.root.entries]
-        if missing:
-            self.problems.wrong(self.root.line, "", f"missing: {', '.join(missing)}")
-        self.problems.stop_if_any()
+        self.need(FIELDS)
         robot = self._robot()
         geometry = self._geometry(robot)
         pose, held, drive = (self._table(name) for name in _TABLES)
         force = self._positive("grasp_force")
         duration = self._positive("duration")
         motions = self._motions()
-        self.problems.stop_if_any()
-        for problem in self.problems.suspicions:
-            warnings.warn(described(self.problems.path, problem), RobotFileWarning, stacklevel=3)
+        self._usual({"object": held, "drive": drive}, force)
+        self._fits(held, pose["beta"][0] - pose["phi"][0])
+        self.finish()
         pivot = pose["pivot"]
         return Setup(
             robot,
@@ -104,7 +102,7 @@ class _Reader:
         loaded = load_grasping(robot, backend="numpy")
         units = dict(loaded.documentation["units"])
         positive = loaded.geometry.positive
-        self._known(node, "geometry.", tuple(units))
+        self.known(node, "geometry.", tuple(units))
         found = {}
         for name, value in node.entries.items():
             if name not in units:
@@ -112,7 +110,7 @@ class _Reader:
             kind = Kind.ANGLE if units[name] == "rad" else Kind.LENGTH
             field = f"geometry.{name}"
             count = 2 if isinstance(value, Items) else None
-            numbers = self._numbers(value, field, kind, count)
+            numbers = self.numbers(value, field, kind, count)
             if name in positive and not min(numbers) > 0:
                 self.problems.wrong(value.line, field, "a length must be positive")
             found[name] = (numbers[0], numbers[-1])
@@ -125,9 +123,7 @@ class _Reader:
             self.problems.wrong(node.line, name, f"found {found}, expected {', '.join(kinds)}")
             return {field: [0.0, 0.0] for field in kinds}
         values = {
-            field: self._numbers(
-                node.entries[field], f"{name}.{field}", kind, 2 if field == "pivot" else None
-            )
+            field: self.numbers(node.entries[field], f"{name}.{field}", kind, 2 if field == "pivot" else None)
             for field, kind in kinds.items()
         }
         for field in ("width", "ratio", "radius"):
@@ -150,43 +146,41 @@ class _Reader:
         if not isinstance(node, Table) or "frequency" not in node.entries:
             self.problems.wrong(node.line, field, f"expected frequency and some of {', '.join(_MOTION)}")
             return Motion(name, 0.0)
-        self._known(node, f"{field}.", tuple(_MOTION))
+        self.known(node, f"{field}.", tuple(_MOTION))
         values = {
-            key: self._numbers(node.entries[key], f"{field}.{key}", kind, None)[0]
+            key: self.numbers(node.entries[key], f"{field}.{key}", kind, None)[0]
             for key, kind in _MOTION.items()
             if key in node.entries
         }
         return Motion(name, **values)
 
-    # -- values ---------------------------------------------------------------------------------------------
+    def is_size(self, field: str) -> bool:
+        """Poses and motions may be as small as they like."""
+        return not field.startswith(("pose.", "trajectories."))
 
-    def _known(self, table: Table, before: str, known: tuple[str, ...]) -> None:
-        for field, line in table.lines.items():
-            if field not in known:
-                self.problems.wrong(line, f"{before}{field}", f"unknown field; {nearest(field, known)}")
+    def _usual(self, tables: dict[str, dict[str, list[float]]], force: float) -> None:
+        """Numbers without a unit of their own."""
+        for field, (low, high, unit) in USUAL.items():
+            table, _, name = field.partition(".")
+            value = tables[table][name][0] if name else force
+            self.plausible(self.root.entries[table].line, field, value, low, high, unit)
+
+    def _fits(self, held: dict[str, list[float]], gamma: float) -> None:
+        """An object that reaches beyond the lines of the jaws' links is hardly between them."""
+        width, height = held["width"][0], held["height"][0]
+        if height > 0 and 0 < gamma < math.pi and width > (apart := 2 * height * math.tan(gamma / 2)):
+            self.problems.suspicious(
+                self.root.entries["object"].line,
+                "object.width",
+                f"{width:g} m is wider than the jaws are open: their lines are {apart:.4g} m apart at its "
+                "height",
+            )
+
+    # -- values ---------------------------------------------------------------------------------------------
 
     def _positive(self, field: str) -> float:
         node = self.root.entries[field]
-        value = self._numbers(node, field, Kind.NUMBER, None)[0]
+        value = self.numbers(node, field, Kind.NUMBER, None)[0]
         if not value > 0:
             self.problems.wrong(node.line, field, "it must be positive")
         return value
-
-    def _numbers(self, node: Node, field: str, kind: Kind, count: int | None) -> list[float]:
-        """A list of so many quantities, or one; zeros where it is wrong, which is then told."""
-        if count is not None and (not isinstance(node, Items) or len(node.items) != count):
-            self.problems.wrong(node.line, field, f"found {described_node(node)}, expected a list of {count}")
-            return [0.0] * count
-        found = []
-        for item in node.items if count is not None and isinstance(node, Items) else (node,):
-            try:
-                value = parse(item, kind)
-            except BadQuantity as error:
-                self.problems.wrong(item.line, field, str(error))
-                value = 0.0
-            if kind is Kind.LENGTH and abs(value) > LONG:
-                self.problems.suspicious(
-                    item.line, field, f"it is {value:g} m; are these millimetres without their unit?"
-                )
-            found.append(value)
-        return found

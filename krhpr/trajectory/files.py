@@ -9,6 +9,7 @@
     limits: chapter-4              # or a table, see `Bounds`, of which `grip` is a table, see `Grip`
     method: nlp
     intervals: 30
+    horizon: 2                     # of `method: receding`, s
 
 `rotation` is a rotation vector, axis times angle; a planar robot has an angle `phi` in its place.  Numbers
 are SI and may have their unit.  The file is read as robot files are: it cannot run anything.
@@ -33,7 +34,7 @@ from krhpr.trajectory.paths import BUILT_IN, Interpolation, Path, PathError, way
 from krhpr.trajectory.refusals import UnknownObjective
 from krhpr.trajectory.terms import TERMS, Bounds, Load, Objective, chapter_4
 
-FIELDS = ("path", "way_points", "interpolation", "objective", "limits", "method", "intervals")
+FIELDS = ("path", "way_points", "interpolation", "objective", "limits", "method", "intervals", "horizon")
 CHAPTER_4 = "chapter-4"
 """The name of the limits of Chapter 4."""
 LIMITS = (
@@ -63,6 +64,8 @@ class Request:
     bounds: Bounds
     method: Method
     intervals: int
+    horizon: float | None
+    """Of `Method.RECEDING`."""
 
 
 def read_request(file: File, *, planar: bool, slides: bool) -> Request:
@@ -95,9 +98,13 @@ class _Reader:
         intervals = self._number(self.root, "intervals", Kind.NUMBER, INTERVALS)
         if intervals is not None and (intervals != int(intervals) or intervals < 2):
             self._wrong(self.root, "intervals", "expected a whole number of two or more")
+        given = "horizon" in self.root.entries
+        horizon = self._number(self.root, "horizon", Kind.NUMBER, 0.0) if given else None
+        if horizon is not None and not 0 < horizon < np.inf:
+            self._wrong(self.root, "horizon", "expected seconds, more than none")
         self.problems.stop_if_any()
         assert path is not None and objective is not None and bounds is not None and intervals is not None
-        return Request(path, objective, bounds, Method(method), int(intervals))
+        return Request(path, objective, bounds, Method(method), int(intervals), horizon)
 
     # -- fields ---------------------------------------------------------------------------------------------
 

@@ -39,6 +39,8 @@ Floats = NDArray[np.float64]
 
 INTERVALS = 20
 """Of the spline over the horizon, unless told."""
+UNSCALED = {"mumps_permuting_scaling": 0, "mumps_scaling": 0}
+"""Quantities are over their scales as it is; looking for scalings takes a third of a step's time."""
 FINER = 5
 """How many times finer than the intervals `Plan.examined` looks."""
 
@@ -212,7 +214,7 @@ class RecedingHorizon:
         self._weights = np.full(len(self._samples), self._samples[1])
         self._weights[[0, -1]] /= 2
         knots = uniform_knots(0.0, horizon, intervals)
-        self._programme = Programme(self.point, knots, self._samples, dict(solver or {}))
+        self._programme = Programme(self.point, knots, self._samples, {**UNSCALED, **(solver or {})})
         self._path, self._pairs = path, kept_apart(robot, bounds)
         self._last: tuple[Plan, Solved] | None = None
 

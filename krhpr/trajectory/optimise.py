@@ -19,6 +19,7 @@ from krhpr.trajectory.clearance import kept_apart
 from krhpr.trajectory.compiled import Evaluation
 from krhpr.trajectory.examine import Coordinates, Examined, Violation
 from krhpr.trajectory.fastest import FastestRounds
+from krhpr.trajectory.following import Following
 from krhpr.trajectory.paths import Path, PathError
 from krhpr.trajectory.point import PointFunctions
 from krhpr.trajectory.reach import check_path, signs_at_start
@@ -47,6 +48,8 @@ class Method(StrEnum):
     """Method one of Section 4.3: the same over a reduced range, given by `reduced`."""
     TWO = "two"
     """Method two of Section 4.3: the scan smoothed exponentially with the factor `alpha`, (4.2) corrected."""
+    RECEDING = "receding"
+    """The programme over the next seconds alone, again and again: `RecedingHorizon` along the path."""
 
 
 @dataclass(frozen=True)
@@ -151,6 +154,7 @@ def optimise(
     constant: float | None = None,
     reduced: tuple[float, float] | None = None,
     alpha: float = 0.2,
+    horizon: float | None = None,
     progress: Callable[[str], None] = lambda step: None,
     solver: Mapping[str, Any] | None = None,
     evaluation: Evaluation | str = Evaluation.SX,
@@ -165,7 +169,8 @@ def optimise(
             another term of `Objective`, weights by these names, or an `Objective`.  The programme minimises
             smooth bounds of the indices; what is reported are the indices.
         bounds: limits to keep; those of the robot's file are kept as well.
-        method: the programme, or one of the thesis' methods, which do not look at limits.
+        method: the programme, or the same over a receding horizon, or one of the thesis' methods, which do
+            not look at limits.
         mode: the working mode, as `inverse` takes it; it is kept where `bounds.factors` say so.
         characteristic_length: of `indices`, m.
         intervals: of the spline, or steps of the thesis' methods.
@@ -174,6 +179,8 @@ def optimise(
         constant: the value for `Method.CONSTANT`, rad or m; the best one unless given.
         reduced: the range for `Method.ONE`, rad or m.
         alpha: the smoothing factor for `Method.TWO`.
+        horizon: how far to look ahead for `Method.RECEDING`, s, in whole intervals, four at least;
+            a third of the path unless given.
         progress: is told what begins.
         solver: further options of IPOPT.
         evaluation: "compiled" makes C of the programme's functions, which takes seconds once and pays where
@@ -211,7 +218,11 @@ def optimise(
         evaluation=Evaluation(evaluation),
     )
     task = Task(point, path, intervals, kept_apart(robot, bounds))
-    if how is not Method.NLP:
+    message = None
+    if how is Method.RECEDING:
+        following = Following(task, horizon, mode, Evaluation(evaluation), dict(solver or {}), progress)
+        found, message = following.run()
+    elif how is not Method.NLP:
         progress(f"method {how}")
         found = Found(task.judged(_baseline(task, how, constant, reduced, alpha)))
     elif wanted.time:
@@ -229,7 +240,7 @@ def optimise(
         perf_counter() - begin,
         found.iterations,
         found.rounds,
-        found.solved.message if found.solved else "",
+        message or (found.solved.message if found.solved else ""),
         found.solved,
     )
 

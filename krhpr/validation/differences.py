@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 
 from krhpr.validation.check import Check
+from krhpr.validation.evaluation import CONDITION
 from krhpr.validation.numeric import Floats, Numeric, target
 from krhpr.validation.outcome import Measured, Runner
-from krhpr.validation.sampling import CONDITION, Batch, draw, rotations
+from krhpr.validation.sampling import Batch, draw, rotations
 from krhpr.validation.subject import Subject
 
 STEP = 5e-6

@@ -50,7 +50,9 @@ def optimised(subject: Subject, check: Check, count: int) -> Measured:
             if roots:
                 geometry, inputs = _reachable(subject, check.seed + index, derived.inputs, source)
             else:
-                geometry = source.geometry(*([part.geometry] if part.geometry else []))
+                geometry = source.geometry(
+                    *([part.geometry] if part.geometry else []), legs=subject.code.legs
+                )
                 inputs = {
                     port.name: source.port(port, subject.code.angular, full=False) for port in derived.inputs
                 }
@@ -149,7 +151,7 @@ def _rational_cases(
     for _ in range(count):
         while True:
             inputs = source.inputs(subject.code, function)
-            geometry = source.geometry(*subject.geometry_types.values())
+            geometry = source.geometry(*subject.geometry_types.values(), legs=subject.code.legs)
             if not guards or _answered(derivation(subject, function, inputs, geometry, RATIONAL), guards):
                 break
         yield inputs, geometry
@@ -178,7 +180,9 @@ def _cases_in_balls(
             for name, signs in (("mode", modes), ("assembly", assemblies)):
                 if signs[0]:
                     inputs[name] = [
-                        Ball(s) for leg in range(LEGS) for s in signs[(choice + leg) % len(signs)]
+                        Ball(s)
+                        for leg in range(subject.code.legs)
+                        for s in signs[(choice + leg) % len(signs)]
                     ]
             yield inputs, geometry
 
@@ -256,7 +260,7 @@ def kernel_text(subject: Subject, check: Check, count: int) -> Measured:
             if roots:
                 geometry, inputs = _reachable(subject, check.seed + index, derived.inputs, source)
             else:
-                geometry = source.geometry(*subject.geometry_types.values())
+                geometry = source.geometry(*subject.geometry_types.values(), legs=subject.code.legs)
                 inputs = {
                     port.name: source.port(port, subject.code.angular, full=False) for port in derived.inputs
                 }
@@ -278,7 +282,8 @@ def kernel_text(subject: Subject, check: Check, count: int) -> Measured:
 def default_sizes(subject: Subject, check: Check, count: int) -> Measured:
     """The default geometry of a target against the catalogue, digit by digit."""
     found = Measured(check, samples=1)
-    wanted = [Exact(repr(subject.entry.sizes[name][leg])) for leg in range(LEGS) for name in subject.fields]
+    legs = range(subject.code.legs)
+    wanted = [Exact(repr(subject.entry.sizes[name][leg])) for leg in legs for name in subject.fields]
     found.equal(_default_sizes(subject, check.target), wanted, "sizes")
     return found
 
@@ -295,7 +300,7 @@ def _default_sizes(subject: Subject, target: Target) -> list[Any]:
         program.call(f"krhpr_{subject.identifier}_default_geometry", structure)
         return [
             _decimal(getattr(getattr(structure, part), field.name)[leg])
-            for leg in range(LEGS)
+            for leg in range(subject.code.legs)
             for part, kind in subject.geometry_types.items()
             for field in kind.fields
         ]

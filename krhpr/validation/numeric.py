@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from krhpr.backend import compile_robot
 from krhpr.codegen.composition import RobotFunction
-from krhpr.codegen.kernel import LEGS
 from krhpr.native import load_library
 from krhpr.validation.check import Target
 from krhpr.validation.printed import casadi_function, unpack
@@ -83,7 +82,11 @@ class CompiledC:
         if geometry is None:
             status = getattr(self.library, self.prefix + "default_geometry")(structure)
         else:
-            fields = [float(geometry[name][leg]) for leg in range(LEGS) for name in self.subject.fields]
+            fields = [
+                float(geometry[name][leg])
+                for leg in range(self.subject.code.legs)
+                for name in self.subject.fields
+            ]
             values = (ctypes.c_double * len(fields))(*fields)
             status = getattr(self.library, self.prefix + "set_geometry")(structure, values)
         if status != 0:
@@ -146,7 +149,9 @@ class Casadi:
         function = self.subject.code.function(name)
         built = casadi_function(self.subject, function)
         sizes = self.subject.entry.sizes if geometry is None else geometry
-        fields = [float(sizes[field][leg]) for leg in range(LEGS) for field in self.subject.fields]
+        fields = [
+            float(sizes[field][leg]) for leg in range(self.subject.code.legs) for field in self.subject.fields
+        ]
         arrays = [np.asarray(values[port.name], dtype=float) for port in function.inputs]
         rows = [
             self._one(function, built, [array[k] for array in arrays], fields) for k in range(len(arrays[0]))

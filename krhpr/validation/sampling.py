@@ -13,15 +13,13 @@ from math import prod, radians
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from krhpr.codegen.composition import RobotFunction, Stage
 from krhpr.codegen.kernel import LEGS, Port, Unit
 from krhpr.validation.arithmetic import ARRAYS
+from krhpr.validation.evaluation import CONDITION, Floats, Values, assemblies_of, evaluate, stack
+from krhpr.validation.jaws import draw_jaws
 from krhpr.validation.subject import Subject
-
-Floats = NDArray[np.float64]
-Values = dict[str, Floats]
 
 NEAR = 0.003
 """How far, in each coordinate, the points that choose an assembly mode are from end points, in metres."""
@@ -29,20 +27,17 @@ NEAR = 0.003
 STARTS = 8
 """How many random joints Newton steps start from."""
 
-CONDITION = 0.1
-"""Dimensionless factors of determinants (sines, mostly) are at least this in the configurations drawn."""
-
 
 @dataclass(frozen=True)
 class Batch:
     """A geometry and so many configurations of it: every argument by name, shape (count, *port)."""
 
     subject: Subject
-    geometry: Mapping[str, tuple[float, float, float]]
+    geometry: Mapping[str, tuple[float, ...]]
     values: Values
 
     def __len__(self) -> int:
-        return len(self.values["p"])
+        return len(next(iter(self.values.values())))
 
     def of(self, function: RobotFunction) -> Values:
         """The arguments of a function."""
@@ -78,27 +73,7 @@ def rotations(vector: Floats) -> Floats:
     return result
 
 
-def evaluate(
-    subject: Subject, name: str, values: Mapping[str, Floats], geometry: Mapping[str, Any]
-) -> Values:
-    """A robot's function by the derivation, on a batch."""
-    function = subject.code.function(name)
-    count = len(values["p"])
-    inputs = {port.name: list(values[port.name].reshape(count, -1).T) for port in function.inputs}
-    with np.errstate(all="ignore"):
-        outputs = subject.function(function, inputs, geometry, ARRAYS)
-    shapes = {port.name: port.full_shape for port in function.outputs}
-    return {key: stack(parts, count).reshape((count, *shapes[key])) for key, parts in outputs.items()}
-
-
-def stack(parts: list[Any], count: int) -> Floats:
-    """Components, some of them perhaps constant, as the last axis of a batch."""
-    return np.stack([np.broadcast_to(np.asarray(part, dtype=float), (count,)) for part in parts], axis=-1)
-
-
-def draw_geometry(
-    subject: Subject, rng: np.random.Generator, spread: float
-) -> dict[str, tuple[float, float, float]]:
+def draw_geometry(subject: Subject, rng: np.random.Generator, spread: float) -> dict[str, tuple[float, ...]]:
     """The default sizes, each leg's changed by up to `spread` (relative for lengths, in radians for
     angles).  Lengths that are zero by default become a small share of the others, or nothing that is
     multiplied by them would be checked.
@@ -108,12 +83,12 @@ def draw_geometry(
     sizes = {name: np.array(subject.entry.sizes[name], dtype=float) for name in subject.fields}
     typical = float(np.median([np.abs(sizes[name]) for name in sizes if units[name] is not Unit.RADIAN]))
     for name, values in sizes.items():
-        change = rng.uniform(-spread, spread, LEGS)
+        change = rng.uniform(-spread, spread, subject.code.legs)
         if units[name] is Unit.RADIAN:
             values = values + change
         else:
             values = np.where(values == 0, np.abs(change) * typical, values * (1 + change))
-        found[name] = (float(values[0]), float(values[1]), float(values[2]))
+        found[name] = tuple(float(value) for value in values)
     return found
 
 
@@ -127,9 +102,8 @@ def _drawn(subject: Subject, seed: int, count: int, spread: float) -> Batch:
     rng = np.random.default_rng(seed)
     for _ in range(20):
         geometry = draw_geometry(subject, rng, spread)
-        found = _draw(subject, rng, count, geometry)
+        found = (_draw if subject.code.legs == LEGS else draw_jaws)(subject, rng, count, geometry)
         if found is not None:
-            found |= _forces(subject, rng, count) | _objects(subject, rng, count, geometry)
             for values in found.values():
                 values.flags.writeable = False
             return Batch(subject, geometry, found)
@@ -153,7 +127,8 @@ def _draw(
         found.append(kept)
         have += len(kept["p"])
         if have >= count:
-            return {name: np.concatenate([values[name] for values in found])[:count] for name in found[0]}
+            whole = {name: np.concatenate([values[name] for values in found])[:count] for name in found[0]}
+            return whole | _forces(subject, rng, count) | _objects(subject, rng, count, geometry)
     return None
 
 
@@ -274,9 +249,8 @@ def _complete(
     rows, legs = np.arange(count)[:, None], np.arange(LEGS)[None, :]
     values["theta"] = every[rows, legs, chosen]
     values["mode"] = np.array(subject.code.mode_signs, dtype=float)[chosen]
-    assemblies = np.array(subject.code.assembly_signs, dtype=float)
-    if assemblies.size:
-        values["assembly"] = _assemblies(subject, values, geometry, assemblies)
+    if np.size(subject.code.assembly_signs):
+        values["assembly"] = assemblies_of(subject, values, geometry)
     values["s_near"] = values["s"] + rng.uniform(-NEAR, NEAR, values["s"].shape)
     turns = rng.integers(-2, 3, values["theta"].shape) * np.array(subject.code.angular)
     spread = 2.5 if subject.subleg.has_inverse else NEAR  # where it is the start of Newton steps
@@ -343,19 +317,6 @@ def _regularity(subject: Subject, values: Values, geometry: Mapping[str, Any]) -
     inputs = {port.name: list(values[port.name].reshape(count, -1).T) for port in function.inputs}
     with np.errstate(all="ignore"):
         return stack(subject.function(function, inputs, geometry, ARRAYS)[name], count)
-
-
-def _assemblies(subject: Subject, values: Values, geometry: Mapping[str, Any], assemblies: Floats) -> Floats:
-    """The assembly mode of each leg in which its joints lead to its end point."""
-    count = len(values["p"])
-    errors = []
-    for signs in assemblies:
-        assembly = np.broadcast_to(signs, (count, LEGS, len(signs)))
-        s = evaluate(subject, "subleg_forward", {**values, "assembly": assembly}, geometry)["s"]
-        errors.append(np.abs(s - values["s"]).max(axis=-1))
-    best = np.nanargmin(np.where(np.isnan(errors), np.inf, errors), axis=0)
-    chosen: Floats = assemblies[best]
-    return chosen
 
 
 def size_of(port: Port) -> int:

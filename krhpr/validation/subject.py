@@ -18,6 +18,7 @@ from krhpr.codegen.composition import RobotCode, RobotFunction
 from krhpr.codegen.evaluate import Arithmetic, evaluate_function, evaluate_kernel, prepare_geometry
 from krhpr.codegen.kernel import LEGS, GeometryType, Kernel
 from krhpr.derivations.catalogue import Entry, catalogue
+from krhpr.derivations.grasping.catalogue import grasping
 from krhpr.derivations.platforms.base import Platform
 from krhpr.derivations.sublegs.base import SubLeg
 from krhpr.printed_package import GENERATED, submodule
@@ -158,8 +159,11 @@ class Subject:
 def subjects(
     identifiers: Iterable[str] | None = None, folder: Path = GENERATED, among: Iterable[Entry] | None = None
 ) -> list[Subject]:
-    """Robots of the catalogue, or of `among` (all unless named), which share what they have in common."""
-    entries = {entry.identifier: entry for entry in (catalogue() if among is None else among)}
+    """Robots of the catalogue and grasping robots, or robots of `among` (all unless named), which share what
+    they have in common.
+    """
+    every: Iterable[Any] = (*catalogue(), *grasping()) if among is None else among
+    entries = {entry.identifier: entry for entry in every}
     names = list(entries if identifiers is None else identifiers)
     unknown = [name for name in names if name not in entries]
     if unknown:

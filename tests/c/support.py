@@ -22,6 +22,8 @@ ROBOTS: tuple[str, ...] = (*krhpr.generated.ROBOTS, *krhpr.generated.GRASPING)
 COMPILERS = ("gcc", "clang")
 KINDS = ("", "_batch")
 """A robot's sources: functions of one pose, and batches."""
+CONTROLLED: tuple[str, ...] = krhpr.generated.GRASPING
+"""Robots with a third source, their controller."""
 
 
 COVER = cover(ROBOTS)

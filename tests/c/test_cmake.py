@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.c.support import KINDS, ROBOTS, SOURCES, program, run
+from tests.c.support import CONTROLLED, KINDS, ROBOTS, SOURCES, program, run
 from tests.support import need
 
 ROBOT = "planar_rr_a"
@@ -47,6 +47,7 @@ def configure(folder: Path, *options: str) -> dict[str, list[str]]:
 def test_every_robot_is_a_target(tmp_path: Path) -> None:
     commands = configure(tmp_path, "-DKRHPR_CASADI=ON")
     expected = {f"krhpr_{robot}{ending}.c" for robot in ROBOTS for ending in (*KINDS, "_casadi")}
+    expected |= {f"krhpr_{robot}_control.c" for robot in CONTROLLED}
     assert set(commands) == expected | {"inverse.c"}
     for name, words in commands.items():
         assert "-std=c99" in words and "-O3" in words, "a Release build unless told otherwise"

@@ -7,12 +7,23 @@ from pathlib import Path
 
 import pytest
 
-from tests.c.support import CONFORMANCE, CPP, CPP_CONFORMANCE, KINDS, ROBOTS, SOURCES, program, run, sections
+from tests.c.support import (
+    CONFORMANCE,
+    CONTROLLED,
+    CPP,
+    CPP_CONFORMANCE,
+    KINDS,
+    ROBOTS,
+    SOURCES,
+    program,
+    run,
+    sections,
+)
+from tests.support import SOME
 
 HEADERS = sorted(path.name for path in SOURCES.glob("krhpr*.h"))
 LARGEST_FRAME = {"": 8192, "_batch": 65536}
-"""Bytes; a batch has as many poses on its stack as there are lanes."""
-"""Bytes of stack that one function may take."""
+"""Bytes of stack that one function may take; a batch has as many poses on its stack as there are lanes."""
 
 SPEED = ("-O3", "-ffp-contract=fast", "-fno-math-errno")
 
@@ -48,15 +59,15 @@ def compile_object(compiler: str, robot: str, kind: str, folder: Path, *flags: s
 
 
 @pytest.mark.every_robot
+@pytest.mark.usefixtures("in_turns")
 def test_strict_c99(robot: str, kind: str, compiler: str, tmp_path: Path) -> None:
     """No warning at all; those of the optimiser's analyses are looked for below."""
     compile_object(compiler, robot, kind, tmp_path, *CONFORMANCE, "-fsyntax-only")
 
 
+@pytest.mark.parametrize("robot", SOME)
 @pytest.mark.parametrize("standard", ["c11", "c17", "gnu99", "gnu17"])
-def test_later_standards(
-    robot: str, kind: str, compiler: str, standard: str, tmp_path: Path, full: bool
-) -> None:
+def test_later_standards(robot: str, kind: str, compiler: str, standard: str, tmp_path: Path) -> None:
     flags = [f"-std={standard}" if flag.startswith("-std=") else flag for flag in CONFORMANCE]
     compile_object(compiler, robot, kind, tmp_path, *flags, "-fsyntax-only")
 
@@ -92,7 +103,11 @@ def test_a_cpp_program_calls_a_robot(robot: str, compiler: str, tmp_path: Path) 
 
 
 @pytest.mark.usefixtures("in_turns")
-@pytest.mark.parametrize("flags", [("-O0",), ("-O2",), SPEED], ids=["O0", "O2", "speed"])
+@pytest.mark.parametrize(
+    "flags",
+    [("-O0",), pytest.param(("-O2",), marks=pytest.mark.full), SPEED],
+    ids=["O0", "O2", "speed"],
+)
 def test_objects(robot: str, kind: str, compiler: str, flags: tuple[str, ...], tmp_path: Path) -> None:
     """No warning; undefined symbols are on a short list (no allocation, no pow), all others are prefixed; and
     there is no state: nothing in .data, .bss or thread-local storage, and no common symbols.
@@ -175,4 +190,5 @@ def test_loops_are_bounded(path: Path) -> None:
 def test_every_robot_is_here() -> None:
     assert ROBOTS
     expected = {f"krhpr_{robot}{kind}" for robot in ROBOTS for kind in KINDS}
+    expected |= {f"krhpr_{robot}_control" for robot in CONTROLLED}
     assert {path.stem for path in SOURCES.glob("krhpr_*.c")} == expected

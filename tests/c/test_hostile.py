@@ -9,7 +9,7 @@ import pytest
 
 import krhpr
 from tests.c.conftest import Build
-from tests.c.support import COMPILERS, COVER, SOURCES, program, run
+from tests.c.support import COVER, SOURCES, program, run
 from tests.support import THOROUGH, large
 
 SANITIZE = ("-fsanitize=address,undefined", "-fsanitize=float-cast-overflow", "-fno-sanitize-recover=all")
@@ -53,11 +53,10 @@ def test_a_grasping_robot_keeps_them_too(robot: str, compiler: str, build: Build
 
 
 @pytest.mark.full
+@pytest.mark.usefixtures("in_turns")
 @pytest.mark.parametrize("robot", tuple(dict.fromkeys((*THOROUGH, *HOLDING))))
 def test_without_sanitizers_at_full_speed(robot: str, compiler: str, build: Build) -> None:
     """The same promises hold for the flags that a controller is compiled with."""
-    if robot not in THOROUGH and COMPILERS[len(robot) % 2] != compiler:
-        pytest.skip("one compiler for each robot, in turns; both for some")
     flags = ("-O3", "-march=native", "-ffp-contract=fast", "-fno-math-errno", "-DTOLERANCE=1e-9")
     flags += ("-fno-tree-slp-vectorize",)
     known = flags if compiler == "gcc" else flags[:-1]
@@ -129,6 +128,7 @@ def test_a_broken_promise_is_seen(what: str, build: Build, tmp_path: Path) -> No
     text = spoilt.read_text()
     assert good in text
     spoilt.write_text(text.replace(good, bad))
-    binary = build("hostile.c", robot, "gcc", "-O0", *SANITIZE, folder=folder)
+    sanitize = ["-fsanitize=address"] if "Sanitizer" in said else []
+    binary = build("hostile.c", robot, "gcc", "-O0", *sanitize, folder=folder)
     with pytest.raises(AssertionError, match=said):
         run([binary, "400", *may_be_nan(robot)])

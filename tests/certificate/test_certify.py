@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from krhpr import InvalidInput
@@ -255,6 +255,7 @@ def test_where_rounding_hides_the_sign_at_the_centre_a_zero_is_found() -> None:
 
 
 @pytest.mark.parametrize("identifier", ROBOTS)
+@settings(max_examples=settings.default.max_examples // 2)
 @given(st.data(), st.booleans())
 def test_answers_hold_for_unequal_legs(identifier: str, data: st.DataObject, closed: bool) -> None:
     robot = data.draw(unequal(identifier))
@@ -263,6 +264,7 @@ def test_answers_hold_for_unequal_legs(identifier: str, data: st.DataObject, clo
 
 
 @pytest.mark.parametrize("identifier", ROBOTS)
+@settings(max_examples=settings.default.max_examples // 2)
 @given(st.data())
 def test_a_box_in_a_free_box_is_free(identifier: str, data: st.DataObject) -> None:
     robot = data.draw(unequal(identifier))

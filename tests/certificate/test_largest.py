@@ -57,7 +57,7 @@ def test_with_long_links() -> None:
 
 
 @pytest.mark.parametrize("identifier", ROBOTS)
-@settings(max_examples=12)
+@settings(max_examples=settings.default.max_examples // 25)
 @given(st.data())
 def test_around_any_point_of_unequal_legs(identifier: str, data: st.DataObject) -> None:
     robot = data.draw(unequal(identifier))

@@ -214,7 +214,7 @@ def test_gathering_robots_in_a_folder(cli: Cli, tmp_path: Path) -> None:
     (folder / "c" / "mine.c").write_text("int main(void) { return 0; }\n")
     assert "none changed" in cli("generate", "planar_rr_a", "--out", folder).out
     assert cli("generate", "planar_rr_a", "--out", folder, "--check").code == 0
-    assert cli("generate", "--out", folder, "--check").code == 3
+    assert cli("generate", "planar_rr_a", "planar_rr_b", "--out", folder, "--check").code == 3
 
     assert cli("generate", "spatial_rrr_c", "--out", folder).code == 0
     kept = contents(folder)

@@ -33,14 +33,43 @@ def test_grasping(cli: Cli, tmp_path: Path) -> None:
     assert (tmp_path / "grasp.png").stat().st_size > 10_000
     assert cli("study", "grasp", "--out", str(tmp_path)).out == done.out
     refused = cli("study", "forward-accuracy", "--file", example)
-    assert refused.code == 2 and "--file belongs to grasp; forward-accuracy has no such option" in refused.err
+    assert (
+        refused.code == 2
+        and "--file belongs to grasp, grasp-capability, grasp-control; forward" in refused.err
+    )
     slippery = tmp_path / "slippery.yaml"
     slippery.write_text(Path(example).read_text("utf-8").replace("friction: 0.5", "friction: 0.01"), "utf-8")
     done = cli("study", "grasp", "--file", str(slippery), "--out", str(tmp_path))
-    assert done.code == 3 and "DOES NOT HOLD: every pose" in done.out and "not held: (5.73)" in done.out
+    assert (
+        done.code == 3
+        and "DOES NOT HOLD: every pose" in done.out
+        and "no answer for (5.73) along x, 0.3 N: SLIPS at 0 s" in done.out
+    )
     slippery.write_text("robot: arm\n", "utf-8")
     done = cli("study", "grasp", "--file", str(slippery), "--out", str(tmp_path))
     assert done.code == 2 and "missing: geometry" in done.err
+
+
+def test_grasp_capability(cli: Cli, tmp_path: Path) -> None:
+    example = str(ROOT / "examples" / "grasping_prototype.yaml")
+    command = ("study", "grasp-capability", "--coarser", "18", "--out", str(tmp_path))
+    done = cli(*command, "--file", example)
+    assert done.code == 0 and done.out.count("holds: ") == 1
+    assert "at the pose, most: 90.56 N: actuator" in done.out and " slips" in done.out
+    table = json.loads((tmp_path / "grasp_capability.json").read_text("utf-8"))
+    assert (
+        len(table["turns"]) == 3 and [len(table[name]) for name in ("heights", "most", "moment")] == [11] * 3
+    )
+    assert (tmp_path / "grasp_capability.png").stat().st_size > 10_000
+    weak = cli(*command, "--torque", "1e-6")
+    assert weak.code == 3 and "at the pose the object cannot be held: " in weak.out
+    for wrong, said in (("--torque", "--torque is -1"), ("--coarser", "--coarser is -1")):
+        refused = cli("study", "grasp-capability", wrong, "-1")
+        assert refused.code == 2 and said in refused.err
+    refused = cli("study", "grasp", "--torque", "1")
+    assert (
+        refused.code == 2 and "--torque belongs to grasp-capability; grasp has no such option" in refused.err
+    )
 
 
 def test_the_dexterity_study(cli: Cli, tmp_path: Path) -> None:

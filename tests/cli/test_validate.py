@@ -76,11 +76,20 @@ def test_samples_and_robots_are_passed_on(cli: Cli, monkeypatch: pytest.MonkeyPa
         return passed
 
     monkeypatch.setattr(validation, "run", run)
-    cli("validate", "planar_rr_a", "spatial_rrr_a", "planar_rr_a", "--full", "--report", "x")
+    cli(
+        "validate",
+        "planar_grasp_rpr",
+        "planar_rr_a",
+        "spatial_rrr_a",
+        "planar_rr_a",
+        "--full",
+        "--report",
+        "x",
+    )
     cli("validate")
     assert calls == [
-        (["spatial_rrr_a", "planar_rr_a"], "large", Path("x")),
-        (list(krhpr.catalogue()), "small", Path("build/validation")),
+        (["spatial_rrr_a", "planar_rr_a", "planar_grasp_rpr"], "large", Path("x")),
+        ([*krhpr.catalogue(), *krhpr.grasping_robots()], "small", Path("build/validation")),
     ]
 
 

@@ -93,7 +93,7 @@ def test_files_that_are_not_there(cli: Cli) -> None:
     assert "no robot is called 'my_robot'" in cli("info", "my_robot").err
 
 
-@pytest.mark.parametrize("options", [(), ("--bake",)])
+@pytest.mark.parametrize("options", [(), pytest.param(("--bake",), marks=pytest.mark.full)])
 def test_generate_writes_a_folder_that_works_alone(
     options: tuple[str, ...],
     cli: Cli,
@@ -117,7 +117,7 @@ def test_generate_writes_a_folder_that_works_alone(
 
 
 @pytest.mark.compiler
-@pytest.mark.parametrize("options", [(), ("--bake",)])
+@pytest.mark.parametrize("options", [(), pytest.param(("--bake",), marks=pytest.mark.full)])
 def test_generate_writes_c_that_cmake_builds(options: tuple[str, ...], cli: Cli, tmp_path: Path) -> None:
     if shutil.which("cmake") is None:
         pytest.skip("needs CMake")

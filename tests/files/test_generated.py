@@ -108,7 +108,8 @@ class Gathered:
         pytest.param(
             (name, baked),
             id=f"{name}-{'baked' if baked else 'free'}",
-            marks=() if name in SOME else pytest.mark.full,
+            # small samples: baked and free in turns
+            marks=() if name in SOME and baked == bool(SOME.index(name) % 2) else pytest.mark.full,
         )
         for name in THOROUGH
         for baked in (True, False)

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import ctypes
+import gc
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -30,6 +31,14 @@ def cache(cache_folder: Path) -> Iterator[Path]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("KRHPR_CACHE", str(cache_folder))
         yield cache_folder
+
+
+@pytest.fixture
+def collected() -> Iterator[None]:
+    """What other tests of this process have made is not looked at where a test collects what is left."""
+    gc.freeze()
+    yield
+    gc.unfreeze()
 
 
 @pytest.fixture(scope="module")

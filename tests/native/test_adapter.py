@@ -404,6 +404,7 @@ def test_geometry_is_copied_from_any_buffer(library: ctypes.CDLL, matvec: np.ufu
         changing.extend(b"")  # not held
 
 
+@pytest.mark.usefixtures("collected")
 def test_names_and_texts_of_any_language(library: ctypes.CDLL) -> None:
     address = function_address(library, "calls")
     name, doc = "".join(["θ"]), "".join(["β̇ = ", "M⁻¹"])
@@ -443,6 +444,7 @@ class Owner:
     """Something that can be watched."""
 
 
+@pytest.mark.usefixtures("collected")
 def test_owner_lives_as_long_as_the_function(compiler: Compiler) -> None:
     library = load_library(compile_library("kernels", [SOURCE], compiler=compiler))
     owner: Any = Owner()
@@ -461,6 +463,7 @@ def test_owner_lives_as_long_as_the_function(compiler: Compiler) -> None:
     assert watch() is None
 
 
+@pytest.mark.usefixtures("collected")
 def test_owner_that_holds_the_function_is_collected(library: ctypes.CDLL) -> None:
     owner: Any = Owner()
     signature, nin, nout = KERNELS["matvec"]
@@ -479,6 +482,7 @@ def _resident() -> int:
 
 
 @pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="needs /proc/self/statm to see leaks")
+@pytest.mark.usefixtures("collected")
 def test_nothing_leaks(library: ctypes.CDLL) -> None:
     address = function_address(library, "matvec")
     signature, nin, nout = KERNELS["matvec"]

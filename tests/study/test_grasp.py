@@ -79,8 +79,13 @@ def test_an_object_that_is_not_held() -> None:
     found = grasp_study(slipping)
     assert found.unreachable == tuple(motion.name for motion in PROTOTYPE.motions)
     assert not found.claims()[0][1]
+    # the weightless object needs no friction
+    assert [one.trouble for one in found.along] == ["", "SLIPS at 0 s"] * 3
     far = grasp_study(replace(PROTOTYPE, motions=(Motion("far", 1.0, y=0.1),)))
     assert far.unreachable == ("far", "far")
+    assert far.along[0].trouble.startswith("UNREACHABLE_LEG_1 at 0.")
+    overlapping = replace(PROTOTYPE, held=replace(PROTOTYPE.held, width=-0.01))
+    assert grasp_study(overlapping).along[0].trouble == "NO_GRASP at 0 s"
 
 
 def test_the_example_is_the_prototype() -> None:
@@ -129,5 +134,34 @@ def test_mistakes_are_told_with_their_line(tmp_path: Path, old: str, new: str, s
 
 
 def test_millimetres_without_their_unit_are_noticed(tmp_path: Path) -> None:
-    with pytest.warns(RobotFileWarning, match="are these millimetres"):
+    with pytest.warns(RobotFileWarning, match="with millimetres in mind write `120 mm`"):
         read_grasp_file(changed(tmp_path, "l_1: 120 mm", "l_1: 120"))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("l_1: 120 mm", "l_1: 0.00012", "geometry.l_1: 0.00012 m is very short; with 0.00012 km in mind"),
+        ("height: 42.5 mm", "height: 42.5", "object.height: 42.5 m is very long; with millimetres in mind"),
+        ("radius: 4.5 mm", "radius: 4.5e-6", "drive.radius: 4.5e-06 m is very short"),
+        ("phi: 45 deg", "phi: 45", "pose.phi: 45 rad is more than a turn"),
+        ("weight: 0.3", "weight: 3000", "object.weight: it is 3000 N, and usual is 0.0001 to 1000"),
+        ("grasp_force: 2 ", "grasp_force: 2e-6 ", "grasp_force: it is 2e-06 N, and usual is"),
+        (
+            "width: 42.7 mm",
+            "width: 90 mm",
+            "0.09 m is wider than the jaws are open: their lines are 0.085 m apart",
+        ),
+        ("friction: 0.5", "friction: 50", "object.friction: it is 50, and usual is 0.01 to 3"),
+    ],
+)
+def test_units_that_are_hardly_meant(tmp_path: Path, old: str, new: str, said: str) -> None:
+    with pytest.warns(RobotFileWarning) as told:
+        read_grasp_file(changed(tmp_path, old, new))
+    assert len(told) == 1 and said in str(told[0].message)
+
+
+@pytest.mark.filterwarnings("error")
+def test_small_motions_and_weightless_objects_are_meant(tmp_path: Path) -> None:
+    read_grasp_file(changed(tmp_path, "y: 20 mm", "y: 0.1 mm"))
+    read_grasp_file(changed(tmp_path, "weight: 0.3", "weight: 0"))

@@ -30,6 +30,7 @@ limits: {redundant: [55 deg, 175 deg], redundant_rate: 60 deg, margins: [0.5, 0]
   clearance: 2 cm}
 method: scan
 intervals: 12
+horizon: 2
 """
 
 
@@ -48,7 +49,7 @@ def test_a_whole_file(tmp_path: Path) -> None:
     assert np.allclose(found.bounds.redundant, np.radians([55, 175]))
     assert np.isclose(found.bounds.redundant_rate, np.radians(60))
     assert found.bounds.factors == {"elbow": 0.2} and found.bounds.clearance == 0.02
-    assert found.method is Method.SCAN and found.intervals == 12
+    assert found.method is Method.SCAN and (found.intervals, found.horizon) == (12, 2)
 
 
 def test_the_example_has_the_limits_of_chapter_4(tmp_path: Path) -> None:
@@ -84,6 +85,7 @@ def test_a_planar_file_with_slides(tmp_path: Path) -> None:
             ("redundant_rate", "redundant_rat"),
             "limits.redundant_rat: unknown field; did you mean redundant_rate",
         ),
+        (("horizon: 2", "horizon: 0"), "horizon: expected seconds, more than none"),
         (("intervals: 12", "intervals: 1"), "intervals: expected a whole number of two or more"),
         (
             ("rotation: [0, 0, 0]}", "phi: 0}"),

@@ -219,3 +219,33 @@ def test_paths() -> None:
             RecedingHorizon(robot(), T1, "eta_1", LIMITS, horizon=horizon, intervals=intervals)
     with pytest.raises(trajectory.ContradictoryLimits):
         RecedingHorizon(robot(), T1, "eta_1", Bounds((2.0, 1.0)), horizon=1.0)
+
+
+# -- a whole path -------------------------------------------------------------------------------------------
+
+
+def test_following_a_path_is_nearly_as_good_as_knowing_it() -> None:
+    """With a third of the path in sight; continuous where one plan takes over from another."""
+    whole = trajectory.optimise(robot(), T1, "eta_1", LIMITS, intervals=12)
+    followed = trajectory.optimise(robot(), T1, "eta_1", LIMITS, intervals=12, method="receding")
+    assert followed.rounds == 9 and followed.feasible
+    best, found = (one.integrals["eta_1^2"] for one in (whole, followed))
+    assert best * (1 - 1e-6) <= found <= best * 1.01
+    assert followed.coordinates.intervals == 12
+    kinks = followed.coordinates.at(T1.duration / 12 * np.arange(1, 12)[:, None] + [-1e-9, 1e-9], 2)
+    np.testing.assert_allclose(kinks[:, 0], kinks[:, 1], atol=1e-6)
+
+
+def test_the_first_plan_of_a_horizon_as_long_as_the_path_is_the_programme() -> None:
+    whole = trajectory.optimise(robot(), T1, "eta_2", LIMITS, intervals=8)
+    once = trajectory.optimise(robot(), T1, "eta_2", LIMITS, intervals=8, method="receding", horizon=1e3)
+    assert once.rounds == 1
+    assert once.integrals["eta_2^2"] == pytest.approx(whole.integrals["eta_2^2"], rel=1e-3)
+
+
+@pytest.mark.parametrize(("horizon", "intervals", "said"), [(0.0, 8, "positive"), (None, 3, "4 or more")])
+def test_horizons_that_cannot_be(horizon: float | None, intervals: int, said: str) -> None:
+    with pytest.raises(PathError, match=said):
+        trajectory.optimise(
+            robot(), T1, "eta_1", LIMITS, method="receding", horizon=horizon, intervals=intervals
+        )

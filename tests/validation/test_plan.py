@@ -7,6 +7,7 @@ import sys
 
 import pytest
 
+from krhpr.codegen.kernel import LEGS
 from krhpr.codegen.report import report_files
 from krhpr.derivations.catalogue import catalogue
 from krhpr.derivations.sublegs.kernels import SubLegKernels
@@ -26,6 +27,7 @@ from tests.support import catalogued, derived_robots
 DERIVED = derived_robots()
 CATALOGUED = catalogued()
 PLANS = {robot.identifier: plan(robot) for robot in CATALOGUED}
+OF_JAWS = [plan(robot) for robot in DERIVED.robots if robot.legs != LEGS]
 ROBOTS = pytest.mark.parametrize("robot", CATALOGUED, ids=lambda robot: robot.identifier)
 
 DERIVATIVES = {
@@ -44,7 +46,7 @@ def checks(identifier: str, kind: Kind, target: Target | None = None) -> list[Ch
 
 
 def test_every_rule_has_code_and_all_code_is_used() -> None:
-    planned = {(check.kind, check.name) for found in PLANS.values() for check in found}
+    planned = {(check.kind, check.name) for found in (*PLANS.values(), *OF_JAWS) for check in found}
     written = {(kind, name) for kind, runners in RUNNERS.items() for name in runners}
     shared = {Kind.PASSES, Kind.IDENTITY}, {Kind.AGREEMENT, Kind.DIGITS}
     for kinds in shared:  # one module for two kinds

@@ -13,8 +13,9 @@ from krhpr.codegen.kernel import LEGS, Frame, Layout, Port, Unit
 from krhpr.validation import configurations
 from krhpr.validation.configurations import LEGS_BY_NAME, configuration
 from krhpr.validation.draw import Draw
+from krhpr.validation.evaluation import evaluate
 from krhpr.validation.numbers import Angle, Ball, Exact, ball_precision
-from krhpr.validation.sampling import draw, evaluate, rotations
+from krhpr.validation.sampling import draw, rotations
 from krhpr.validation.scale import difference, relative, scale, worst_of
 from tests.validation.support import IDENTIFIERS, subject
 

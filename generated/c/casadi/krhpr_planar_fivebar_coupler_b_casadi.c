@@ -33,6 +33,7 @@
 #define krhpr_planar_fivebar_coupler_b_constraints plain_constraints
 #define krhpr_planar_fivebar_coupler_b_jacobians plain_jacobians
 #define krhpr_planar_fivebar_coupler_b_jacobian_blocks plain_jacobian_blocks
+#define krhpr_planar_fivebar_coupler_b_jacobians_n plain_jacobians_n
 #define krhpr_planar_fivebar_coupler_b_inverse plain_inverse
 #define krhpr_planar_fivebar_coupler_b_inverse_all plain_inverse_all
 #define krhpr_planar_fivebar_coupler_b_inverse_status plain_inverse_status
@@ -65,6 +66,7 @@
 #undef krhpr_planar_fivebar_coupler_b_constraints
 #undef krhpr_planar_fivebar_coupler_b_jacobians
 #undef krhpr_planar_fivebar_coupler_b_jacobian_blocks
+#undef krhpr_planar_fivebar_coupler_b_jacobians_n
 #undef krhpr_planar_fivebar_coupler_b_inverse
 #undef krhpr_planar_fivebar_coupler_b_inverse_all
 #undef krhpr_planar_fivebar_coupler_b_inverse_status
@@ -145,80 +147,89 @@ static const casadi_int P14[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 1, 1, 2, 2};
 static const casadi_int P15[9] = {3, 6, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P16[3] = {1, 2, 1};
 static const casadi_int P17[5] = {1, 2, 0, 0, 0};
-static const casadi_int P18[3] = {6, 2, 1};
-static const casadi_int P19[5] = {6, 2, 0, 0, 0};
-static const casadi_int P20[3] = {2, 3, 1};
-static const casadi_int P21[6] = {2, 3, 0, 0, 0, 0};
-static const casadi_int P22[11] = {6, 2, 0, 3, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P23[3] = {6, 1, 1};
-static const casadi_int P24[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
-static const casadi_int P25[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P26[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5};
-static const casadi_int P27[6] = {6, 3, 0, 0, 0, 0};
-static const casadi_int P28[17] = {4, 6, 0, 4, 4, 4, 8, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P29[17] = {4, 6, 0, 0, 4, 4, 4, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P30[17] = {4, 6, 0, 0, 0, 4, 4, 4, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P31[25] = {8, 6, 0, 8, 8, 8, 16, 16, 16, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P32[25] = {8, 6, 0, 0, 8, 8, 8, 16, 16, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P33[25] = {8, 6, 0, 0, 0, 8, 8, 8, 16, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P34[11] = {9, 2, 0, 3, 6, 6, 7, 8, 6, 7, 8};
-static const casadi_int P35[3] = {9, 1, 1};
-static const casadi_int P36[15] = {9, 6, 0, 1, 2, 3, 4, 5, 6, 6, 7, 8, 6, 7, 8};
-static const casadi_int P37[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P38[5] = {18, 2, 0, 0, 0};
-static const casadi_int P39[10] = {18, 1, 0, 6, 0, 3, 7, 10, 14, 17};
-static const casadi_int P40[21] = {18, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 7, 10, 14, 17, 0, 3, 7, 10, 14, 17};
-static const casadi_int P41[13] = {2, 6, 0, 2, 2, 2, 4, 4, 4, 0, 1, 0, 1};
-static const casadi_int P42[13] = {2, 6, 0, 0, 2, 2, 2, 4, 4, 0, 1, 0, 1};
-static const casadi_int P43[13] = {2, 6, 0, 0, 0, 2, 2, 2, 4, 0, 1, 0, 1};
-static const casadi_int P44[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P45[3] = {8, 2, 1};
-static const casadi_int P46[3] = {8, 1, 1};
-static const casadi_int P47[14] = {8, 3, 0, 8, 8, 8, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P48[14] = {8, 3, 0, 0, 8, 8, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P49[14] = {8, 3, 0, 0, 0, 8, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P50[3] = {3, 6, 1};
-static const casadi_int P51[18] = {6, 6, 0, 2, 4, 6, 7, 8, 9, 0, 3, 1, 4, 2, 5, 3, 4, 5};
-static const casadi_int P52[3] = {6, 3, 1};
-static const casadi_int P53[3] = {6, 6, 1};
-static const casadi_int P54[7] = {3, 2, 0, 1, 2, 2, 2};
-static const casadi_int P55[3] = {1, 3, 1};
-static const casadi_int P56[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P57[7] = {6, 1, 0, 3, 3, 4, 5};
-static const casadi_int P58[27] = {6, 6, 0, 3, 6, 9, 12, 15, 18, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4,
+static const casadi_int P18[3] = {6, 6, 1};
+static const casadi_int P19[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P20[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 1, 0, 1, 2, 3, 2, 3, 4, 5, 4, 5};
+static const casadi_int P21[3] = {6, 2, 1};
+static const casadi_int P22[5] = {6, 2, 0, 0, 0};
+static const casadi_int P23[3] = {2, 3, 1};
+static const casadi_int P24[6] = {2, 3, 0, 0, 0, 0};
+static const casadi_int P25[11] = {6, 2, 0, 3, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P26[3] = {6, 1, 1};
+static const casadi_int P27[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
+static const casadi_int P28[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P29[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5};
+static const casadi_int P30[6] = {6, 3, 0, 0, 0, 0};
+static const casadi_int P31[17] = {4, 6, 0, 4, 4, 4, 8, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P32[17] = {4, 6, 0, 0, 4, 4, 4, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P33[17] = {4, 6, 0, 0, 0, 4, 4, 4, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P34[25] = {8, 6, 0, 8, 8, 8, 16, 16, 16, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
+static const casadi_int P35[25] = {8, 6, 0, 0, 8, 8, 8, 16, 16, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
+static const casadi_int P36[25] = {8, 6, 0, 0, 0, 8, 8, 8, 16, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
+static const casadi_int P37[11] = {9, 2, 0, 3, 6, 6, 7, 8, 6, 7, 8};
+static const casadi_int P38[3] = {9, 1, 1};
+static const casadi_int P39[15] = {9, 6, 0, 1, 2, 3, 4, 5, 6, 6, 7, 8, 6, 7, 8};
+static const casadi_int P40[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P41[5] = {18, 2, 0, 0, 0};
+static const casadi_int P42[10] = {18, 1, 0, 6, 0, 3, 7, 10, 14, 17};
+static const casadi_int P43[21] = {18, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 7, 10, 14, 17, 0, 3, 7, 10, 14, 17};
+static const casadi_int P44[13] = {2, 6, 0, 2, 2, 2, 4, 4, 4, 0, 1, 0, 1};
+static const casadi_int P45[13] = {2, 6, 0, 0, 2, 2, 2, 4, 4, 0, 1, 0, 1};
+static const casadi_int P46[13] = {2, 6, 0, 0, 0, 2, 2, 2, 4, 0, 1, 0, 1};
+static const casadi_int P47[17] = {36, 2, 0, 6, 12, 12, 13, 14, 15, 16, 17, 12, 13, 14, 15, 16, 17};
+static const casadi_int P48[22] = {36, 1, 0, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17};
+static const casadi_int P49[21] = {36, 6, 0, 2, 4, 6, 8, 10, 12, 12, 13, 14, 15, 16, 17, 12, 13, 14, 15, 16, 17};
+static const casadi_int P50[9] = {36, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P51[5] = {36, 2, 0, 0, 0};
+static const casadi_int P52[16] = {36, 1, 0, 12, 0, 1, 6, 7, 14, 15, 20, 21, 28, 29, 34, 35};
+static const casadi_int P53[33] = {36, 6, 0, 4, 8, 12, 16, 20, 24, 0, 1, 6, 7, 14, 15, 20, 21, 28, 29, 34, 35, 0, 1,
+    6, 7, 14, 15, 20, 21, 28, 29, 34, 35};
+static const casadi_int P54[3] = {8, 2, 1};
+static const casadi_int P55[3] = {8, 1, 1};
+static const casadi_int P56[14] = {8, 3, 0, 8, 8, 8, 0, 1, 2, 3, 4, 5, 6, 7};
+static const casadi_int P57[14] = {8, 3, 0, 0, 8, 8, 0, 1, 2, 3, 4, 5, 6, 7};
+static const casadi_int P58[14] = {8, 3, 0, 0, 0, 8, 0, 1, 2, 3, 4, 5, 6, 7};
+static const casadi_int P59[3] = {3, 6, 1};
+static const casadi_int P60[18] = {6, 6, 0, 2, 4, 6, 7, 8, 9, 0, 3, 1, 4, 2, 5, 3, 4, 5};
+static const casadi_int P61[3] = {6, 3, 1};
+static const casadi_int P62[7] = {3, 2, 0, 1, 2, 2, 2};
+static const casadi_int P63[3] = {1, 3, 1};
+static const casadi_int P64[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P65[7] = {6, 1, 0, 3, 3, 4, 5};
+static const casadi_int P66[27] = {6, 6, 0, 3, 6, 9, 12, 15, 18, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4,
     5};
-static const casadi_int P59[11] = {6, 2, 0, 3, 6, 3, 4, 5, 3, 4, 5};
-static const casadi_int P60[18] = {6, 3, 0, 4, 8, 12, 0, 3, 4, 5, 1, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P61[4] = {6, 1, 0, 0};
-static const casadi_int P62[5] = {9, 2, 0, 0, 0};
-static const casadi_int P63[4] = {9, 1, 0, 0};
-static const casadi_int P64[27] = {9, 6, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5,
+static const casadi_int P67[11] = {6, 2, 0, 3, 6, 3, 4, 5, 3, 4, 5};
+static const casadi_int P68[18] = {6, 3, 0, 4, 8, 12, 0, 3, 4, 5, 1, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P69[4] = {6, 1, 0, 0};
+static const casadi_int P70[5] = {9, 2, 0, 0, 0};
+static const casadi_int P71[4] = {9, 1, 0, 0};
+static const casadi_int P72[27] = {9, 6, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5,
     8};
-static const casadi_int P65[24] = {9, 6, 0, 3, 6, 9, 11, 13, 15, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7, 5, 8};
-static const casadi_int P66[12] = {3, 6, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
-static const casadi_int P67[5] = {12, 2, 0, 0, 0};
-static const casadi_int P68[4] = {12, 1, 0, 0};
-static const casadi_int P69[13] = {12, 6, 0, 2, 2, 2, 4, 4, 4, 4, 5, 10, 11};
-static const casadi_int P70[15] = {12, 6, 0, 4, 4, 4, 6, 6, 6, 2, 4, 8, 10, 3, 9};
-static const casadi_int P71[13] = {12, 6, 0, 0, 2, 2, 2, 4, 4, 4, 5, 10, 11};
-static const casadi_int P72[15] = {12, 6, 0, 0, 4, 4, 4, 6, 6, 2, 4, 8, 10, 3, 9};
-static const casadi_int P73[13] = {12, 6, 0, 0, 0, 2, 2, 2, 4, 4, 5, 10, 11};
-static const casadi_int P74[15] = {12, 6, 0, 0, 0, 4, 4, 4, 6, 2, 4, 8, 10, 3, 9};
-static const casadi_int P75[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P76[3] = {1, 6, 1};
-static const casadi_int P77[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P78[3] = {4, 6, 1};
-static const casadi_int P79[3] = {2, 6, 1};
-static const casadi_int P80[6] = {1, 3, 0, 0, 0, 0};
-static const casadi_int P81[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P82[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
-static const casadi_int P83[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P84[4] = {4, 1, 0, 0};
-static const casadi_int P85[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
-static const casadi_int P86[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
-static const casadi_int P87[3] = {4, 3, 1};
-static const casadi_int P88[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
-static const casadi_int P89[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P73[24] = {9, 6, 0, 3, 6, 9, 11, 13, 15, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7, 5, 8};
+static const casadi_int P74[12] = {3, 6, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
+static const casadi_int P75[5] = {12, 2, 0, 0, 0};
+static const casadi_int P76[4] = {12, 1, 0, 0};
+static const casadi_int P77[13] = {12, 6, 0, 2, 2, 2, 4, 4, 4, 4, 5, 10, 11};
+static const casadi_int P78[15] = {12, 6, 0, 4, 4, 4, 6, 6, 6, 2, 4, 8, 10, 3, 9};
+static const casadi_int P79[13] = {12, 6, 0, 0, 2, 2, 2, 4, 4, 4, 5, 10, 11};
+static const casadi_int P80[15] = {12, 6, 0, 0, 4, 4, 4, 6, 6, 2, 4, 8, 10, 3, 9};
+static const casadi_int P81[13] = {12, 6, 0, 0, 0, 2, 2, 2, 4, 4, 5, 10, 11};
+static const casadi_int P82[15] = {12, 6, 0, 0, 0, 4, 4, 4, 6, 2, 4, 8, 10, 3, 9};
+static const casadi_int P83[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P84[3] = {1, 6, 1};
+static const casadi_int P85[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P86[3] = {4, 6, 1};
+static const casadi_int P87[3] = {2, 6, 1};
+static const casadi_int P88[6] = {1, 3, 0, 0, 0, 0};
+static const casadi_int P89[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P90[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
+static const casadi_int P91[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P92[4] = {4, 1, 0, 0};
+static const casadi_int P93[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
+static const casadi_int P94[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
+static const casadi_int P95[3] = {4, 3, 1};
+static const casadi_int P96[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P97[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- end_points -- */
 
@@ -249,7 +260,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_end_points[] = {
-    P22, P23, P24
+    P25, P26, P27
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_phi", "jac_s_redundant"
@@ -289,7 +300,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P6, P4, P25
+    P6, P4, P28
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_phi", "jac_redundant_s"
@@ -328,7 +339,7 @@ static const krhpr_casadi_slot out_subleg_forward[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_forward[] = {
-    P26, P27
+    P29, P30
 };
 static const char *const names_subleg_forward[] = {
     "jac_s_theta", "jac_s_assembly"
@@ -366,7 +377,7 @@ static const krhpr_casadi_slot out_subleg_forward_all[] = {
     {"out_s3", 2, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_forward_all[] = {
-    P28, P29, P30
+    P31, P32, P33
 };
 static const char *const names_subleg_forward_all[] = {
     "jac_s1_theta", "jac_s2_theta", "jac_s3_theta"
@@ -403,7 +414,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 4, 2, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P31, P32, P33
+    P34, P35, P36
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -446,7 +457,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 2, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P28, P28, P29, P29, P30, P30
+    P31, P31, P32, P32, P33, P33
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -486,7 +497,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_constraints[] = {
-    P6, P4, P25
+    P6, P4, P28
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_phi", "jac_residual_s"
@@ -537,7 +548,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 3, 6, 3, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P34, P35, P36, P37, P38, P39, P40, P40
+    P37, P38, P39, P40, P41, P42, P43, P43
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_phi", "jac_K_s", "jac_K_theta"
@@ -590,7 +601,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 1, 2, 1, NULL, P16, P17},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P34, P35, P36, P37, P9, P0, P41, P41, P9, P0, P42, P42, P9, P0, P43, P43
+    P37, P38, P39, P40, P9, P0, P44, P44, P9, P0, P45, P45, P9, P0, P46, P46
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_phi", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -601,6 +612,64 @@ static const krhpr_casadi_function function_jacobian_blocks = {
 };
 KRHPR_CASADI_FUNCTION(NAME(jacobian_blocks), function_jacobian_blocks)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobian_blocks), function_jacobian_blocks)
+
+/* -- jacobians_n -- */
+
+static int value_jacobians_n(const double *x, double *y)
+{
+    return plain_jacobians_n(&geometry, x, x[2], x + 3, x + 9, y, y + 36);
+}
+
+static void tangent_jacobians_n(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const phi = given + 2;
+    const krhpr_dual *const s = given + 3;
+    const krhpr_dual *const theta = given + 9;
+    krhpr_dual *const J = found;
+    krhpr_dual *const K = found + 36;
+    krhpr_dual Q[4];
+    krhpr_dual J_lines[9];
+    krhpr_dual along[6];
+    krhpr_algebra_planar_rotation_tangent(phi, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[2];
+        krhpr_dual redundant_line[3];
+        krhpr_dual d[2];
+        krhpr_dual u_1[2];
+        krhpr_dual u_2[2];
+        krhpr_platform_planar_b_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J_lines + 3 * i, N);
+        krhpr_platform_planar_b_redundant_line_tangent(
+            &geometry.platform, i, p, Q, s + 2 * i, along + 2 * i, redundant_line);
+        krhpr_subleg_planar_fivebar_coupler_posture_tangent(
+            &geometry.subleg, i, s + 2 * i, theta + 2 * i, d, u_1, u_2);
+        krhpr_subleg_planar_fivebar_coupler_transmission_tangent(
+            &geometry.subleg, i, d, u_1, u_2, N, along + 2 * i, K + 4 * i);
+    }
+    krhpr_subleg_planar_fivebar_coupler_non_redundant_tangent(J_lines, along, p, s, J);
+}
+
+static const krhpr_casadi_slot in_jacobians_n[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+};
+static const krhpr_casadi_slot out_jacobians_n[] = {
+    {"out_J", 6, 6, 1, NULL, P18, P19},
+    {"out_K", 6, 6, 3, NULL, P20, P19},
+};
+static const casadi_int *const structure_jacobians_n[] = {
+    P47, P48, P49, P50, P51, P52, P53, P53
+};
+static const char *const names_jacobians_n[] = {
+    "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_phi", "jac_K_s", "jac_K_theta"
+};
+static const krhpr_casadi_function function_jacobians_n = {
+    4, in_jacobians_n, 2, out_jacobians_n, value_jacobians_n, tangent_jacobians_n, structure_jacobians_n, names_jacobians_n
+};
+KRHPR_CASADI_FUNCTION(NAME(jacobians_n), function_jacobians_n)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobians_n), function_jacobians_n)
 
 /* -- inverse -- */
 
@@ -637,7 +706,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse[] = {
-    P18, P23, P24, P44
+    P21, P26, P27, P19
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_phi", "jac_theta_redundant", "jac_theta_mode"
@@ -681,7 +750,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 4, 2, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P45, P46, P47, P45, P46, P48, P45, P46, P49
+    P54, P55, P56, P54, P55, P57, P54, P55, P58
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_phi", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_phi", "jac_theta2_redundant",
@@ -764,7 +833,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_twist[] = {
-    P6, P4, P50, P50, P50
+    P6, P4, P59, P59, P59
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_phi", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -819,7 +888,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P18, P23, P26, P51, P52, P24
+    P21, P26, P29, P60, P61, P27
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_phi", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -894,7 +963,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P6, P4, P50, P50, P12, P50, P50
+    P6, P4, P59, P59, P12, P59, P59
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_phi", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -964,7 +1033,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P18, P23, P26, P26, P52, P24, P26, P52, P24
+    P21, P26, P29, P29, P61, P27, P29, P61, P27
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_phi", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -1034,7 +1103,7 @@ static const krhpr_casadi_slot out_inverse_statics[] = {
     {"out_actuator_forces", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse_statics[] = {
-    P18, P23, P53, P26, P52, P52
+    P21, P26, P18, P29, P61, P61
 };
 static const char *const names_inverse_statics[] = {
     "jac_actuator_forces_p", "jac_actuator_forces_phi", "jac_actuator_forces_s", "jac_actuator_forces_theta",
@@ -1092,7 +1161,7 @@ static const krhpr_casadi_slot out_forward_statics[] = {
     {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_statics[] = {
-    P54, P5, P50, P50, P50, P7, P4, P25, P25, P25
+    P62, P5, P59, P59, P59, P7, P4, P28, P28, P28
 };
 static const char *const names_forward_statics[] = {
     "jac_wrench_p", "jac_wrench_phi", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
@@ -1138,7 +1207,7 @@ static const krhpr_casadi_slot out_opening[] = {
     {"out_shares", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_opening[] = {
-    P55, P55, P20, P20, P13, P13
+    P63, P63, P23, P23, P13, P13
 };
 static const char *const names_opening[] = {
     "jac_opening_redundant", "jac_opening_jaws", "jac_centre_redundant", "jac_centre_jaws", "jac_shares_redundant",
@@ -1178,7 +1247,7 @@ static const krhpr_casadi_slot out_redundant_of_opening[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_of_opening[] = {
-    P4, P6, P56
+    P4, P6, P64
 };
 static const char *const names_redundant_of_opening[] = {
     "jac_redundant_opening", "jac_redundant_centre", "jac_redundant_jaws"
@@ -1237,7 +1306,7 @@ static const krhpr_casadi_slot out_grasp[] = {
     {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_grasp[] = {
-    P57, P58, P59, P59, P60, P61, P4, P50, P6, P6, P12, P5, P5, P15, P7, P7, P56, P5, P4, P50, P6, P6, P12, P4
+    P65, P66, P67, P67, P68, P69, P4, P59, P6, P6, P12, P5, P5, P15, P7, P7, P64, P5, P4, P59, P6, P6, P12, P4
 };
 static const char *const names_grasp[] = {
     "jac_contact_forces_phi", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
@@ -1301,7 +1370,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P62, P63, P64, P65, P7, P4, P25, P66, P6, P4, P25, P15
+    P70, P71, P72, P73, P7, P4, P28, P74, P6, P4, P28, P15
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_phi", "jac_passive_s", "jac_passive_theta", "jac_wrist_p", "jac_wrist_phi",
@@ -1349,13 +1418,13 @@ static const krhpr_casadi_slot in_link_points[] = {
     {"out_theta", 3, 2, 1, NULL, P6, P7},
 };
 static const krhpr_casadi_slot out_link_points[] = {
-    {"out_points1", 6, 2, 1, NULL, P18, P19},
-    {"out_points2", 6, 2, 1, NULL, P18, P19},
-    {"out_points3", 6, 2, 1, NULL, P18, P19},
+    {"out_points1", 6, 2, 1, NULL, P21, P22},
+    {"out_points2", 6, 2, 1, NULL, P21, P22},
+    {"out_points3", 6, 2, 1, NULL, P21, P22},
     {"out_attachment", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_link_points[] = {
-    P67, P68, P69, P70, P67, P68, P71, P72, P67, P68, P73, P74, P19, P23, P75, P44
+    P75, P76, P77, P78, P75, P76, P79, P80, P75, P76, P81, P82, P22, P26, P83, P19
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_phi", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_phi",
@@ -1418,7 +1487,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_singularity[] = {
-    P7, P5, P25, P25, P62, P63, P64, P65, P16, P2, P76, P77, P16, P2, P76, P77
+    P7, P5, P28, P28, P70, P71, P72, P73, P16, P2, P84, P85, P16, P2, P84, P85
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_phi", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_phi",
@@ -1461,7 +1530,7 @@ static const krhpr_casadi_slot out_type_2_of_redundant[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
-    P55, P55
+    P63, P63
 };
 static const char *const names_type_2_of_redundant[] = {
     "jac_type_2_redundant", "jac_margins_redundant"
@@ -1559,7 +1628,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P16, P2, P76, P76, P16, P2, P76, P76, P17, P3, P76, P76
+    P16, P2, P84, P84, P16, P2, P84, P84, P17, P3, P84, P84
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_phi", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_2_p", "jac_eta_2_phi", "jac_eta_2_s",
@@ -1604,12 +1673,12 @@ static const krhpr_casadi_slot in_forward_all[] = {
 static const krhpr_casadi_slot out_forward_all[] = {
     {"out_p", 2, 2, 1, NULL, P8, P9},
     {"out_phi", 2, 1, 1, NULL, P0, P1},
-    {"out_redundant", 2, 3, 1, NULL, P20, P21},
+    {"out_redundant", 2, 3, 1, NULL, P23, P24},
     {"out_det_J", 2, 1, 1, NULL, P0, P1},
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P78, P79, P53, P79, P77
+    P86, P87, P18, P87, P85
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_phi_s", "jac_redundant_s", "jac_det_J_s", "jac_count_s"
@@ -1669,7 +1738,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P79, P21, P0, P76, P80, P2, P50, P13, P4, P77, P80, P3, P77, P80, P3
+    P87, P24, P0, P84, P88, P2, P59, P13, P4, P85, P88, P3, P85, P88, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_assembly", "jac_p_side", "jac_phi_theta", "jac_phi_assembly", "jac_phi_side",
@@ -1726,7 +1795,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P81, P8, P1, P82, P16, P3, P83, P10, P84, P82, P16, P3
+    P89, P8, P1, P90, P16, P3, P91, P10, P92, P90, P16, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",
@@ -1782,7 +1851,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P85, P20, P1, P76, P55, P3, P86, P87, P84, P88, P89, P5
+    P93, P23, P1, P84, P63, P3, P94, P95, P92, P96, P97, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",

@@ -32,6 +32,7 @@
 #define krhpr_planar_pp_c_constraints plain_constraints
 #define krhpr_planar_pp_c_jacobians plain_jacobians
 #define krhpr_planar_pp_c_jacobian_blocks plain_jacobian_blocks
+#define krhpr_planar_pp_c_jacobians_n plain_jacobians_n
 #define krhpr_planar_pp_c_inverse plain_inverse
 #define krhpr_planar_pp_c_inverse_all plain_inverse_all
 #define krhpr_planar_pp_c_inverse_status plain_inverse_status
@@ -63,6 +64,7 @@
 #undef krhpr_planar_pp_c_constraints
 #undef krhpr_planar_pp_c_jacobians
 #undef krhpr_planar_pp_c_jacobian_blocks
+#undef krhpr_planar_pp_c_jacobians_n
 #undef krhpr_planar_pp_c_inverse
 #undef krhpr_planar_pp_c_inverse_all
 #undef krhpr_planar_pp_c_inverse_status
@@ -133,64 +135,71 @@ static const casadi_int P12[3] = {3, 3, 1};
 static const casadi_int P13[6] = {3, 3, 0, 0, 0, 0};
 static const casadi_int P14[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 1, 1, 2, 2};
 static const casadi_int P15[9] = {3, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P16[3] = {2, 3, 1};
-static const casadi_int P17[6] = {2, 3, 0, 0, 0, 0};
-static const casadi_int P18[11] = {6, 2, 0, 3, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P19[3] = {6, 1, 1};
-static const casadi_int P20[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
-static const casadi_int P21[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P22[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5};
-static const casadi_int P23[13] = {2, 6, 0, 2, 2, 2, 4, 4, 4, 0, 1, 0, 1};
-static const casadi_int P24[13] = {2, 6, 0, 0, 2, 2, 2, 4, 4, 0, 1, 0, 1};
-static const casadi_int P25[13] = {2, 6, 0, 0, 0, 2, 2, 2, 4, 0, 1, 0, 1};
-static const casadi_int P26[11] = {9, 2, 0, 3, 6, 6, 7, 8, 6, 7, 8};
-static const casadi_int P27[3] = {9, 1, 1};
-static const casadi_int P28[15] = {9, 6, 0, 1, 2, 3, 4, 5, 6, 6, 7, 8, 6, 7, 8};
-static const casadi_int P29[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P30[5] = {18, 2, 0, 0, 0};
-static const casadi_int P31[10] = {18, 1, 0, 6, 0, 3, 7, 10, 14, 17};
-static const casadi_int P32[9] = {18, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P33[9] = {2, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P34[3] = {6, 2, 1};
-static const casadi_int P35[8] = {2, 3, 0, 2, 2, 2, 0, 1};
-static const casadi_int P36[8] = {2, 3, 0, 0, 2, 2, 0, 1};
-static const casadi_int P37[8] = {2, 3, 0, 0, 0, 2, 0, 1};
-static const casadi_int P38[3] = {3, 6, 1};
-static const casadi_int P39[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P40[3] = {6, 3, 1};
-static const casadi_int P41[3] = {6, 6, 1};
-static const casadi_int P42[7] = {3, 2, 0, 1, 2, 2, 2};
-static const casadi_int P43[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 2, 2, 2, 2, 2, 2};
-static const casadi_int P44[3] = {1, 3, 1};
-static const casadi_int P45[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P46[7] = {6, 1, 0, 3, 3, 4, 5};
-static const casadi_int P47[27] = {6, 6, 0, 3, 6, 9, 12, 15, 18, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4,
+static const casadi_int P16[3] = {6, 6, 1};
+static const casadi_int P17[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P18[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 1, 0, 1, 2, 3, 2, 3, 4, 5, 4, 5};
+static const casadi_int P19[3] = {2, 3, 1};
+static const casadi_int P20[6] = {2, 3, 0, 0, 0, 0};
+static const casadi_int P21[11] = {6, 2, 0, 3, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P22[3] = {6, 1, 1};
+static const casadi_int P23[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
+static const casadi_int P24[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P25[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5};
+static const casadi_int P26[13] = {2, 6, 0, 2, 2, 2, 4, 4, 4, 0, 1, 0, 1};
+static const casadi_int P27[13] = {2, 6, 0, 0, 2, 2, 2, 4, 4, 0, 1, 0, 1};
+static const casadi_int P28[13] = {2, 6, 0, 0, 0, 2, 2, 2, 4, 0, 1, 0, 1};
+static const casadi_int P29[11] = {9, 2, 0, 3, 6, 6, 7, 8, 6, 7, 8};
+static const casadi_int P30[3] = {9, 1, 1};
+static const casadi_int P31[15] = {9, 6, 0, 1, 2, 3, 4, 5, 6, 6, 7, 8, 6, 7, 8};
+static const casadi_int P32[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P33[5] = {18, 2, 0, 0, 0};
+static const casadi_int P34[10] = {18, 1, 0, 6, 0, 3, 7, 10, 14, 17};
+static const casadi_int P35[9] = {18, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P36[9] = {2, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P37[17] = {36, 2, 0, 6, 12, 12, 13, 14, 15, 16, 17, 12, 13, 14, 15, 16, 17};
+static const casadi_int P38[22] = {36, 1, 0, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17};
+static const casadi_int P39[21] = {36, 6, 0, 2, 4, 6, 8, 10, 12, 12, 13, 14, 15, 16, 17, 12, 13, 14, 15, 16, 17};
+static const casadi_int P40[9] = {36, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P41[5] = {36, 2, 0, 0, 0};
+static const casadi_int P42[16] = {36, 1, 0, 12, 0, 1, 6, 7, 14, 15, 20, 21, 28, 29, 34, 35};
+static const casadi_int P43[3] = {6, 2, 1};
+static const casadi_int P44[8] = {2, 3, 0, 2, 2, 2, 0, 1};
+static const casadi_int P45[8] = {2, 3, 0, 0, 2, 2, 0, 1};
+static const casadi_int P46[8] = {2, 3, 0, 0, 0, 2, 0, 1};
+static const casadi_int P47[3] = {3, 6, 1};
+static const casadi_int P48[3] = {6, 3, 1};
+static const casadi_int P49[7] = {3, 2, 0, 1, 2, 2, 2};
+static const casadi_int P50[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 2, 2, 2, 2, 2, 2};
+static const casadi_int P51[3] = {1, 3, 1};
+static const casadi_int P52[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P53[7] = {6, 1, 0, 3, 3, 4, 5};
+static const casadi_int P54[27] = {6, 6, 0, 3, 6, 9, 12, 15, 18, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4,
     5};
-static const casadi_int P48[11] = {6, 2, 0, 3, 6, 3, 4, 5, 3, 4, 5};
-static const casadi_int P49[18] = {6, 3, 0, 4, 8, 12, 0, 3, 4, 5, 1, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P50[4] = {6, 1, 0, 0};
-static const casadi_int P51[5] = {6, 2, 0, 0, 0};
-static const casadi_int P52[13] = {6, 6, 0, 2, 2, 2, 4, 4, 4, 1, 2, 4, 5};
-static const casadi_int P53[11] = {6, 6, 0, 0, 0, 0, 2, 2, 2, 1, 4};
-static const casadi_int P54[13] = {6, 6, 0, 0, 2, 2, 2, 4, 4, 1, 2, 4, 5};
-static const casadi_int P55[11] = {6, 6, 0, 0, 0, 0, 0, 2, 2, 1, 4};
-static const casadi_int P56[13] = {6, 6, 0, 0, 0, 2, 2, 2, 4, 1, 2, 4, 5};
-static const casadi_int P57[11] = {6, 6, 0, 0, 0, 0, 0, 0, 2, 1, 4};
-static const casadi_int P58[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P59[3] = {1, 6, 1};
-static const casadi_int P60[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P61[3] = {4, 6, 1};
-static const casadi_int P62[3] = {2, 6, 1};
-static const casadi_int P63[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P64[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
-static const casadi_int P65[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P66[3] = {4, 2, 1};
-static const casadi_int P67[4] = {4, 1, 0, 0};
-static const casadi_int P68[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
-static const casadi_int P69[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
-static const casadi_int P70[3] = {4, 3, 1};
-static const casadi_int P71[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
-static const casadi_int P72[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P55[11] = {6, 2, 0, 3, 6, 3, 4, 5, 3, 4, 5};
+static const casadi_int P56[18] = {6, 3, 0, 4, 8, 12, 0, 3, 4, 5, 1, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P57[4] = {6, 1, 0, 0};
+static const casadi_int P58[5] = {6, 2, 0, 0, 0};
+static const casadi_int P59[13] = {6, 6, 0, 2, 2, 2, 4, 4, 4, 1, 2, 4, 5};
+static const casadi_int P60[11] = {6, 6, 0, 0, 0, 0, 2, 2, 2, 1, 4};
+static const casadi_int P61[13] = {6, 6, 0, 0, 2, 2, 2, 4, 4, 1, 2, 4, 5};
+static const casadi_int P62[11] = {6, 6, 0, 0, 0, 0, 0, 2, 2, 1, 4};
+static const casadi_int P63[13] = {6, 6, 0, 0, 0, 2, 2, 2, 4, 1, 2, 4, 5};
+static const casadi_int P64[11] = {6, 6, 0, 0, 0, 0, 0, 0, 2, 1, 4};
+static const casadi_int P65[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P66[3] = {1, 6, 1};
+static const casadi_int P67[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P68[3] = {4, 6, 1};
+static const casadi_int P69[3] = {2, 6, 1};
+static const casadi_int P70[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P71[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
+static const casadi_int P72[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P73[3] = {4, 2, 1};
+static const casadi_int P74[4] = {4, 1, 0, 0};
+static const casadi_int P75[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
+static const casadi_int P76[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
+static const casadi_int P77[3] = {4, 3, 1};
+static const casadi_int P78[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P79[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- end_points -- */
 
@@ -221,7 +230,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_end_points[] = {
-    P18, P19, P20
+    P21, P22, P23
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_phi", "jac_s_redundant"
@@ -261,7 +270,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P6, P4, P21
+    P6, P4, P24
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_phi", "jac_redundant_s"
@@ -295,7 +304,7 @@ static const krhpr_casadi_slot out_subleg_forward[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_forward[] = {
-    P22
+    P25
 };
 static const char *const names_subleg_forward[] = {
     "jac_s_theta"
@@ -332,7 +341,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 1, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P23, P24, P25
+    P26, P27, P28
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -393,7 +402,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_constraints[] = {
-    P6, P4, P21
+    P6, P4, P24
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_phi", "jac_residual_s"
@@ -438,7 +447,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 3, 6, 3, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P26, P27, P28, P29, P30, P31, P32, P32
+    P29, P30, P31, P32, P33, P34, P35, P35
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_phi", "jac_K_s", "jac_K_theta"
@@ -485,7 +494,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 1, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P26, P27, P28, P29, P11, P0, P33, P33, P11, P0, P33, P33, P11, P0, P33, P33
+    P29, P30, P31, P32, P11, P0, P36, P36, P11, P0, P36, P36, P11, P0, P36, P36
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_phi", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -496,6 +505,57 @@ static const krhpr_casadi_function function_jacobian_blocks = {
 };
 KRHPR_CASADI_FUNCTION(NAME(jacobian_blocks), function_jacobian_blocks)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobian_blocks), function_jacobian_blocks)
+
+/* -- jacobians_n -- */
+
+static int value_jacobians_n(const double *x, double *y)
+{
+    return plain_jacobians_n(&geometry, x, x[2], x + 3, x + 9, y, y + 36);
+}
+
+static void tangent_jacobians_n(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const phi = given + 2;
+    const krhpr_dual *const s = given + 3;
+    krhpr_dual *const J = found;
+    krhpr_dual *const K = found + 36;
+    krhpr_dual Q[4];
+    krhpr_dual J_lines[9];
+    krhpr_dual along[6];
+    krhpr_algebra_planar_rotation_tangent(phi, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[2];
+        krhpr_dual redundant_line[3];
+        krhpr_platform_planar_c_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J_lines + 3 * i, N);
+        krhpr_platform_planar_c_redundant_line_tangent(
+            &geometry.platform, i, p, Q, s + 2 * i, along + 2 * i, redundant_line);
+        krhpr_subleg_planar_pp_transmission_tangent(&geometry.subleg, i, N, along + 2 * i, K + 4 * i);
+    }
+    krhpr_subleg_planar_pp_non_redundant_tangent(J_lines, along, p, s, J);
+}
+
+static const krhpr_casadi_slot in_jacobians_n[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+};
+static const krhpr_casadi_slot out_jacobians_n[] = {
+    {"out_J", 6, 6, 1, NULL, P16, P17},
+    {"out_K", 6, 6, 3, NULL, P18, P17},
+};
+static const casadi_int *const structure_jacobians_n[] = {
+    P37, P38, P39, P40, P41, P42, P40, P40
+};
+static const char *const names_jacobians_n[] = {
+    "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_phi", "jac_K_s", "jac_K_theta"
+};
+static const krhpr_casadi_function function_jacobians_n = {
+    4, in_jacobians_n, 2, out_jacobians_n, value_jacobians_n, tangent_jacobians_n, structure_jacobians_n, names_jacobians_n
+};
+KRHPR_CASADI_FUNCTION(NAME(jacobians_n), function_jacobians_n)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobians_n), function_jacobians_n)
 
 /* -- inverse -- */
 
@@ -529,7 +589,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse[] = {
-    P34, P19, P20
+    P43, P22, P23
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_phi", "jac_theta_redundant"
@@ -574,7 +634,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 1, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P10, P0, P35, P10, P0, P36, P10, P0, P37
+    P10, P0, P44, P10, P0, P45, P10, P0, P46
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_phi", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_phi", "jac_theta2_redundant",
@@ -649,7 +709,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_twist[] = {
-    P6, P4, P38, P15, P38
+    P6, P4, P47, P15, P47
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_phi", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -698,7 +758,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P34, P19, P22, P39, P40, P20
+    P43, P22, P25, P17, P48, P23
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_phi", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -767,7 +827,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P6, P4, P38, P15, P12, P38, P38
+    P6, P4, P47, P15, P12, P47, P47
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_phi", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -832,7 +892,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P34, P19, P22, P39, P40, P20, P39, P40, P20
+    P43, P22, P25, P17, P48, P23, P17, P48, P23
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_phi", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -895,7 +955,7 @@ static const krhpr_casadi_slot out_inverse_statics[] = {
     {"out_actuator_forces", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse_statics[] = {
-    P34, P19, P41, P39, P40, P40
+    P43, P22, P16, P17, P48, P48
 };
 static const char *const names_inverse_statics[] = {
     "jac_actuator_forces_p", "jac_actuator_forces_phi", "jac_actuator_forces_s", "jac_actuator_forces_theta",
@@ -948,7 +1008,7 @@ static const krhpr_casadi_slot out_forward_statics[] = {
     {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_statics[] = {
-    P42, P5, P43, P15, P38, P7, P4, P15, P15, P21
+    P49, P5, P50, P15, P47, P7, P4, P15, P15, P24
 };
 static const char *const names_forward_statics[] = {
     "jac_wrench_p", "jac_wrench_phi", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
@@ -992,7 +1052,7 @@ static const krhpr_casadi_slot out_opening[] = {
     {"out_shares", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_opening[] = {
-    P44, P44, P16, P16, P13, P13
+    P51, P51, P19, P19, P13, P13
 };
 static const char *const names_opening[] = {
     "jac_opening_redundant", "jac_opening_jaws", "jac_centre_redundant", "jac_centre_jaws", "jac_shares_redundant",
@@ -1032,7 +1092,7 @@ static const krhpr_casadi_slot out_redundant_of_opening[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_of_opening[] = {
-    P4, P6, P45
+    P4, P6, P52
 };
 static const char *const names_redundant_of_opening[] = {
     "jac_redundant_opening", "jac_redundant_centre", "jac_redundant_jaws"
@@ -1089,7 +1149,7 @@ static const krhpr_casadi_slot out_grasp[] = {
     {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_grasp[] = {
-    P46, P47, P48, P48, P49, P50, P4, P38, P6, P6, P12, P5, P5, P15, P7, P7, P45, P5, P4, P38, P6, P6, P12, P4
+    P53, P54, P55, P55, P56, P57, P4, P47, P6, P6, P12, P5, P5, P15, P7, P7, P52, P5, P4, P47, P6, P6, P12, P4
 };
 static const char *const names_grasp[] = {
     "jac_contact_forces_phi", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
@@ -1144,7 +1204,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P7, P4, P15, P15, P6, P4, P21, P15
+    P7, P4, P15, P15, P6, P4, P24, P15
 };
 static const char *const names_passive_joints[] = {
     "jac_wrist_p", "jac_wrist_phi", "jac_wrist_s", "jac_wrist_theta", "jac_platform_joint_p", "jac_platform_joint_phi",
@@ -1190,7 +1250,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_link_points[] = {
-    P51, P50, P52, P53, P51, P50, P54, P55, P51, P50, P56, P57, P51, P50, P58, P39
+    P58, P57, P59, P60, P58, P57, P61, P62, P58, P57, P63, P64, P58, P57, P65, P17
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_phi", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_phi",
@@ -1246,7 +1306,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_singularity[] = {
-    P7, P5, P15, P15, P7, P5, P15, P15, P8, P2, P59, P60, P8, P2, P59, P60
+    P7, P5, P15, P15, P7, P5, P15, P15, P8, P2, P66, P67, P8, P2, P66, P67
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_phi", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_phi",
@@ -1289,7 +1349,7 @@ static const krhpr_casadi_slot out_type_2_of_redundant[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
-    P44, P44
+    P51, P51
 };
 static const char *const names_type_2_of_redundant[] = {
     "jac_type_2_redundant", "jac_margins_redundant"
@@ -1384,7 +1444,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P8, P2, P59, P60, P2, P8, P2, P59, P60, P2, P9, P3, P60, P60, P2
+    P8, P2, P66, P67, P2, P8, P2, P66, P67, P2, P9, P3, P67, P67, P2
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_phi", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_1_characteristic_length", "jac_eta_2_p",
@@ -1428,12 +1488,12 @@ static const krhpr_casadi_slot in_forward_all[] = {
 static const krhpr_casadi_slot out_forward_all[] = {
     {"out_p", 2, 2, 1, NULL, P10, P11},
     {"out_phi", 2, 1, 1, NULL, P0, P1},
-    {"out_redundant", 2, 3, 1, NULL, P16, P17},
+    {"out_redundant", 2, 3, 1, NULL, P19, P20},
     {"out_det_J", 2, 1, 1, NULL, P0, P1},
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P61, P62, P41, P62, P60
+    P68, P69, P16, P69, P67
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_phi_s", "jac_redundant_s", "jac_det_J_s", "jac_count_s"
@@ -1485,7 +1545,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P62, P0, P59, P2, P38, P4, P60, P3, P60, P3
+    P69, P0, P66, P2, P47, P4, P67, P3, P67, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_side", "jac_phi_theta", "jac_phi_side", "jac_redundant_theta", "jac_redundant_side",
@@ -1539,7 +1599,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P63, P10, P1, P64, P8, P3, P65, P66, P67, P64, P8, P3
+    P70, P10, P1, P71, P8, P3, P72, P73, P74, P71, P8, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",
@@ -1593,7 +1653,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P68, P16, P1, P59, P44, P3, P69, P70, P67, P71, P72, P5
+    P75, P19, P1, P66, P51, P3, P76, P77, P74, P78, P79, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",

@@ -32,6 +32,7 @@
 #define krhpr_planar_pr_b_constraints plain_constraints
 #define krhpr_planar_pr_b_jacobians plain_jacobians
 #define krhpr_planar_pr_b_jacobian_blocks plain_jacobian_blocks
+#define krhpr_planar_pr_b_jacobians_n plain_jacobians_n
 #define krhpr_planar_pr_b_inverse plain_inverse
 #define krhpr_planar_pr_b_inverse_all plain_inverse_all
 #define krhpr_planar_pr_b_inverse_status plain_inverse_status
@@ -63,6 +64,7 @@
 #undef krhpr_planar_pr_b_constraints
 #undef krhpr_planar_pr_b_jacobians
 #undef krhpr_planar_pr_b_jacobian_blocks
+#undef krhpr_planar_pr_b_jacobians_n
 #undef krhpr_planar_pr_b_inverse
 #undef krhpr_planar_pr_b_inverse_all
 #undef krhpr_planar_pr_b_inverse_status
@@ -137,79 +139,87 @@ static const casadi_int P12[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 1, 1, 2, 2};
 static const casadi_int P13[9] = {3, 6, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P14[3] = {1, 2, 1};
 static const casadi_int P15[5] = {1, 2, 0, 0, 0};
-static const casadi_int P16[3] = {2, 3, 1};
-static const casadi_int P17[6] = {2, 3, 0, 0, 0, 0};
-static const casadi_int P18[11] = {6, 2, 0, 3, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P19[3] = {6, 1, 1};
-static const casadi_int P20[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
-static const casadi_int P21[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P22[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5};
-static const casadi_int P23[17] = {4, 6, 0, 4, 4, 4, 8, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P24[17] = {4, 6, 0, 0, 4, 4, 4, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P25[17] = {4, 6, 0, 0, 0, 4, 4, 4, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P26[9] = {4, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P27[11] = {4, 6, 0, 0, 0, 0, 2, 2, 2, 2, 3};
-static const casadi_int P28[11] = {4, 6, 0, 0, 0, 0, 0, 2, 2, 2, 3};
-static const casadi_int P29[11] = {4, 6, 0, 0, 0, 0, 0, 0, 2, 2, 3};
-static const casadi_int P30[11] = {9, 2, 0, 3, 6, 6, 7, 8, 6, 7, 8};
-static const casadi_int P31[3] = {9, 1, 1};
-static const casadi_int P32[15] = {9, 6, 0, 1, 2, 3, 4, 5, 6, 6, 7, 8, 6, 7, 8};
-static const casadi_int P33[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P34[5] = {18, 2, 0, 0, 0};
-static const casadi_int P35[10] = {18, 1, 0, 6, 0, 3, 7, 10, 14, 17};
-static const casadi_int P36[9] = {18, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P37[12] = {18, 6, 0, 0, 0, 0, 1, 2, 3, 3, 10, 17};
-static const casadi_int P38[9] = {2, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P39[10] = {2, 6, 0, 0, 0, 0, 1, 1, 1, 1};
-static const casadi_int P40[10] = {2, 6, 0, 0, 0, 0, 0, 1, 1, 1};
-static const casadi_int P41[10] = {2, 6, 0, 0, 0, 0, 0, 0, 1, 1};
-static const casadi_int P42[3] = {6, 2, 1};
-static const casadi_int P43[6] = {6, 3, 0, 0, 0, 0};
-static const casadi_int P44[3] = {4, 2, 1};
-static const casadi_int P45[3] = {4, 1, 1};
-static const casadi_int P46[10] = {4, 3, 0, 4, 4, 4, 0, 1, 2, 3};
-static const casadi_int P47[10] = {4, 3, 0, 0, 4, 4, 0, 1, 2, 3};
-static const casadi_int P48[10] = {4, 3, 0, 0, 0, 4, 0, 1, 2, 3};
-static const casadi_int P49[3] = {3, 6, 1};
-static const casadi_int P50[18] = {3, 6, 0, 0, 0, 0, 3, 6, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P51[15] = {6, 6, 0, 0, 0, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
-static const casadi_int P52[3] = {6, 3, 1};
-static const casadi_int P53[3] = {6, 6, 1};
-static const casadi_int P54[12] = {6, 6, 0, 0, 0, 0, 1, 2, 3, 3, 4, 5};
-static const casadi_int P55[7] = {3, 2, 0, 1, 2, 2, 2};
-static const casadi_int P56[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 2, 2, 2, 2, 2, 2};
-static const casadi_int P57[12] = {3, 6, 0, 0, 0, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P58[3] = {1, 3, 1};
-static const casadi_int P59[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P60[7] = {6, 1, 0, 3, 3, 4, 5};
-static const casadi_int P61[27] = {6, 6, 0, 3, 6, 9, 12, 15, 18, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4,
+static const casadi_int P16[3] = {6, 6, 1};
+static const casadi_int P17[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P18[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 1, 0, 1, 2, 3, 2, 3, 4, 5, 4, 5};
+static const casadi_int P19[3] = {2, 3, 1};
+static const casadi_int P20[6] = {2, 3, 0, 0, 0, 0};
+static const casadi_int P21[11] = {6, 2, 0, 3, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P22[3] = {6, 1, 1};
+static const casadi_int P23[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
+static const casadi_int P24[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P25[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5};
+static const casadi_int P26[17] = {4, 6, 0, 4, 4, 4, 8, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P27[17] = {4, 6, 0, 0, 4, 4, 4, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P28[17] = {4, 6, 0, 0, 0, 4, 4, 4, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P29[9] = {4, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P30[11] = {4, 6, 0, 0, 0, 0, 2, 2, 2, 2, 3};
+static const casadi_int P31[11] = {4, 6, 0, 0, 0, 0, 0, 2, 2, 2, 3};
+static const casadi_int P32[11] = {4, 6, 0, 0, 0, 0, 0, 0, 2, 2, 3};
+static const casadi_int P33[11] = {9, 2, 0, 3, 6, 6, 7, 8, 6, 7, 8};
+static const casadi_int P34[3] = {9, 1, 1};
+static const casadi_int P35[15] = {9, 6, 0, 1, 2, 3, 4, 5, 6, 6, 7, 8, 6, 7, 8};
+static const casadi_int P36[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P37[5] = {18, 2, 0, 0, 0};
+static const casadi_int P38[10] = {18, 1, 0, 6, 0, 3, 7, 10, 14, 17};
+static const casadi_int P39[9] = {18, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P40[12] = {18, 6, 0, 0, 0, 0, 1, 2, 3, 3, 10, 17};
+static const casadi_int P41[9] = {2, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P42[10] = {2, 6, 0, 0, 0, 0, 1, 1, 1, 1};
+static const casadi_int P43[10] = {2, 6, 0, 0, 0, 0, 0, 1, 1, 1};
+static const casadi_int P44[10] = {2, 6, 0, 0, 0, 0, 0, 0, 1, 1};
+static const casadi_int P45[17] = {36, 2, 0, 6, 12, 12, 13, 14, 15, 16, 17, 12, 13, 14, 15, 16, 17};
+static const casadi_int P46[22] = {36, 1, 0, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17};
+static const casadi_int P47[21] = {36, 6, 0, 2, 4, 6, 8, 10, 12, 12, 13, 14, 15, 16, 17, 12, 13, 14, 15, 16, 17};
+static const casadi_int P48[9] = {36, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P49[5] = {36, 2, 0, 0, 0};
+static const casadi_int P50[16] = {36, 1, 0, 12, 0, 1, 6, 7, 14, 15, 20, 21, 28, 29, 34, 35};
+static const casadi_int P51[15] = {36, 6, 0, 0, 0, 0, 2, 4, 6, 6, 7, 20, 21, 34, 35};
+static const casadi_int P52[3] = {6, 2, 1};
+static const casadi_int P53[6] = {6, 3, 0, 0, 0, 0};
+static const casadi_int P54[3] = {4, 2, 1};
+static const casadi_int P55[3] = {4, 1, 1};
+static const casadi_int P56[10] = {4, 3, 0, 4, 4, 4, 0, 1, 2, 3};
+static const casadi_int P57[10] = {4, 3, 0, 0, 4, 4, 0, 1, 2, 3};
+static const casadi_int P58[10] = {4, 3, 0, 0, 0, 4, 0, 1, 2, 3};
+static const casadi_int P59[3] = {3, 6, 1};
+static const casadi_int P60[18] = {3, 6, 0, 0, 0, 0, 3, 6, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P61[15] = {6, 6, 0, 0, 0, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
+static const casadi_int P62[3] = {6, 3, 1};
+static const casadi_int P63[12] = {6, 6, 0, 0, 0, 0, 1, 2, 3, 3, 4, 5};
+static const casadi_int P64[7] = {3, 2, 0, 1, 2, 2, 2};
+static const casadi_int P65[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 2, 2, 2, 2, 2, 2};
+static const casadi_int P66[12] = {3, 6, 0, 0, 0, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P67[3] = {1, 3, 1};
+static const casadi_int P68[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P69[7] = {6, 1, 0, 3, 3, 4, 5};
+static const casadi_int P70[27] = {6, 6, 0, 3, 6, 9, 12, 15, 18, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4,
     5};
-static const casadi_int P62[11] = {6, 2, 0, 3, 6, 3, 4, 5, 3, 4, 5};
-static const casadi_int P63[18] = {6, 3, 0, 4, 8, 12, 0, 3, 4, 5, 1, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P64[4] = {6, 1, 0, 0};
-static const casadi_int P65[5] = {6, 2, 0, 0, 0};
-static const casadi_int P66[13] = {6, 6, 0, 2, 2, 2, 4, 4, 4, 1, 2, 4, 5};
-static const casadi_int P67[11] = {6, 6, 0, 0, 0, 0, 2, 2, 2, 1, 4};
-static const casadi_int P68[13] = {6, 6, 0, 0, 2, 2, 2, 4, 4, 1, 2, 4, 5};
-static const casadi_int P69[11] = {6, 6, 0, 0, 0, 0, 0, 2, 2, 1, 4};
-static const casadi_int P70[13] = {6, 6, 0, 0, 0, 2, 2, 2, 4, 1, 2, 4, 5};
-static const casadi_int P71[11] = {6, 6, 0, 0, 0, 0, 0, 0, 2, 1, 4};
-static const casadi_int P72[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P73[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P74[3] = {1, 6, 1};
-static const casadi_int P75[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P76[12] = {1, 6, 0, 0, 0, 0, 1, 2, 3, 0, 0, 0};
-static const casadi_int P77[3] = {4, 6, 1};
-static const casadi_int P78[3] = {2, 6, 1};
-static const casadi_int P79[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P80[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
-static const casadi_int P81[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P82[4] = {4, 1, 0, 0};
-static const casadi_int P83[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
-static const casadi_int P84[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
-static const casadi_int P85[3] = {4, 3, 1};
-static const casadi_int P86[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
-static const casadi_int P87[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P71[11] = {6, 2, 0, 3, 6, 3, 4, 5, 3, 4, 5};
+static const casadi_int P72[18] = {6, 3, 0, 4, 8, 12, 0, 3, 4, 5, 1, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P73[4] = {6, 1, 0, 0};
+static const casadi_int P74[5] = {6, 2, 0, 0, 0};
+static const casadi_int P75[13] = {6, 6, 0, 2, 2, 2, 4, 4, 4, 1, 2, 4, 5};
+static const casadi_int P76[11] = {6, 6, 0, 0, 0, 0, 2, 2, 2, 1, 4};
+static const casadi_int P77[13] = {6, 6, 0, 0, 2, 2, 2, 4, 4, 1, 2, 4, 5};
+static const casadi_int P78[11] = {6, 6, 0, 0, 0, 0, 0, 2, 2, 1, 4};
+static const casadi_int P79[13] = {6, 6, 0, 0, 0, 2, 2, 2, 4, 1, 2, 4, 5};
+static const casadi_int P80[11] = {6, 6, 0, 0, 0, 0, 0, 0, 2, 1, 4};
+static const casadi_int P81[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P82[3] = {1, 6, 1};
+static const casadi_int P83[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P84[12] = {1, 6, 0, 0, 0, 0, 1, 2, 3, 0, 0, 0};
+static const casadi_int P85[3] = {4, 6, 1};
+static const casadi_int P86[3] = {2, 6, 1};
+static const casadi_int P87[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P88[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
+static const casadi_int P89[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P90[4] = {4, 1, 0, 0};
+static const casadi_int P91[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
+static const casadi_int P92[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
+static const casadi_int P93[3] = {4, 3, 1};
+static const casadi_int P94[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P95[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- end_points -- */
 
@@ -240,7 +250,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_end_points[] = {
-    P18, P19, P20
+    P21, P22, P23
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_phi", "jac_s_redundant"
@@ -280,7 +290,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P6, P4, P21
+    P6, P4, P24
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_phi", "jac_redundant_s"
@@ -314,7 +324,7 @@ static const krhpr_casadi_slot out_subleg_forward[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_forward[] = {
-    P22
+    P25
 };
 static const char *const names_subleg_forward[] = {
     "jac_s_theta"
@@ -351,7 +361,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 2, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P23, P24, P25
+    P26, P27, P28
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -391,7 +401,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 2, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P26, P27, P26, P28, P26, P29
+    P29, P30, P29, P31, P29, P32
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -431,7 +441,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_constraints[] = {
-    P6, P4, P21
+    P6, P4, P24
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_phi", "jac_residual_s"
@@ -479,7 +489,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 3, 6, 3, NULL, P12, P13},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P30, P31, P32, P33, P34, P35, P36, P37
+    P33, P34, P35, P36, P37, P38, P39, P40
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_phi", "jac_K_s", "jac_K_theta"
@@ -529,7 +539,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 1, 2, 1, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P30, P31, P32, P33, P9, P0, P38, P39, P9, P0, P38, P40, P9, P0, P38, P41
+    P33, P34, P35, P36, P9, P0, P41, P42, P9, P0, P41, P43, P9, P0, P41, P44
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_phi", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -540,6 +550,60 @@ static const krhpr_casadi_function function_jacobian_blocks = {
 };
 KRHPR_CASADI_FUNCTION(NAME(jacobian_blocks), function_jacobian_blocks)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobian_blocks), function_jacobian_blocks)
+
+/* -- jacobians_n -- */
+
+static int value_jacobians_n(const double *x, double *y)
+{
+    return plain_jacobians_n(&geometry, x, x[2], x + 3, x + 9, y, y + 36);
+}
+
+static void tangent_jacobians_n(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const phi = given + 2;
+    const krhpr_dual *const s = given + 3;
+    const krhpr_dual *const theta = given + 9;
+    krhpr_dual *const J = found;
+    krhpr_dual *const K = found + 36;
+    krhpr_dual Q[4];
+    krhpr_dual J_lines[9];
+    krhpr_dual along[6];
+    krhpr_algebra_planar_rotation_tangent(phi, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[2];
+        krhpr_dual redundant_line[3];
+        krhpr_dual u[2];
+        krhpr_platform_planar_b_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J_lines + 3 * i, N);
+        krhpr_platform_planar_b_redundant_line_tangent(
+            &geometry.platform, i, p, Q, s + 2 * i, along + 2 * i, redundant_line);
+        krhpr_subleg_planar_pr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, u);
+        krhpr_subleg_planar_pr_transmission_tangent(&geometry.subleg, i, u, N, along + 2 * i, K + 4 * i);
+    }
+    krhpr_subleg_planar_pr_non_redundant_tangent(J_lines, along, p, s, J);
+}
+
+static const krhpr_casadi_slot in_jacobians_n[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+};
+static const krhpr_casadi_slot out_jacobians_n[] = {
+    {"out_J", 6, 6, 1, NULL, P16, P17},
+    {"out_K", 6, 6, 3, NULL, P18, P17},
+};
+static const casadi_int *const structure_jacobians_n[] = {
+    P45, P46, P47, P48, P49, P50, P48, P51
+};
+static const char *const names_jacobians_n[] = {
+    "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_phi", "jac_K_s", "jac_K_theta"
+};
+static const krhpr_casadi_function function_jacobians_n = {
+    4, in_jacobians_n, 2, out_jacobians_n, value_jacobians_n, tangent_jacobians_n, structure_jacobians_n, names_jacobians_n
+};
+KRHPR_CASADI_FUNCTION(NAME(jacobians_n), function_jacobians_n)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobians_n), function_jacobians_n)
 
 /* -- inverse -- */
 
@@ -576,7 +640,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse[] = {
-    P42, P19, P20, P43
+    P52, P22, P23, P53
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_phi", "jac_theta_redundant", "jac_theta_mode"
@@ -621,7 +685,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 2, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P44, P45, P46, P44, P45, P47, P44, P45, P48
+    P54, P55, P56, P54, P55, P57, P54, P55, P58
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_phi", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_phi", "jac_theta2_redundant",
@@ -700,7 +764,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_twist[] = {
-    P6, P4, P49, P50, P49
+    P6, P4, P59, P60, P59
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_phi", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -751,7 +815,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P42, P19, P22, P51, P52, P20
+    P52, P22, P25, P61, P62, P23
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_phi", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -822,7 +886,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P6, P4, P49, P50, P10, P49, P49
+    P6, P4, P59, P60, P10, P59, P59
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_phi", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -888,7 +952,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P42, P19, P22, P51, P52, P20, P51, P52, P20
+    P52, P22, P25, P61, P62, P23, P61, P62, P23
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_phi", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -954,7 +1018,7 @@ static const krhpr_casadi_slot out_inverse_statics[] = {
     {"out_actuator_forces", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse_statics[] = {
-    P42, P19, P53, P54, P52, P52
+    P52, P22, P16, P63, P62, P62
 };
 static const char *const names_inverse_statics[] = {
     "jac_actuator_forces_p", "jac_actuator_forces_phi", "jac_actuator_forces_s", "jac_actuator_forces_theta",
@@ -1009,7 +1073,7 @@ static const krhpr_casadi_slot out_forward_statics[] = {
     {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_statics[] = {
-    P55, P5, P56, P50, P49, P7, P4, P13, P57, P21
+    P64, P5, P65, P60, P59, P7, P4, P13, P66, P24
 };
 static const char *const names_forward_statics[] = {
     "jac_wrench_p", "jac_wrench_phi", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
@@ -1055,7 +1119,7 @@ static const krhpr_casadi_slot out_opening[] = {
     {"out_shares", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_opening[] = {
-    P58, P58, P16, P16, P11, P11
+    P67, P67, P19, P19, P11, P11
 };
 static const char *const names_opening[] = {
     "jac_opening_redundant", "jac_opening_jaws", "jac_centre_redundant", "jac_centre_jaws", "jac_shares_redundant",
@@ -1095,7 +1159,7 @@ static const krhpr_casadi_slot out_redundant_of_opening[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_of_opening[] = {
-    P4, P6, P59
+    P4, P6, P68
 };
 static const char *const names_redundant_of_opening[] = {
     "jac_redundant_opening", "jac_redundant_centre", "jac_redundant_jaws"
@@ -1154,7 +1218,7 @@ static const krhpr_casadi_slot out_grasp[] = {
     {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_grasp[] = {
-    P60, P61, P62, P62, P63, P64, P4, P49, P6, P6, P10, P5, P5, P13, P7, P7, P59, P5, P4, P49, P6, P6, P10, P4
+    P69, P70, P71, P71, P72, P73, P4, P59, P6, P6, P10, P5, P5, P13, P7, P7, P68, P5, P4, P59, P6, P6, P10, P4
 };
 static const char *const names_grasp[] = {
     "jac_contact_forces_phi", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
@@ -1212,7 +1276,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P7, P4, P13, P57, P6, P4, P21, P13
+    P7, P4, P13, P66, P6, P4, P24, P13
 };
 static const char *const names_passive_joints[] = {
     "jac_wrist_p", "jac_wrist_phi", "jac_wrist_s", "jac_wrist_theta", "jac_platform_joint_p", "jac_platform_joint_phi",
@@ -1261,7 +1325,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_link_points[] = {
-    P65, P64, P66, P67, P65, P64, P68, P69, P65, P64, P70, P71, P65, P19, P72, P73
+    P74, P73, P75, P76, P74, P73, P77, P78, P74, P73, P79, P80, P74, P22, P81, P17
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_phi", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_phi",
@@ -1320,7 +1384,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_singularity[] = {
-    P7, P5, P13, P57, P7, P5, P13, P57, P14, P2, P74, P75, P14, P2, P74, P75
+    P7, P5, P13, P66, P7, P5, P13, P66, P14, P2, P82, P83, P14, P2, P82, P83
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_phi", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_phi",
@@ -1363,7 +1427,7 @@ static const krhpr_casadi_slot out_type_2_of_redundant[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
-    P58, P58
+    P67, P67
 };
 static const char *const names_type_2_of_redundant[] = {
     "jac_type_2_redundant", "jac_margins_redundant"
@@ -1461,7 +1525,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P14, P2, P74, P76, P2, P14, P2, P74, P76, P2, P15, P3, P75, P76, P2
+    P14, P2, P82, P84, P2, P14, P2, P82, P84, P2, P15, P3, P83, P84, P2
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_phi", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_1_characteristic_length", "jac_eta_2_p",
@@ -1507,12 +1571,12 @@ static const krhpr_casadi_slot in_forward_all[] = {
 static const krhpr_casadi_slot out_forward_all[] = {
     {"out_p", 2, 2, 1, NULL, P8, P9},
     {"out_phi", 2, 1, 1, NULL, P0, P1},
-    {"out_redundant", 2, 3, 1, NULL, P16, P17},
+    {"out_redundant", 2, 3, 1, NULL, P19, P20},
     {"out_det_J", 2, 1, 1, NULL, P0, P1},
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P77, P78, P53, P78, P75
+    P85, P86, P16, P86, P83
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_phi_s", "jac_redundant_s", "jac_det_J_s", "jac_count_s"
@@ -1567,7 +1631,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P78, P0, P74, P2, P49, P4, P75, P3, P75, P3
+    P86, P0, P82, P2, P59, P4, P83, P3, P83, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_side", "jac_phi_theta", "jac_phi_side", "jac_redundant_theta", "jac_redundant_side",
@@ -1623,7 +1687,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P79, P8, P1, P80, P14, P3, P81, P44, P82, P80, P14, P3
+    P87, P8, P1, P88, P14, P3, P89, P54, P90, P88, P14, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",
@@ -1679,7 +1743,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P83, P16, P1, P74, P58, P3, P84, P85, P82, P86, P87, P5
+    P91, P19, P1, P82, P67, P3, P92, P93, P90, P94, P95, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",

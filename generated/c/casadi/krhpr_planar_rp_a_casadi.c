@@ -32,6 +32,7 @@
 #define krhpr_planar_rp_a_constraints plain_constraints
 #define krhpr_planar_rp_a_jacobians plain_jacobians
 #define krhpr_planar_rp_a_jacobian_blocks plain_jacobian_blocks
+#define krhpr_planar_rp_a_jacobians_n plain_jacobians_n
 #define krhpr_planar_rp_a_inverse plain_inverse
 #define krhpr_planar_rp_a_inverse_all plain_inverse_all
 #define krhpr_planar_rp_a_inverse_status plain_inverse_status
@@ -59,6 +60,7 @@
 #undef krhpr_planar_rp_a_constraints
 #undef krhpr_planar_rp_a_jacobians
 #undef krhpr_planar_rp_a_jacobian_blocks
+#undef krhpr_planar_rp_a_jacobians_n
 #undef krhpr_planar_rp_a_inverse
 #undef krhpr_planar_rp_a_inverse_all
 #undef krhpr_planar_rp_a_inverse_status
@@ -126,73 +128,86 @@ static const casadi_int P12[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 1, 1, 2, 2};
 static const casadi_int P13[9] = {3, 6, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P14[3] = {1, 2, 1};
 static const casadi_int P15[5] = {1, 2, 0, 0, 0};
-static const casadi_int P16[11] = {6, 2, 0, 3, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P17[3] = {6, 1, 1};
-static const casadi_int P18[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
-static const casadi_int P19[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P20[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5};
-static const casadi_int P21[17] = {4, 6, 0, 4, 4, 4, 8, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P22[17] = {4, 6, 0, 0, 4, 4, 4, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P23[17] = {4, 6, 0, 0, 0, 4, 4, 4, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P24[11] = {4, 6, 0, 1, 1, 1, 2, 2, 2, 1, 0};
-static const casadi_int P25[11] = {4, 6, 0, 2, 2, 2, 2, 2, 2, 2, 3};
-static const casadi_int P26[11] = {4, 6, 0, 0, 1, 1, 1, 2, 2, 1, 0};
-static const casadi_int P27[11] = {4, 6, 0, 0, 2, 2, 2, 2, 2, 2, 3};
-static const casadi_int P28[11] = {4, 6, 0, 0, 0, 1, 1, 1, 2, 1, 0};
-static const casadi_int P29[11] = {4, 6, 0, 0, 0, 2, 2, 2, 2, 2, 3};
-static const casadi_int P30[17] = {9, 2, 0, 6, 12, 0, 1, 2, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P31[3] = {9, 1, 1};
-static const casadi_int P32[21] = {9, 6, 0, 2, 4, 6, 8, 10, 12, 0, 6, 1, 7, 2, 8, 3, 6, 4, 7, 5, 8};
-static const casadi_int P33[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P34[17] = {18, 2, 0, 6, 12, 0, 3, 7, 10, 14, 17, 0, 3, 7, 10, 14, 17};
-static const casadi_int P35[10] = {18, 1, 0, 6, 0, 3, 7, 10, 14, 17};
-static const casadi_int P36[21] = {18, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 7, 10, 14, 17, 0, 3, 7, 10, 14, 17};
-static const casadi_int P37[12] = {18, 6, 0, 1, 2, 3, 3, 3, 3, 3, 10, 17};
-static const casadi_int P38[13] = {2, 6, 0, 2, 2, 2, 4, 4, 4, 0, 1, 0, 1};
-static const casadi_int P39[10] = {2, 6, 0, 1, 1, 1, 1, 1, 1, 1};
-static const casadi_int P40[13] = {2, 6, 0, 0, 2, 2, 2, 4, 4, 0, 1, 0, 1};
-static const casadi_int P41[10] = {2, 6, 0, 0, 1, 1, 1, 1, 1, 1};
-static const casadi_int P42[13] = {2, 6, 0, 0, 0, 2, 2, 2, 4, 0, 1, 0, 1};
-static const casadi_int P43[10] = {2, 6, 0, 0, 0, 1, 1, 1, 1, 1};
-static const casadi_int P44[3] = {6, 2, 1};
-static const casadi_int P45[6] = {6, 3, 0, 0, 0, 0};
-static const casadi_int P46[3] = {4, 2, 1};
-static const casadi_int P47[3] = {4, 1, 1};
-static const casadi_int P48[10] = {4, 3, 0, 4, 4, 4, 0, 1, 2, 3};
-static const casadi_int P49[10] = {4, 3, 0, 0, 4, 4, 0, 1, 2, 3};
-static const casadi_int P50[10] = {4, 3, 0, 0, 0, 4, 0, 1, 2, 3};
-static const casadi_int P51[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P52[3] = {3, 6, 1};
-static const casadi_int P53[18] = {3, 6, 0, 3, 6, 9, 9, 9, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P54[15] = {6, 6, 0, 2, 4, 6, 6, 6, 6, 0, 3, 1, 4, 2, 5};
-static const casadi_int P55[3] = {6, 3, 1};
-static const casadi_int P56[3] = {6, 6, 1};
-static const casadi_int P57[12] = {6, 6, 0, 1, 2, 3, 3, 3, 3, 3, 4, 5};
-static const casadi_int P58[7] = {3, 2, 0, 1, 2, 2, 2};
-static const casadi_int P59[12] = {3, 6, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
-static const casadi_int P60[5] = {6, 2, 0, 0, 0};
-static const casadi_int P61[4] = {6, 1, 0, 0};
-static const casadi_int P62[11] = {6, 6, 0, 1, 1, 1, 2, 2, 2, 2, 5};
-static const casadi_int P63[11] = {6, 6, 0, 2, 2, 2, 2, 2, 2, 1, 4};
-static const casadi_int P64[11] = {6, 6, 0, 0, 1, 1, 1, 2, 2, 2, 5};
-static const casadi_int P65[11] = {6, 6, 0, 0, 2, 2, 2, 2, 2, 1, 4};
-static const casadi_int P66[11] = {6, 6, 0, 0, 0, 1, 1, 1, 2, 2, 5};
-static const casadi_int P67[11] = {6, 6, 0, 0, 0, 2, 2, 2, 2, 1, 4};
-static const casadi_int P68[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P69[3] = {1, 6, 1};
-static const casadi_int P70[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P71[3] = {1, 3, 1};
-static const casadi_int P72[12] = {1, 6, 0, 1, 2, 3, 3, 3, 3, 0, 0, 0};
-static const casadi_int P73[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P74[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
-static const casadi_int P75[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P76[4] = {4, 1, 0, 0};
-static const casadi_int P77[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
-static const casadi_int P78[3] = {2, 3, 1};
-static const casadi_int P79[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
-static const casadi_int P80[3] = {4, 3, 1};
-static const casadi_int P81[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
-static const casadi_int P82[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P16[3] = {6, 6, 1};
+static const casadi_int P17[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P18[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 1, 0, 1, 2, 3, 2, 3, 4, 5, 4, 5};
+static const casadi_int P19[11] = {6, 2, 0, 3, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P20[3] = {6, 1, 1};
+static const casadi_int P21[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
+static const casadi_int P22[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P23[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5};
+static const casadi_int P24[17] = {4, 6, 0, 4, 4, 4, 8, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P25[17] = {4, 6, 0, 0, 4, 4, 4, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P26[17] = {4, 6, 0, 0, 0, 4, 4, 4, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P27[11] = {4, 6, 0, 1, 1, 1, 2, 2, 2, 1, 0};
+static const casadi_int P28[11] = {4, 6, 0, 2, 2, 2, 2, 2, 2, 2, 3};
+static const casadi_int P29[11] = {4, 6, 0, 0, 1, 1, 1, 2, 2, 1, 0};
+static const casadi_int P30[11] = {4, 6, 0, 0, 2, 2, 2, 2, 2, 2, 3};
+static const casadi_int P31[11] = {4, 6, 0, 0, 0, 1, 1, 1, 2, 1, 0};
+static const casadi_int P32[11] = {4, 6, 0, 0, 0, 2, 2, 2, 2, 2, 3};
+static const casadi_int P33[17] = {9, 2, 0, 6, 12, 0, 1, 2, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P34[3] = {9, 1, 1};
+static const casadi_int P35[21] = {9, 6, 0, 2, 4, 6, 8, 10, 12, 0, 6, 1, 7, 2, 8, 3, 6, 4, 7, 5, 8};
+static const casadi_int P36[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P37[17] = {18, 2, 0, 6, 12, 0, 3, 7, 10, 14, 17, 0, 3, 7, 10, 14, 17};
+static const casadi_int P38[10] = {18, 1, 0, 6, 0, 3, 7, 10, 14, 17};
+static const casadi_int P39[21] = {18, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 7, 10, 14, 17, 0, 3, 7, 10, 14, 17};
+static const casadi_int P40[12] = {18, 6, 0, 1, 2, 3, 3, 3, 3, 3, 10, 17};
+static const casadi_int P41[13] = {2, 6, 0, 2, 2, 2, 4, 4, 4, 0, 1, 0, 1};
+static const casadi_int P42[10] = {2, 6, 0, 1, 1, 1, 1, 1, 1, 1};
+static const casadi_int P43[13] = {2, 6, 0, 0, 2, 2, 2, 4, 4, 0, 1, 0, 1};
+static const casadi_int P44[10] = {2, 6, 0, 0, 1, 1, 1, 1, 1, 1};
+static const casadi_int P45[13] = {2, 6, 0, 0, 0, 2, 2, 2, 4, 0, 1, 0, 1};
+static const casadi_int P46[10] = {2, 6, 0, 0, 0, 1, 1, 1, 1, 1};
+static const casadi_int P47[29] = {36, 2, 0, 12, 24, 0, 2, 4, 7, 9, 11, 12, 13, 14, 15, 16, 17, 1, 3, 5, 6, 8, 10,
+    12, 13, 14, 15, 16, 17};
+static const casadi_int P48[22] = {36, 1, 0, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17};
+static const casadi_int P49[33] = {36, 6, 0, 4, 8, 12, 16, 20, 24, 0, 7, 12, 13, 2, 9, 14, 15, 4, 11, 16, 17, 1, 6,
+    12, 13, 3, 8, 14, 15, 5, 10, 16, 17};
+static const casadi_int P50[9] = {36, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P51[29] = {36, 2, 0, 12, 24, 0, 1, 6, 7, 14, 15, 20, 21, 28, 29, 34, 35, 0, 1, 6, 7, 14, 15,
+    20, 21, 28, 29, 34, 35};
+static const casadi_int P52[16] = {36, 1, 0, 12, 0, 1, 6, 7, 14, 15, 20, 21, 28, 29, 34, 35};
+static const casadi_int P53[33] = {36, 6, 0, 4, 8, 12, 16, 20, 24, 0, 1, 6, 7, 14, 15, 20, 21, 28, 29, 34, 35, 0, 1,
+    6, 7, 14, 15, 20, 21, 28, 29, 34, 35};
+static const casadi_int P54[15] = {36, 6, 0, 2, 4, 6, 6, 6, 6, 6, 7, 20, 21, 34, 35};
+static const casadi_int P55[3] = {6, 2, 1};
+static const casadi_int P56[6] = {6, 3, 0, 0, 0, 0};
+static const casadi_int P57[3] = {4, 2, 1};
+static const casadi_int P58[3] = {4, 1, 1};
+static const casadi_int P59[10] = {4, 3, 0, 4, 4, 4, 0, 1, 2, 3};
+static const casadi_int P60[10] = {4, 3, 0, 0, 4, 4, 0, 1, 2, 3};
+static const casadi_int P61[10] = {4, 3, 0, 0, 0, 4, 0, 1, 2, 3};
+static const casadi_int P62[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P63[3] = {3, 6, 1};
+static const casadi_int P64[18] = {3, 6, 0, 3, 6, 9, 9, 9, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P65[15] = {6, 6, 0, 2, 4, 6, 6, 6, 6, 0, 3, 1, 4, 2, 5};
+static const casadi_int P66[3] = {6, 3, 1};
+static const casadi_int P67[12] = {6, 6, 0, 1, 2, 3, 3, 3, 3, 3, 4, 5};
+static const casadi_int P68[7] = {3, 2, 0, 1, 2, 2, 2};
+static const casadi_int P69[12] = {3, 6, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
+static const casadi_int P70[5] = {6, 2, 0, 0, 0};
+static const casadi_int P71[4] = {6, 1, 0, 0};
+static const casadi_int P72[11] = {6, 6, 0, 1, 1, 1, 2, 2, 2, 2, 5};
+static const casadi_int P73[11] = {6, 6, 0, 2, 2, 2, 2, 2, 2, 1, 4};
+static const casadi_int P74[11] = {6, 6, 0, 0, 1, 1, 1, 2, 2, 2, 5};
+static const casadi_int P75[11] = {6, 6, 0, 0, 2, 2, 2, 2, 2, 1, 4};
+static const casadi_int P76[11] = {6, 6, 0, 0, 0, 1, 1, 1, 2, 2, 5};
+static const casadi_int P77[11] = {6, 6, 0, 0, 0, 2, 2, 2, 2, 1, 4};
+static const casadi_int P78[3] = {1, 6, 1};
+static const casadi_int P79[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P80[3] = {1, 3, 1};
+static const casadi_int P81[12] = {1, 6, 0, 1, 2, 3, 3, 3, 3, 0, 0, 0};
+static const casadi_int P82[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P83[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
+static const casadi_int P84[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P85[4] = {4, 1, 0, 0};
+static const casadi_int P86[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
+static const casadi_int P87[3] = {2, 3, 1};
+static const casadi_int P88[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
+static const casadi_int P89[3] = {4, 3, 1};
+static const casadi_int P90[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P91[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- end_points -- */
 
@@ -223,7 +238,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_end_points[] = {
-    P16, P17, P18
+    P19, P20, P21
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_phi", "jac_s_redundant"
@@ -263,7 +278,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P6, P4, P19
+    P6, P4, P22
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_phi", "jac_redundant_s"
@@ -297,7 +312,7 @@ static const krhpr_casadi_slot out_subleg_forward[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_forward[] = {
-    P20
+    P23
 };
 static const char *const names_subleg_forward[] = {
     "jac_s_theta"
@@ -334,7 +349,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 2, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P21, P22, P23
+    P24, P25, P26
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -375,7 +390,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 2, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P24, P25, P26, P27, P28, P29
+    P27, P28, P29, P30, P31, P32
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -415,7 +430,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_constraints[] = {
-    P6, P4, P19
+    P6, P4, P22
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_phi", "jac_residual_s"
@@ -464,7 +479,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 3, 6, 3, NULL, P12, P13},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P30, P31, P32, P33, P34, P35, P36, P37
+    P33, P34, P35, P36, P37, P38, P39, P40
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_phi", "jac_K_s", "jac_K_theta"
@@ -515,7 +530,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 1, 2, 1, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P30, P31, P32, P33, P8, P0, P38, P39, P8, P0, P40, P41, P8, P0, P42, P43
+    P33, P34, P35, P36, P8, P0, P41, P42, P8, P0, P43, P44, P8, P0, P45, P46
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_phi", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -526,6 +541,61 @@ static const krhpr_casadi_function function_jacobian_blocks = {
 };
 KRHPR_CASADI_FUNCTION(NAME(jacobian_blocks), function_jacobian_blocks)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobian_blocks), function_jacobian_blocks)
+
+/* -- jacobians_n -- */
+
+static int value_jacobians_n(const double *x, double *y)
+{
+    return plain_jacobians_n(&geometry, x, x[2], x + 3, x + 9, y, y + 36);
+}
+
+static void tangent_jacobians_n(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const phi = given + 2;
+    const krhpr_dual *const s = given + 3;
+    const krhpr_dual *const theta = given + 9;
+    krhpr_dual *const J = found;
+    krhpr_dual *const K = found + 36;
+    krhpr_dual Q[4];
+    krhpr_dual J_lines[9];
+    krhpr_dual along[6];
+    krhpr_algebra_planar_rotation_tangent(phi, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[2];
+        krhpr_dual redundant_line[3];
+        krhpr_dual d[2];
+        krhpr_dual u[2];
+        krhpr_platform_planar_a_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J_lines + 3 * i, N);
+        krhpr_platform_planar_a_redundant_line_tangent(
+            &geometry.platform, i, p, Q, s + 2 * i, along + 2 * i, redundant_line);
+        krhpr_subleg_planar_rp_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, d, u);
+        krhpr_subleg_planar_rp_transmission_tangent(&geometry.subleg, i, d, u, N, along + 2 * i, K + 4 * i);
+    }
+    krhpr_subleg_planar_rp_non_redundant_tangent(J_lines, along, p, s, J);
+}
+
+static const krhpr_casadi_slot in_jacobians_n[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+};
+static const krhpr_casadi_slot out_jacobians_n[] = {
+    {"out_J", 6, 6, 1, NULL, P16, P17},
+    {"out_K", 6, 6, 3, NULL, P18, P17},
+};
+static const casadi_int *const structure_jacobians_n[] = {
+    P47, P48, P49, P50, P51, P52, P53, P54
+};
+static const char *const names_jacobians_n[] = {
+    "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_phi", "jac_K_s", "jac_K_theta"
+};
+static const krhpr_casadi_function function_jacobians_n = {
+    4, in_jacobians_n, 2, out_jacobians_n, value_jacobians_n, tangent_jacobians_n, structure_jacobians_n, names_jacobians_n
+};
+KRHPR_CASADI_FUNCTION(NAME(jacobians_n), function_jacobians_n)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobians_n), function_jacobians_n)
 
 /* -- inverse -- */
 
@@ -562,7 +632,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse[] = {
-    P44, P17, P18, P45
+    P55, P20, P21, P56
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_phi", "jac_theta_redundant", "jac_theta_mode"
@@ -607,7 +677,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 2, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P46, P47, P48, P46, P47, P49, P46, P47, P50
+    P57, P58, P59, P57, P58, P60, P57, P58, P61
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_phi", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_phi", "jac_theta2_redundant",
@@ -651,7 +721,7 @@ static const krhpr_casadi_slot out_inverse_status[] = {
     {"out_excess", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_inverse_status[] = {
-    P6, P4, P51, P11
+    P6, P4, P62, P11
 };
 static const char *const names_inverse_status[] = {
     "jac_excess_p", "jac_excess_phi", "jac_excess_redundant", "jac_excess_mode"
@@ -709,7 +779,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_twist[] = {
-    P6, P4, P52, P53, P52
+    P6, P4, P63, P64, P63
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_phi", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -761,7 +831,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P44, P17, P20, P54, P55, P18
+    P55, P20, P23, P65, P66, P21
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_phi", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -833,7 +903,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P6, P4, P52, P53, P10, P52, P52
+    P6, P4, P63, P64, P10, P63, P63
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_phi", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -900,7 +970,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P44, P17, P20, P54, P55, P18, P20, P55, P18
+    P55, P20, P23, P65, P66, P21, P23, P66, P21
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_phi", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -967,7 +1037,7 @@ static const krhpr_casadi_slot out_inverse_statics[] = {
     {"out_actuator_forces", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse_statics[] = {
-    P44, P17, P56, P57, P55, P55
+    P55, P20, P16, P67, P66, P66
 };
 static const char *const names_inverse_statics[] = {
     "jac_actuator_forces_p", "jac_actuator_forces_phi", "jac_actuator_forces_s", "jac_actuator_forces_theta",
@@ -1023,7 +1093,7 @@ static const krhpr_casadi_slot out_forward_statics[] = {
     {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_statics[] = {
-    P58, P5, P52, P53, P52, P6, P4, P19, P59, P19
+    P68, P5, P63, P64, P63, P6, P4, P22, P69, P22
 };
 static const char *const names_forward_statics[] = {
     "jac_wrench_p", "jac_wrench_phi", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
@@ -1077,7 +1147,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P6, P4, P19, P59, P6, P4, P19, P13
+    P6, P4, P22, P69, P6, P4, P22, P13
 };
 static const char *const names_passive_joints[] = {
     "jac_wrist_p", "jac_wrist_phi", "jac_wrist_s", "jac_wrist_theta", "jac_platform_joint_p", "jac_platform_joint_phi",
@@ -1128,7 +1198,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_link_points[] = {
-    P60, P61, P62, P63, P60, P61, P64, P65, P60, P61, P66, P67, P16, P17, P68, P68
+    P70, P71, P72, P73, P70, P71, P74, P75, P70, P71, P76, P77, P19, P20, P17, P17
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_phi", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_phi",
@@ -1188,7 +1258,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_singularity[] = {
-    P7, P5, P19, P59, P7, P5, P19, P59, P14, P2, P69, P70, P14, P2, P69, P70
+    P7, P5, P22, P69, P7, P5, P22, P69, P14, P2, P78, P79, P14, P2, P78, P79
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_phi", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_phi",
@@ -1231,7 +1301,7 @@ static const krhpr_casadi_slot out_type_2_of_redundant[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
-    P71, P71
+    P80, P80
 };
 static const char *const names_type_2_of_redundant[] = {
     "jac_type_2_redundant", "jac_margins_redundant"
@@ -1330,7 +1400,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P14, P2, P69, P72, P2, P14, P2, P69, P72, P2, P15, P3, P69, P72, P2
+    P14, P2, P78, P81, P2, P14, P2, P78, P81, P2, P15, P3, P78, P81, P2
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_phi", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_1_characteristic_length", "jac_eta_2_p",
@@ -1412,7 +1482,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P73, P8, P1, P74, P14, P3, P75, P46, P76, P74, P14, P3
+    P82, P8, P1, P83, P14, P3, P84, P57, P85, P83, P14, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",
@@ -1471,7 +1541,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P77, P78, P1, P69, P71, P3, P79, P80, P76, P81, P82, P5
+    P86, P87, P1, P78, P80, P3, P88, P89, P85, P90, P91, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",

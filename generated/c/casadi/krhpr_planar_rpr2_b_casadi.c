@@ -33,6 +33,7 @@
 #define krhpr_planar_rpr2_b_constraints plain_constraints
 #define krhpr_planar_rpr2_b_jacobians plain_jacobians
 #define krhpr_planar_rpr2_b_jacobian_blocks plain_jacobian_blocks
+#define krhpr_planar_rpr2_b_jacobians_n plain_jacobians_n
 #define krhpr_planar_rpr2_b_inverse plain_inverse
 #define krhpr_planar_rpr2_b_inverse_all plain_inverse_all
 #define krhpr_planar_rpr2_b_inverse_status plain_inverse_status
@@ -65,6 +66,7 @@
 #undef krhpr_planar_rpr2_b_constraints
 #undef krhpr_planar_rpr2_b_jacobians
 #undef krhpr_planar_rpr2_b_jacobian_blocks
+#undef krhpr_planar_rpr2_b_jacobians_n
 #undef krhpr_planar_rpr2_b_inverse
 #undef krhpr_planar_rpr2_b_inverse_all
 #undef krhpr_planar_rpr2_b_inverse_status
@@ -139,77 +141,87 @@ static const casadi_int P12[3] = {3, 3, 1};
 static const casadi_int P13[6] = {3, 3, 0, 0, 0, 0};
 static const casadi_int P14[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 1, 1, 2, 2};
 static const casadi_int P15[9] = {3, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P16[3] = {2, 3, 1};
-static const casadi_int P17[6] = {2, 3, 0, 0, 0, 0};
-static const casadi_int P18[11] = {6, 2, 0, 3, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P19[3] = {6, 1, 1};
-static const casadi_int P20[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
-static const casadi_int P21[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P22[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5};
-static const casadi_int P23[6] = {6, 3, 0, 0, 0, 0};
-static const casadi_int P24[17] = {4, 6, 0, 4, 4, 4, 8, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P25[17] = {4, 6, 0, 0, 4, 4, 4, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P26[17] = {4, 6, 0, 0, 0, 4, 4, 4, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P27[13] = {2, 6, 0, 2, 2, 2, 4, 4, 4, 0, 1, 0, 1};
-static const casadi_int P28[13] = {2, 6, 0, 0, 2, 2, 2, 4, 4, 0, 1, 0, 1};
-static const casadi_int P29[13] = {2, 6, 0, 0, 0, 2, 2, 2, 4, 0, 1, 0, 1};
-static const casadi_int P30[13] = {4, 6, 0, 2, 2, 2, 4, 4, 4, 0, 1, 2, 3};
-static const casadi_int P31[13] = {4, 6, 0, 0, 2, 2, 2, 4, 4, 0, 1, 2, 3};
-static const casadi_int P32[13] = {4, 6, 0, 0, 0, 2, 2, 2, 4, 0, 1, 2, 3};
-static const casadi_int P33[11] = {9, 2, 0, 3, 6, 6, 7, 8, 6, 7, 8};
-static const casadi_int P34[3] = {9, 1, 1};
-static const casadi_int P35[15] = {9, 6, 0, 1, 2, 3, 4, 5, 6, 6, 7, 8, 6, 7, 8};
-static const casadi_int P36[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P37[5] = {18, 2, 0, 0, 0};
-static const casadi_int P38[10] = {18, 1, 0, 6, 0, 3, 7, 10, 14, 17};
-static const casadi_int P39[21] = {18, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 7, 10, 14, 17, 0, 3, 7, 10, 14, 17};
-static const casadi_int P40[15] = {18, 6, 0, 1, 2, 3, 4, 5, 6, 0, 7, 14, 3, 10, 17};
-static const casadi_int P41[11] = {2, 6, 0, 1, 1, 1, 2, 2, 2, 0, 1};
-static const casadi_int P42[11] = {2, 6, 0, 0, 1, 1, 1, 2, 2, 0, 1};
-static const casadi_int P43[11] = {2, 6, 0, 0, 0, 1, 1, 1, 2, 0, 1};
-static const casadi_int P44[3] = {6, 2, 1};
-static const casadi_int P45[8] = {2, 3, 0, 2, 2, 2, 0, 1};
-static const casadi_int P46[8] = {2, 3, 0, 0, 2, 2, 0, 1};
-static const casadi_int P47[8] = {2, 3, 0, 0, 0, 2, 0, 1};
-static const casadi_int P48[3] = {3, 6, 1};
-static const casadi_int P49[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P50[3] = {6, 3, 1};
-static const casadi_int P51[3] = {6, 6, 1};
-static const casadi_int P52[7] = {3, 2, 0, 1, 2, 2, 2};
-static const casadi_int P53[21] = {3, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 2, 1, 2, 1, 2};
-static const casadi_int P54[3] = {1, 3, 1};
-static const casadi_int P55[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P56[7] = {6, 1, 0, 3, 3, 4, 5};
-static const casadi_int P57[27] = {6, 6, 0, 3, 6, 9, 12, 15, 18, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4,
+static const casadi_int P16[3] = {6, 6, 1};
+static const casadi_int P17[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P18[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 1, 0, 1, 2, 3, 2, 3, 4, 5, 4, 5};
+static const casadi_int P19[3] = {2, 3, 1};
+static const casadi_int P20[6] = {2, 3, 0, 0, 0, 0};
+static const casadi_int P21[11] = {6, 2, 0, 3, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P22[3] = {6, 1, 1};
+static const casadi_int P23[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
+static const casadi_int P24[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P25[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5};
+static const casadi_int P26[6] = {6, 3, 0, 0, 0, 0};
+static const casadi_int P27[17] = {4, 6, 0, 4, 4, 4, 8, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P28[17] = {4, 6, 0, 0, 4, 4, 4, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P29[17] = {4, 6, 0, 0, 0, 4, 4, 4, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P30[13] = {2, 6, 0, 2, 2, 2, 4, 4, 4, 0, 1, 0, 1};
+static const casadi_int P31[13] = {2, 6, 0, 0, 2, 2, 2, 4, 4, 0, 1, 0, 1};
+static const casadi_int P32[13] = {2, 6, 0, 0, 0, 2, 2, 2, 4, 0, 1, 0, 1};
+static const casadi_int P33[13] = {4, 6, 0, 2, 2, 2, 4, 4, 4, 0, 1, 2, 3};
+static const casadi_int P34[13] = {4, 6, 0, 0, 2, 2, 2, 4, 4, 0, 1, 2, 3};
+static const casadi_int P35[13] = {4, 6, 0, 0, 0, 2, 2, 2, 4, 0, 1, 2, 3};
+static const casadi_int P36[11] = {9, 2, 0, 3, 6, 6, 7, 8, 6, 7, 8};
+static const casadi_int P37[3] = {9, 1, 1};
+static const casadi_int P38[15] = {9, 6, 0, 1, 2, 3, 4, 5, 6, 6, 7, 8, 6, 7, 8};
+static const casadi_int P39[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P40[5] = {18, 2, 0, 0, 0};
+static const casadi_int P41[10] = {18, 1, 0, 6, 0, 3, 7, 10, 14, 17};
+static const casadi_int P42[21] = {18, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 7, 10, 14, 17, 0, 3, 7, 10, 14, 17};
+static const casadi_int P43[15] = {18, 6, 0, 1, 2, 3, 4, 5, 6, 0, 7, 14, 3, 10, 17};
+static const casadi_int P44[11] = {2, 6, 0, 1, 1, 1, 2, 2, 2, 0, 1};
+static const casadi_int P45[11] = {2, 6, 0, 0, 1, 1, 1, 2, 2, 0, 1};
+static const casadi_int P46[11] = {2, 6, 0, 0, 0, 1, 1, 1, 2, 0, 1};
+static const casadi_int P47[17] = {36, 2, 0, 6, 12, 12, 13, 14, 15, 16, 17, 12, 13, 14, 15, 16, 17};
+static const casadi_int P48[22] = {36, 1, 0, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17};
+static const casadi_int P49[21] = {36, 6, 0, 2, 4, 6, 8, 10, 12, 12, 13, 14, 15, 16, 17, 12, 13, 14, 15, 16, 17};
+static const casadi_int P50[9] = {36, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P51[5] = {36, 2, 0, 0, 0};
+static const casadi_int P52[16] = {36, 1, 0, 12, 0, 1, 6, 7, 14, 15, 20, 21, 28, 29, 34, 35};
+static const casadi_int P53[33] = {36, 6, 0, 4, 8, 12, 16, 20, 24, 0, 1, 6, 7, 14, 15, 20, 21, 28, 29, 34, 35, 0, 1,
+    6, 7, 14, 15, 20, 21, 28, 29, 34, 35};
+static const casadi_int P54[21] = {36, 6, 0, 2, 4, 6, 8, 10, 12, 0, 1, 14, 15, 28, 29, 6, 7, 20, 21, 34, 35};
+static const casadi_int P55[3] = {6, 2, 1};
+static const casadi_int P56[8] = {2, 3, 0, 2, 2, 2, 0, 1};
+static const casadi_int P57[8] = {2, 3, 0, 0, 2, 2, 0, 1};
+static const casadi_int P58[8] = {2, 3, 0, 0, 0, 2, 0, 1};
+static const casadi_int P59[3] = {3, 6, 1};
+static const casadi_int P60[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P61[3] = {6, 3, 1};
+static const casadi_int P62[7] = {3, 2, 0, 1, 2, 2, 2};
+static const casadi_int P63[21] = {3, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 2, 1, 2, 1, 2};
+static const casadi_int P64[3] = {1, 3, 1};
+static const casadi_int P65[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P66[7] = {6, 1, 0, 3, 3, 4, 5};
+static const casadi_int P67[27] = {6, 6, 0, 3, 6, 9, 12, 15, 18, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4,
     5};
-static const casadi_int P58[11] = {6, 2, 0, 3, 6, 3, 4, 5, 3, 4, 5};
-static const casadi_int P59[18] = {6, 3, 0, 4, 8, 12, 0, 3, 4, 5, 1, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P60[4] = {6, 1, 0, 0};
-static const casadi_int P61[5] = {9, 2, 0, 0, 0};
-static const casadi_int P62[4] = {9, 1, 0, 0};
-static const casadi_int P63[27] = {9, 6, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5,
+static const casadi_int P68[11] = {6, 2, 0, 3, 6, 3, 4, 5, 3, 4, 5};
+static const casadi_int P69[18] = {6, 3, 0, 4, 8, 12, 0, 3, 4, 5, 1, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P70[4] = {6, 1, 0, 0};
+static const casadi_int P71[5] = {9, 2, 0, 0, 0};
+static const casadi_int P72[4] = {9, 1, 0, 0};
+static const casadi_int P73[27] = {9, 6, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5,
     8};
-static const casadi_int P64[5] = {6, 2, 0, 0, 0};
-static const casadi_int P65[11] = {6, 6, 0, 1, 1, 1, 2, 2, 2, 2, 5};
-static const casadi_int P66[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P67[11] = {6, 6, 0, 0, 1, 1, 1, 2, 2, 2, 5};
-static const casadi_int P68[11] = {6, 6, 0, 0, 0, 1, 1, 1, 2, 2, 5};
-static const casadi_int P69[15] = {9, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P70[3] = {1, 6, 1};
-static const casadi_int P71[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P72[3] = {4, 6, 1};
-static const casadi_int P73[3] = {2, 6, 1};
-static const casadi_int P74[6] = {1, 3, 0, 0, 0, 0};
-static const casadi_int P75[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P76[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
-static const casadi_int P77[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P78[3] = {4, 2, 1};
-static const casadi_int P79[4] = {4, 1, 0, 0};
-static const casadi_int P80[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
-static const casadi_int P81[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
-static const casadi_int P82[3] = {4, 3, 1};
-static const casadi_int P83[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
-static const casadi_int P84[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P74[5] = {6, 2, 0, 0, 0};
+static const casadi_int P75[11] = {6, 6, 0, 1, 1, 1, 2, 2, 2, 2, 5};
+static const casadi_int P76[11] = {6, 6, 0, 0, 1, 1, 1, 2, 2, 2, 5};
+static const casadi_int P77[11] = {6, 6, 0, 0, 0, 1, 1, 1, 2, 2, 5};
+static const casadi_int P78[15] = {9, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P79[3] = {1, 6, 1};
+static const casadi_int P80[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P81[3] = {4, 6, 1};
+static const casadi_int P82[3] = {2, 6, 1};
+static const casadi_int P83[6] = {1, 3, 0, 0, 0, 0};
+static const casadi_int P84[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P85[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
+static const casadi_int P86[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P87[3] = {4, 2, 1};
+static const casadi_int P88[4] = {4, 1, 0, 0};
+static const casadi_int P89[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
+static const casadi_int P90[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
+static const casadi_int P91[3] = {4, 3, 1};
+static const casadi_int P92[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P93[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- end_points -- */
 
@@ -240,7 +252,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_end_points[] = {
-    P18, P19, P20
+    P21, P22, P23
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_phi", "jac_s_redundant"
@@ -280,7 +292,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P6, P4, P21
+    P6, P4, P24
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_phi", "jac_redundant_s"
@@ -319,7 +331,7 @@ static const krhpr_casadi_slot out_subleg_forward[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_forward[] = {
-    P22, P23
+    P25, P26
 };
 static const char *const names_subleg_forward[] = {
     "jac_s_theta", "jac_s_assembly"
@@ -356,7 +368,7 @@ static const krhpr_casadi_slot out_subleg_forward_all[] = {
     {"out_s3", 2, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_forward_all[] = {
-    P24, P25, P26
+    P27, P28, P29
 };
 static const char *const names_subleg_forward_all[] = {
     "jac_s1_theta", "jac_s2_theta", "jac_s3_theta"
@@ -393,7 +405,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 1, 2, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P27, P28, P29
+    P30, P31, P32
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -434,7 +446,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 2, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P24, P30, P25, P31, P26, P32
+    P27, P33, P28, P34, P29, P35
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -474,7 +486,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_constraints[] = {
-    P6, P4, P21
+    P6, P4, P24
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_phi", "jac_residual_s"
@@ -523,7 +535,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 3, 6, 3, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P33, P34, P35, P36, P37, P38, P39, P40
+    P36, P37, P38, P39, P40, P41, P42, P43
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_phi", "jac_K_s", "jac_K_theta"
@@ -574,7 +586,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 1, 2, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P33, P34, P35, P36, P9, P0, P27, P41, P9, P0, P28, P42, P9, P0, P29, P43
+    P36, P37, P38, P39, P9, P0, P30, P44, P9, P0, P31, P45, P9, P0, P32, P46
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_phi", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -585,6 +597,61 @@ static const krhpr_casadi_function function_jacobian_blocks = {
 };
 KRHPR_CASADI_FUNCTION(NAME(jacobian_blocks), function_jacobian_blocks)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobian_blocks), function_jacobian_blocks)
+
+/* -- jacobians_n -- */
+
+static int value_jacobians_n(const double *x, double *y)
+{
+    return plain_jacobians_n(&geometry, x, x[2], x + 3, x + 9, y, y + 36);
+}
+
+static void tangent_jacobians_n(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const phi = given + 2;
+    const krhpr_dual *const s = given + 3;
+    const krhpr_dual *const theta = given + 9;
+    krhpr_dual *const J = found;
+    krhpr_dual *const K = found + 36;
+    krhpr_dual Q[4];
+    krhpr_dual J_lines[9];
+    krhpr_dual along[6];
+    krhpr_algebra_planar_rotation_tangent(phi, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[2];
+        krhpr_dual redundant_line[3];
+        krhpr_dual w[4];
+        krhpr_dual b[2];
+        krhpr_platform_planar_b_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J_lines + 3 * i, N);
+        krhpr_platform_planar_b_redundant_line_tangent(
+            &geometry.platform, i, p, Q, s + 2 * i, along + 2 * i, redundant_line);
+        krhpr_subleg_planar_rpr2_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, w, b);
+        krhpr_subleg_planar_rpr2_transmission_tangent(&geometry.subleg, i, w, b, N, along + 2 * i, K + 4 * i);
+    }
+    krhpr_subleg_planar_rpr2_non_redundant_tangent(J_lines, along, p, s, J);
+}
+
+static const krhpr_casadi_slot in_jacobians_n[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+};
+static const krhpr_casadi_slot out_jacobians_n[] = {
+    {"out_J", 6, 6, 1, NULL, P16, P17},
+    {"out_K", 6, 6, 3, NULL, P18, P17},
+};
+static const casadi_int *const structure_jacobians_n[] = {
+    P47, P48, P49, P50, P51, P52, P53, P54
+};
+static const char *const names_jacobians_n[] = {
+    "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_phi", "jac_K_s", "jac_K_theta"
+};
+static const krhpr_casadi_function function_jacobians_n = {
+    4, in_jacobians_n, 2, out_jacobians_n, value_jacobians_n, tangent_jacobians_n, structure_jacobians_n, names_jacobians_n
+};
+KRHPR_CASADI_FUNCTION(NAME(jacobians_n), function_jacobians_n)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobians_n), function_jacobians_n)
 
 /* -- inverse -- */
 
@@ -618,7 +685,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse[] = {
-    P44, P19, P20
+    P55, P22, P23
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_phi", "jac_theta_redundant"
@@ -663,7 +730,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 1, 2, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P8, P0, P45, P8, P0, P46, P8, P0, P47
+    P8, P0, P56, P8, P0, P57, P8, P0, P58
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_phi", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_phi", "jac_theta2_redundant",
@@ -742,7 +809,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_twist[] = {
-    P6, P4, P48, P48, P48
+    P6, P4, P59, P59, P59
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_phi", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -794,7 +861,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P44, P19, P22, P49, P50, P20
+    P55, P22, P25, P60, P61, P23
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_phi", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -866,7 +933,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P6, P4, P48, P48, P12, P48, P48
+    P6, P4, P59, P59, P12, P59, P59
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_phi", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -933,7 +1000,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P44, P19, P22, P22, P50, P20, P22, P50, P20
+    P55, P22, P25, P25, P61, P23, P25, P61, P23
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_phi", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -1000,7 +1067,7 @@ static const krhpr_casadi_slot out_inverse_statics[] = {
     {"out_actuator_forces", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse_statics[] = {
-    P44, P19, P51, P49, P50, P50
+    P55, P22, P16, P60, P61, P61
 };
 static const char *const names_inverse_statics[] = {
     "jac_actuator_forces_p", "jac_actuator_forces_phi", "jac_actuator_forces_s", "jac_actuator_forces_theta",
@@ -1056,7 +1123,7 @@ static const krhpr_casadi_slot out_forward_statics[] = {
     {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_statics[] = {
-    P52, P5, P53, P48, P48, P7, P4, P21, P21, P21
+    P62, P5, P63, P59, P59, P7, P4, P24, P24, P24
 };
 static const char *const names_forward_statics[] = {
     "jac_wrench_p", "jac_wrench_phi", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
@@ -1102,7 +1169,7 @@ static const krhpr_casadi_slot out_opening[] = {
     {"out_shares", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_opening[] = {
-    P54, P54, P16, P16, P13, P13
+    P64, P64, P19, P19, P13, P13
 };
 static const char *const names_opening[] = {
     "jac_opening_redundant", "jac_opening_jaws", "jac_centre_redundant", "jac_centre_jaws", "jac_shares_redundant",
@@ -1142,7 +1209,7 @@ static const krhpr_casadi_slot out_redundant_of_opening[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_of_opening[] = {
-    P4, P6, P55
+    P4, P6, P65
 };
 static const char *const names_redundant_of_opening[] = {
     "jac_redundant_opening", "jac_redundant_centre", "jac_redundant_jaws"
@@ -1201,7 +1268,7 @@ static const krhpr_casadi_slot out_grasp[] = {
     {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_grasp[] = {
-    P56, P57, P58, P58, P59, P60, P4, P48, P6, P6, P12, P5, P5, P15, P7, P7, P55, P5, P4, P48, P6, P6, P12, P4
+    P66, P67, P68, P68, P69, P70, P4, P59, P6, P6, P12, P5, P5, P15, P7, P7, P65, P5, P4, P59, P6, P6, P12, P4
 };
 static const char *const names_grasp[] = {
     "jac_contact_forces_phi", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
@@ -1262,7 +1329,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P61, P62, P63, P36, P7, P4, P21, P15, P6, P4, P21, P15
+    P71, P72, P73, P39, P7, P4, P24, P15, P6, P4, P24, P15
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_phi", "jac_passive_s", "jac_passive_theta", "jac_wrist_p", "jac_wrist_phi",
@@ -1309,7 +1376,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_link_points[] = {
-    P64, P60, P65, P66, P64, P60, P67, P66, P64, P60, P68, P66, P64, P19, P49, P66
+    P74, P70, P75, P17, P74, P70, P76, P17, P74, P70, P77, P17, P74, P22, P60, P17
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_phi", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_phi",
@@ -1369,7 +1436,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_singularity[] = {
-    P7, P5, P21, P21, P61, P62, P35, P69, P10, P2, P70, P71, P10, P2, P70, P71
+    P7, P5, P24, P24, P71, P72, P38, P78, P10, P2, P79, P80, P10, P2, P79, P80
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_phi", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_phi",
@@ -1412,7 +1479,7 @@ static const krhpr_casadi_slot out_type_2_of_redundant[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
-    P54, P54
+    P64, P64
 };
 static const char *const names_type_2_of_redundant[] = {
     "jac_type_2_redundant", "jac_margins_redundant"
@@ -1511,7 +1578,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P10, P2, P70, P70, P2, P10, P2, P70, P70, P2, P11, P3, P70, P70, P2
+    P10, P2, P79, P79, P2, P10, P2, P79, P79, P2, P11, P3, P79, P79, P2
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_phi", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_1_characteristic_length", "jac_eta_2_p",
@@ -1557,12 +1624,12 @@ static const krhpr_casadi_slot in_forward_all[] = {
 static const krhpr_casadi_slot out_forward_all[] = {
     {"out_p", 2, 2, 1, NULL, P8, P9},
     {"out_phi", 2, 1, 1, NULL, P0, P1},
-    {"out_redundant", 2, 3, 1, NULL, P16, P17},
+    {"out_redundant", 2, 3, 1, NULL, P19, P20},
     {"out_det_J", 2, 1, 1, NULL, P0, P1},
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P72, P73, P51, P73, P71
+    P81, P82, P16, P82, P80
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_phi_s", "jac_redundant_s", "jac_det_J_s", "jac_count_s"
@@ -1622,7 +1689,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P73, P17, P0, P70, P74, P2, P48, P13, P4, P71, P74, P3, P71, P74, P3
+    P82, P20, P0, P79, P83, P2, P59, P13, P4, P80, P83, P3, P80, P83, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_assembly", "jac_p_side", "jac_phi_theta", "jac_phi_assembly", "jac_phi_side",
@@ -1679,7 +1746,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P75, P8, P1, P76, P10, P3, P77, P78, P79, P76, P10, P3
+    P84, P8, P1, P85, P10, P3, P86, P87, P88, P85, P10, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",
@@ -1735,7 +1802,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P80, P16, P1, P70, P54, P3, P81, P82, P79, P83, P84, P5
+    P89, P19, P1, P79, P64, P3, P90, P91, P88, P92, P93, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",

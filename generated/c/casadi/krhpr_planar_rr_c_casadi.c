@@ -32,6 +32,7 @@
 #define krhpr_planar_rr_c_constraints plain_constraints
 #define krhpr_planar_rr_c_jacobians plain_jacobians
 #define krhpr_planar_rr_c_jacobian_blocks plain_jacobian_blocks
+#define krhpr_planar_rr_c_jacobians_n plain_jacobians_n
 #define krhpr_planar_rr_c_inverse plain_inverse
 #define krhpr_planar_rr_c_inverse_all plain_inverse_all
 #define krhpr_planar_rr_c_inverse_status plain_inverse_status
@@ -63,6 +64,7 @@
 #undef krhpr_planar_rr_c_constraints
 #undef krhpr_planar_rr_c_jacobians
 #undef krhpr_planar_rr_c_jacobian_blocks
+#undef krhpr_planar_rr_c_jacobians_n
 #undef krhpr_planar_rr_c_inverse
 #undef krhpr_planar_rr_c_inverse_all
 #undef krhpr_planar_rr_c_inverse_status
@@ -131,82 +133,92 @@ static const casadi_int P12[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 1, 1, 2, 2};
 static const casadi_int P13[9] = {3, 6, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P14[3] = {1, 2, 1};
 static const casadi_int P15[5] = {1, 2, 0, 0, 0};
-static const casadi_int P16[3] = {2, 3, 1};
-static const casadi_int P17[6] = {2, 3, 0, 0, 0, 0};
-static const casadi_int P18[11] = {6, 2, 0, 3, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P19[3] = {6, 1, 1};
-static const casadi_int P20[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
-static const casadi_int P21[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P22[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5};
-static const casadi_int P23[17] = {4, 6, 0, 4, 4, 4, 8, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P24[17] = {4, 6, 0, 0, 4, 4, 4, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P25[17] = {4, 6, 0, 0, 0, 4, 4, 4, 8, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P26[13] = {4, 6, 0, 2, 2, 2, 4, 4, 4, 1, 3, 0, 2};
-static const casadi_int P27[11] = {4, 6, 0, 2, 2, 2, 2, 2, 2, 2, 3};
-static const casadi_int P28[13] = {4, 6, 0, 0, 2, 2, 2, 4, 4, 1, 3, 0, 2};
-static const casadi_int P29[11] = {4, 6, 0, 0, 2, 2, 2, 2, 2, 2, 3};
-static const casadi_int P30[13] = {4, 6, 0, 0, 0, 2, 2, 2, 4, 1, 3, 0, 2};
-static const casadi_int P31[11] = {4, 6, 0, 0, 0, 2, 2, 2, 2, 2, 3};
-static const casadi_int P32[11] = {9, 2, 0, 3, 6, 6, 7, 8, 6, 7, 8};
-static const casadi_int P33[3] = {9, 1, 1};
-static const casadi_int P34[15] = {9, 6, 0, 1, 2, 3, 4, 5, 6, 6, 7, 8, 6, 7, 8};
-static const casadi_int P35[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P36[5] = {18, 2, 0, 0, 0};
-static const casadi_int P37[10] = {18, 1, 0, 6, 0, 3, 7, 10, 14, 17};
-static const casadi_int P38[21] = {18, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 7, 10, 14, 17, 0, 3, 7, 10, 14, 17};
-static const casadi_int P39[12] = {18, 6, 0, 1, 2, 3, 3, 3, 3, 3, 10, 17};
-static const casadi_int P40[13] = {2, 6, 0, 2, 2, 2, 4, 4, 4, 0, 1, 0, 1};
-static const casadi_int P41[10] = {2, 6, 0, 1, 1, 1, 1, 1, 1, 1};
-static const casadi_int P42[13] = {2, 6, 0, 0, 2, 2, 2, 4, 4, 0, 1, 0, 1};
-static const casadi_int P43[10] = {2, 6, 0, 0, 1, 1, 1, 1, 1, 1};
-static const casadi_int P44[13] = {2, 6, 0, 0, 0, 2, 2, 2, 4, 0, 1, 0, 1};
-static const casadi_int P45[10] = {2, 6, 0, 0, 0, 1, 1, 1, 1, 1};
-static const casadi_int P46[3] = {6, 2, 1};
-static const casadi_int P47[6] = {6, 3, 0, 0, 0, 0};
-static const casadi_int P48[3] = {4, 2, 1};
-static const casadi_int P49[3] = {4, 1, 1};
-static const casadi_int P50[10] = {4, 3, 0, 4, 4, 4, 0, 1, 2, 3};
-static const casadi_int P51[10] = {4, 3, 0, 0, 4, 4, 0, 1, 2, 3};
-static const casadi_int P52[10] = {4, 3, 0, 0, 0, 4, 0, 1, 2, 3};
-static const casadi_int P53[3] = {3, 6, 1};
-static const casadi_int P54[18] = {3, 6, 0, 3, 6, 9, 9, 9, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P55[15] = {6, 6, 0, 2, 4, 6, 6, 6, 6, 0, 3, 1, 4, 2, 5};
-static const casadi_int P56[3] = {6, 3, 1};
-static const casadi_int P57[3] = {6, 6, 1};
-static const casadi_int P58[12] = {6, 6, 0, 1, 2, 3, 3, 3, 3, 3, 4, 5};
-static const casadi_int P59[7] = {3, 2, 0, 1, 2, 2, 2};
-static const casadi_int P60[12] = {3, 6, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
-static const casadi_int P61[3] = {1, 3, 1};
-static const casadi_int P62[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P63[7] = {6, 1, 0, 3, 3, 4, 5};
-static const casadi_int P64[27] = {6, 6, 0, 3, 6, 9, 12, 15, 18, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4,
+static const casadi_int P16[3] = {6, 6, 1};
+static const casadi_int P17[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P18[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 1, 0, 1, 2, 3, 2, 3, 4, 5, 4, 5};
+static const casadi_int P19[3] = {2, 3, 1};
+static const casadi_int P20[6] = {2, 3, 0, 0, 0, 0};
+static const casadi_int P21[11] = {6, 2, 0, 3, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P22[3] = {6, 1, 1};
+static const casadi_int P23[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
+static const casadi_int P24[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P25[21] = {6, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5};
+static const casadi_int P26[17] = {4, 6, 0, 4, 4, 4, 8, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P27[17] = {4, 6, 0, 0, 4, 4, 4, 8, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P28[17] = {4, 6, 0, 0, 0, 4, 4, 4, 8, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P29[13] = {4, 6, 0, 2, 2, 2, 4, 4, 4, 1, 3, 0, 2};
+static const casadi_int P30[11] = {4, 6, 0, 2, 2, 2, 2, 2, 2, 2, 3};
+static const casadi_int P31[13] = {4, 6, 0, 0, 2, 2, 2, 4, 4, 1, 3, 0, 2};
+static const casadi_int P32[11] = {4, 6, 0, 0, 2, 2, 2, 2, 2, 2, 3};
+static const casadi_int P33[13] = {4, 6, 0, 0, 0, 2, 2, 2, 4, 1, 3, 0, 2};
+static const casadi_int P34[11] = {4, 6, 0, 0, 0, 2, 2, 2, 2, 2, 3};
+static const casadi_int P35[11] = {9, 2, 0, 3, 6, 6, 7, 8, 6, 7, 8};
+static const casadi_int P36[3] = {9, 1, 1};
+static const casadi_int P37[15] = {9, 6, 0, 1, 2, 3, 4, 5, 6, 6, 7, 8, 6, 7, 8};
+static const casadi_int P38[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P39[5] = {18, 2, 0, 0, 0};
+static const casadi_int P40[10] = {18, 1, 0, 6, 0, 3, 7, 10, 14, 17};
+static const casadi_int P41[21] = {18, 6, 0, 2, 4, 6, 8, 10, 12, 0, 3, 7, 10, 14, 17, 0, 3, 7, 10, 14, 17};
+static const casadi_int P42[12] = {18, 6, 0, 1, 2, 3, 3, 3, 3, 3, 10, 17};
+static const casadi_int P43[13] = {2, 6, 0, 2, 2, 2, 4, 4, 4, 0, 1, 0, 1};
+static const casadi_int P44[10] = {2, 6, 0, 1, 1, 1, 1, 1, 1, 1};
+static const casadi_int P45[13] = {2, 6, 0, 0, 2, 2, 2, 4, 4, 0, 1, 0, 1};
+static const casadi_int P46[10] = {2, 6, 0, 0, 1, 1, 1, 1, 1, 1};
+static const casadi_int P47[13] = {2, 6, 0, 0, 0, 2, 2, 2, 4, 0, 1, 0, 1};
+static const casadi_int P48[10] = {2, 6, 0, 0, 0, 1, 1, 1, 1, 1};
+static const casadi_int P49[17] = {36, 2, 0, 6, 12, 12, 13, 14, 15, 16, 17, 12, 13, 14, 15, 16, 17};
+static const casadi_int P50[22] = {36, 1, 0, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17};
+static const casadi_int P51[21] = {36, 6, 0, 2, 4, 6, 8, 10, 12, 12, 13, 14, 15, 16, 17, 12, 13, 14, 15, 16, 17};
+static const casadi_int P52[9] = {36, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P53[5] = {36, 2, 0, 0, 0};
+static const casadi_int P54[16] = {36, 1, 0, 12, 0, 1, 6, 7, 14, 15, 20, 21, 28, 29, 34, 35};
+static const casadi_int P55[33] = {36, 6, 0, 4, 8, 12, 16, 20, 24, 0, 1, 6, 7, 14, 15, 20, 21, 28, 29, 34, 35, 0, 1,
+    6, 7, 14, 15, 20, 21, 28, 29, 34, 35};
+static const casadi_int P56[15] = {36, 6, 0, 2, 4, 6, 6, 6, 6, 6, 7, 20, 21, 34, 35};
+static const casadi_int P57[3] = {6, 2, 1};
+static const casadi_int P58[6] = {6, 3, 0, 0, 0, 0};
+static const casadi_int P59[3] = {4, 2, 1};
+static const casadi_int P60[3] = {4, 1, 1};
+static const casadi_int P61[10] = {4, 3, 0, 4, 4, 4, 0, 1, 2, 3};
+static const casadi_int P62[10] = {4, 3, 0, 0, 4, 4, 0, 1, 2, 3};
+static const casadi_int P63[10] = {4, 3, 0, 0, 0, 4, 0, 1, 2, 3};
+static const casadi_int P64[3] = {3, 6, 1};
+static const casadi_int P65[18] = {3, 6, 0, 3, 6, 9, 9, 9, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P66[15] = {6, 6, 0, 2, 4, 6, 6, 6, 6, 0, 3, 1, 4, 2, 5};
+static const casadi_int P67[3] = {6, 3, 1};
+static const casadi_int P68[12] = {6, 6, 0, 1, 2, 3, 3, 3, 3, 3, 4, 5};
+static const casadi_int P69[7] = {3, 2, 0, 1, 2, 2, 2};
+static const casadi_int P70[12] = {3, 6, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
+static const casadi_int P71[3] = {1, 3, 1};
+static const casadi_int P72[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P73[7] = {6, 1, 0, 3, 3, 4, 5};
+static const casadi_int P74[27] = {6, 6, 0, 3, 6, 9, 12, 15, 18, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4,
     5};
-static const casadi_int P65[11] = {6, 2, 0, 3, 6, 3, 4, 5, 3, 4, 5};
-static const casadi_int P66[18] = {6, 3, 0, 4, 8, 12, 0, 3, 4, 5, 1, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P67[4] = {6, 1, 0, 0};
-static const casadi_int P68[5] = {6, 2, 0, 0, 0};
-static const casadi_int P69[13] = {6, 6, 0, 2, 2, 2, 4, 4, 4, 1, 2, 4, 5};
-static const casadi_int P70[11] = {6, 6, 0, 2, 2, 2, 2, 2, 2, 1, 4};
-static const casadi_int P71[13] = {6, 6, 0, 0, 2, 2, 2, 4, 4, 1, 2, 4, 5};
-static const casadi_int P72[11] = {6, 6, 0, 0, 2, 2, 2, 2, 2, 1, 4};
-static const casadi_int P73[13] = {6, 6, 0, 0, 0, 2, 2, 2, 4, 1, 2, 4, 5};
-static const casadi_int P74[11] = {6, 6, 0, 0, 0, 2, 2, 2, 2, 1, 4};
-static const casadi_int P75[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P76[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P77[3] = {1, 6, 1};
-static const casadi_int P78[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P79[12] = {1, 6, 0, 1, 2, 3, 3, 3, 3, 0, 0, 0};
-static const casadi_int P80[3] = {4, 6, 1};
-static const casadi_int P81[3] = {2, 6, 1};
-static const casadi_int P82[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P83[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
-static const casadi_int P84[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P85[4] = {4, 1, 0, 0};
-static const casadi_int P86[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
-static const casadi_int P87[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
-static const casadi_int P88[3] = {4, 3, 1};
-static const casadi_int P89[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
-static const casadi_int P90[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P75[11] = {6, 2, 0, 3, 6, 3, 4, 5, 3, 4, 5};
+static const casadi_int P76[18] = {6, 3, 0, 4, 8, 12, 0, 3, 4, 5, 1, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P77[4] = {6, 1, 0, 0};
+static const casadi_int P78[5] = {6, 2, 0, 0, 0};
+static const casadi_int P79[13] = {6, 6, 0, 2, 2, 2, 4, 4, 4, 1, 2, 4, 5};
+static const casadi_int P80[11] = {6, 6, 0, 2, 2, 2, 2, 2, 2, 1, 4};
+static const casadi_int P81[13] = {6, 6, 0, 0, 2, 2, 2, 4, 4, 1, 2, 4, 5};
+static const casadi_int P82[11] = {6, 6, 0, 0, 2, 2, 2, 2, 2, 1, 4};
+static const casadi_int P83[13] = {6, 6, 0, 0, 0, 2, 2, 2, 4, 1, 2, 4, 5};
+static const casadi_int P84[11] = {6, 6, 0, 0, 0, 2, 2, 2, 2, 1, 4};
+static const casadi_int P85[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P86[3] = {1, 6, 1};
+static const casadi_int P87[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P88[12] = {1, 6, 0, 1, 2, 3, 3, 3, 3, 0, 0, 0};
+static const casadi_int P89[3] = {4, 6, 1};
+static const casadi_int P90[3] = {2, 6, 1};
+static const casadi_int P91[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P92[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
+static const casadi_int P93[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P94[4] = {4, 1, 0, 0};
+static const casadi_int P95[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
+static const casadi_int P96[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
+static const casadi_int P97[3] = {4, 3, 1};
+static const casadi_int P98[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P99[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- end_points -- */
 
@@ -237,7 +249,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_end_points[] = {
-    P18, P19, P20
+    P21, P22, P23
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_phi", "jac_s_redundant"
@@ -277,7 +289,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P6, P4, P21
+    P6, P4, P24
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_phi", "jac_redundant_s"
@@ -311,7 +323,7 @@ static const krhpr_casadi_slot out_subleg_forward[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_forward[] = {
-    P22
+    P25
 };
 static const char *const names_subleg_forward[] = {
     "jac_s_theta"
@@ -348,7 +360,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 2, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P23, P24, P25
+    P26, P27, P28
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -389,7 +401,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 2, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P26, P27, P28, P29, P30, P31
+    P29, P30, P31, P32, P33, P34
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -429,7 +441,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_constraints[] = {
-    P6, P4, P21
+    P6, P4, P24
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_phi", "jac_residual_s"
@@ -478,7 +490,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 3, 6, 3, NULL, P12, P13},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P32, P33, P34, P35, P36, P37, P38, P39
+    P35, P36, P37, P38, P39, P40, P41, P42
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_phi", "jac_K_s", "jac_K_theta"
@@ -529,7 +541,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 1, 2, 1, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P32, P33, P34, P35, P9, P0, P40, P41, P9, P0, P42, P43, P9, P0, P44, P45
+    P35, P36, P37, P38, P9, P0, P43, P44, P9, P0, P45, P46, P9, P0, P47, P48
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_phi", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -540,6 +552,61 @@ static const krhpr_casadi_function function_jacobian_blocks = {
 };
 KRHPR_CASADI_FUNCTION(NAME(jacobian_blocks), function_jacobian_blocks)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobian_blocks), function_jacobian_blocks)
+
+/* -- jacobians_n -- */
+
+static int value_jacobians_n(const double *x, double *y)
+{
+    return plain_jacobians_n(&geometry, x, x[2], x + 3, x + 9, y, y + 36);
+}
+
+static void tangent_jacobians_n(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const phi = given + 2;
+    const krhpr_dual *const s = given + 3;
+    const krhpr_dual *const theta = given + 9;
+    krhpr_dual *const J = found;
+    krhpr_dual *const K = found + 36;
+    krhpr_dual Q[4];
+    krhpr_dual J_lines[9];
+    krhpr_dual along[6];
+    krhpr_algebra_planar_rotation_tangent(phi, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[2];
+        krhpr_dual redundant_line[3];
+        krhpr_dual d[2];
+        krhpr_dual v_1[2];
+        krhpr_platform_planar_c_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J_lines + 3 * i, N);
+        krhpr_platform_planar_c_redundant_line_tangent(
+            &geometry.platform, i, p, Q, s + 2 * i, along + 2 * i, redundant_line);
+        krhpr_subleg_planar_rr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 2 * i, d, v_1);
+        krhpr_subleg_planar_rr_transmission_tangent(&geometry.subleg, i, d, v_1, N, along + 2 * i, K + 4 * i);
+    }
+    krhpr_subleg_planar_rr_non_redundant_tangent(J_lines, along, p, s, J);
+}
+
+static const krhpr_casadi_slot in_jacobians_n[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 2, 1, NULL, P6, P7},
+};
+static const krhpr_casadi_slot out_jacobians_n[] = {
+    {"out_J", 6, 6, 1, NULL, P16, P17},
+    {"out_K", 6, 6, 3, NULL, P18, P17},
+};
+static const casadi_int *const structure_jacobians_n[] = {
+    P49, P50, P51, P52, P53, P54, P55, P56
+};
+static const char *const names_jacobians_n[] = {
+    "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_phi", "jac_K_s", "jac_K_theta"
+};
+static const krhpr_casadi_function function_jacobians_n = {
+    4, in_jacobians_n, 2, out_jacobians_n, value_jacobians_n, tangent_jacobians_n, structure_jacobians_n, names_jacobians_n
+};
+KRHPR_CASADI_FUNCTION(NAME(jacobians_n), function_jacobians_n)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobians_n), function_jacobians_n)
 
 /* -- inverse -- */
 
@@ -576,7 +643,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse[] = {
-    P46, P19, P20, P47
+    P57, P22, P23, P58
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_phi", "jac_theta_redundant", "jac_theta_mode"
@@ -621,7 +688,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 2, 2, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P48, P49, P50, P48, P49, P51, P48, P49, P52
+    P59, P60, P61, P59, P60, P62, P59, P60, P63
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_phi", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_phi", "jac_theta2_redundant",
@@ -701,7 +768,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_twist[] = {
-    P6, P4, P53, P54, P53
+    P6, P4, P64, P65, P64
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_phi", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -753,7 +820,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P46, P19, P22, P55, P56, P20
+    P57, P22, P25, P66, P67, P23
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_phi", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -825,7 +892,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P6, P4, P53, P54, P10, P53, P53
+    P6, P4, P64, P65, P10, P64, P64
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_phi", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -892,7 +959,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P46, P19, P22, P55, P56, P20, P22, P56, P20
+    P57, P22, P25, P66, P67, P23, P25, P67, P23
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_phi", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -959,7 +1026,7 @@ static const krhpr_casadi_slot out_inverse_statics[] = {
     {"out_actuator_forces", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse_statics[] = {
-    P46, P19, P57, P58, P56, P56
+    P57, P22, P16, P68, P67, P67
 };
 static const char *const names_inverse_statics[] = {
     "jac_actuator_forces_p", "jac_actuator_forces_phi", "jac_actuator_forces_s", "jac_actuator_forces_theta",
@@ -1015,7 +1082,7 @@ static const krhpr_casadi_slot out_forward_statics[] = {
     {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_statics[] = {
-    P59, P5, P53, P54, P53, P7, P4, P21, P60, P21
+    P69, P5, P64, P65, P64, P7, P4, P24, P70, P24
 };
 static const char *const names_forward_statics[] = {
     "jac_wrench_p", "jac_wrench_phi", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
@@ -1059,7 +1126,7 @@ static const krhpr_casadi_slot out_opening[] = {
     {"out_shares", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_opening[] = {
-    P61, P61, P16, P16, P11, P11
+    P71, P71, P19, P19, P11, P11
 };
 static const char *const names_opening[] = {
     "jac_opening_redundant", "jac_opening_jaws", "jac_centre_redundant", "jac_centre_jaws", "jac_shares_redundant",
@@ -1099,7 +1166,7 @@ static const krhpr_casadi_slot out_redundant_of_opening[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_of_opening[] = {
-    P4, P6, P62
+    P4, P6, P72
 };
 static const char *const names_redundant_of_opening[] = {
     "jac_redundant_opening", "jac_redundant_centre", "jac_redundant_jaws"
@@ -1156,7 +1223,7 @@ static const krhpr_casadi_slot out_grasp[] = {
     {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_grasp[] = {
-    P63, P64, P65, P65, P66, P67, P4, P53, P6, P6, P10, P5, P5, P13, P7, P7, P62, P5, P4, P53, P6, P6, P10, P4
+    P73, P74, P75, P75, P76, P77, P4, P64, P6, P6, P10, P5, P5, P13, P7, P7, P72, P5, P4, P64, P6, P6, P10, P4
 };
 static const char *const names_grasp[] = {
     "jac_contact_forces_phi", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
@@ -1215,7 +1282,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P7, P4, P21, P60, P6, P4, P21, P13
+    P7, P4, P24, P70, P6, P4, P24, P13
 };
 static const char *const names_passive_joints[] = {
     "jac_wrist_p", "jac_wrist_phi", "jac_wrist_s", "jac_wrist_theta", "jac_platform_joint_p", "jac_platform_joint_phi",
@@ -1262,7 +1329,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_link_points[] = {
-    P68, P67, P69, P70, P68, P67, P71, P72, P68, P67, P73, P74, P68, P67, P75, P76
+    P78, P77, P79, P80, P78, P77, P81, P82, P78, P77, P83, P84, P78, P77, P85, P17
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_phi", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_phi",
@@ -1322,7 +1389,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_singularity[] = {
-    P7, P5, P21, P60, P7, P5, P21, P60, P14, P2, P77, P78, P14, P2, P77, P78
+    P7, P5, P24, P70, P7, P5, P24, P70, P14, P2, P86, P87, P14, P2, P86, P87
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_phi", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_phi",
@@ -1365,7 +1432,7 @@ static const krhpr_casadi_slot out_type_2_of_redundant[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
-    P61, P61
+    P71, P71
 };
 static const char *const names_type_2_of_redundant[] = {
     "jac_type_2_redundant", "jac_margins_redundant"
@@ -1461,7 +1528,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P14, P2, P77, P79, P14, P2, P77, P79, P15, P3, P77, P79
+    P14, P2, P86, P88, P14, P2, P86, P88, P15, P3, P86, P88
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_phi", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_2_p", "jac_eta_2_phi", "jac_eta_2_s",
@@ -1504,12 +1571,12 @@ static const krhpr_casadi_slot in_forward_all[] = {
 static const krhpr_casadi_slot out_forward_all[] = {
     {"out_p", 2, 2, 1, NULL, P8, P9},
     {"out_phi", 2, 1, 1, NULL, P0, P1},
-    {"out_redundant", 2, 3, 1, NULL, P16, P17},
+    {"out_redundant", 2, 3, 1, NULL, P19, P20},
     {"out_det_J", 2, 1, 1, NULL, P0, P1},
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P80, P81, P57, P81, P78
+    P89, P90, P16, P90, P87
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_phi_s", "jac_redundant_s", "jac_det_J_s", "jac_count_s"
@@ -1561,7 +1628,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P81, P0, P77, P2, P53, P4, P78, P3, P78, P3
+    P90, P0, P86, P2, P64, P4, P87, P3, P87, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_side", "jac_phi_theta", "jac_phi_side", "jac_redundant_theta", "jac_redundant_side",
@@ -1615,7 +1682,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P82, P8, P1, P83, P14, P3, P84, P48, P85, P83, P14, P3
+    P91, P8, P1, P92, P14, P3, P93, P59, P94, P92, P14, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",
@@ -1669,7 +1736,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P86, P16, P1, P77, P61, P3, P87, P88, P85, P89, P90, P5
+    P95, P19, P1, P86, P71, P3, P96, P97, P94, P98, P99, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",

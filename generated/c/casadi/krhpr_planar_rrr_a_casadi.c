@@ -33,6 +33,7 @@
 #define krhpr_planar_rrr_a_constraints plain_constraints
 #define krhpr_planar_rrr_a_jacobians plain_jacobians
 #define krhpr_planar_rrr_a_jacobian_blocks plain_jacobian_blocks
+#define krhpr_planar_rrr_a_jacobians_n plain_jacobians_n
 #define krhpr_planar_rrr_a_inverse plain_inverse
 #define krhpr_planar_rrr_a_inverse_all plain_inverse_all
 #define krhpr_planar_rrr_a_inverse_status plain_inverse_status
@@ -61,6 +62,7 @@
 #undef krhpr_planar_rrr_a_constraints
 #undef krhpr_planar_rrr_a_jacobians
 #undef krhpr_planar_rrr_a_jacobian_blocks
+#undef krhpr_planar_rrr_a_jacobians_n
 #undef krhpr_planar_rrr_a_inverse
 #undef krhpr_planar_rrr_a_inverse_all
 #undef krhpr_planar_rrr_a_inverse_status
@@ -130,89 +132,106 @@ static const casadi_int P12[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 0, 0, 
 static const casadi_int P13[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P14[3] = {1, 3, 1};
 static const casadi_int P15[6] = {1, 3, 0, 0, 0, 0};
-static const casadi_int P16[3] = {4, 2, 1};
-static const casadi_int P17[5] = {4, 2, 0, 0, 0};
-static const casadi_int P18[3] = {2, 2, 1};
-static const casadi_int P19[5] = {2, 2, 0, 0, 0};
-static const casadi_int P20[11] = {6, 2, 0, 3, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P21[3] = {6, 1, 1};
-static const casadi_int P22[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
-static const casadi_int P23[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P24[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5, 0,
+static const casadi_int P16[3] = {9, 9, 1};
+static const casadi_int P17[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P18[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 1, 2, 0, 1, 2, 0, 1, 2, 3, 4, 5, 3,
+    4, 5, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
+static const casadi_int P19[3] = {4, 2, 1};
+static const casadi_int P20[5] = {4, 2, 0, 0, 0};
+static const casadi_int P21[3] = {2, 2, 1};
+static const casadi_int P22[5] = {2, 2, 0, 0, 0};
+static const casadi_int P23[11] = {6, 2, 0, 3, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P24[3] = {6, 1, 1};
+static const casadi_int P25[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
+static const casadi_int P26[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P27[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5, 0,
     3, 1, 4, 2, 5};
-static const casadi_int P25[21] = {6, 6, 0, 6, 6, 6, 12, 12, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P26[12] = {6, 3, 0, 6, 6, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P27[21] = {6, 6, 0, 0, 6, 6, 6, 12, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P28[12] = {6, 3, 0, 0, 6, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P29[21] = {6, 6, 0, 0, 0, 6, 6, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P30[12] = {6, 3, 0, 0, 0, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P31[18] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P32[15] = {6, 6, 0, 3, 3, 3, 6, 6, 6, 1, 3, 5, 0, 2, 4};
-static const casadi_int P33[20] = {6, 9, 0, 4, 4, 4, 8, 8, 8, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P34[15] = {6, 6, 0, 0, 3, 3, 3, 6, 6, 1, 3, 5, 0, 2, 4};
-static const casadi_int P35[20] = {6, 9, 0, 0, 4, 4, 4, 8, 8, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P36[15] = {6, 6, 0, 0, 0, 3, 3, 3, 6, 1, 3, 5, 0, 2, 4};
-static const casadi_int P37[20] = {6, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P38[17] = {9, 2, 0, 6, 12, 0, 1, 2, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P39[3] = {9, 1, 1};
-static const casadi_int P40[21] = {9, 6, 0, 2, 4, 6, 8, 10, 12, 0, 6, 1, 7, 2, 8, 3, 6, 4, 7, 5, 8};
-static const casadi_int P41[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P42[23] = {27, 2, 0, 9, 18, 0, 3, 6, 10, 13, 16, 20, 23, 26, 0, 3, 6, 10, 13, 16, 20, 23,
+static const casadi_int P28[21] = {6, 6, 0, 6, 6, 6, 12, 12, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P29[12] = {6, 3, 0, 6, 6, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P30[21] = {6, 6, 0, 0, 6, 6, 6, 12, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P31[12] = {6, 3, 0, 0, 6, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P32[21] = {6, 6, 0, 0, 0, 6, 6, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P33[12] = {6, 3, 0, 0, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P34[18] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P35[15] = {6, 6, 0, 3, 3, 3, 6, 6, 6, 1, 3, 5, 0, 2, 4};
+static const casadi_int P36[20] = {6, 9, 0, 4, 4, 4, 8, 8, 8, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P37[15] = {6, 6, 0, 0, 3, 3, 3, 6, 6, 1, 3, 5, 0, 2, 4};
+static const casadi_int P38[20] = {6, 9, 0, 0, 4, 4, 4, 8, 8, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P39[15] = {6, 6, 0, 0, 0, 3, 3, 3, 6, 1, 3, 5, 0, 2, 4};
+static const casadi_int P40[20] = {6, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P41[17] = {9, 2, 0, 6, 12, 0, 1, 2, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P42[3] = {9, 1, 1};
+static const casadi_int P43[21] = {9, 6, 0, 2, 4, 6, 8, 10, 12, 0, 6, 1, 7, 2, 8, 3, 6, 4, 7, 5, 8};
+static const casadi_int P44[23] = {27, 2, 0, 9, 18, 0, 3, 6, 10, 13, 16, 20, 23, 26, 0, 3, 6, 10, 13, 16, 20, 23,
     26};
-static const casadi_int P43[13] = {27, 1, 0, 9, 0, 3, 6, 10, 13, 16, 20, 23, 26};
-static const casadi_int P44[27] = {27, 6, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 10, 13, 16, 20, 23, 26, 0, 3, 6, 10, 13,
+static const casadi_int P45[13] = {27, 1, 0, 9, 0, 3, 6, 10, 13, 16, 20, 23, 26};
+static const casadi_int P46[27] = {27, 6, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 10, 13, 16, 20, 23, 26, 0, 3, 6, 10, 13,
     16, 20, 23, 26};
-static const casadi_int P45[24] = {27, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 3, 6, 13, 16, 23, 26, 3, 6, 13, 16, 23,
+static const casadi_int P47[24] = {27, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 3, 6, 13, 16, 23, 26, 3, 6, 13, 16, 23,
     26};
-static const casadi_int P46[15] = {3, 6, 0, 3, 3, 3, 6, 6, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P47[16] = {3, 9, 0, 2, 2, 2, 4, 4, 4, 4, 4, 4, 1, 2, 1, 2};
-static const casadi_int P48[15] = {3, 6, 0, 0, 3, 3, 3, 6, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P49[16] = {3, 9, 0, 0, 2, 2, 2, 4, 4, 4, 4, 4, 1, 2, 1, 2};
-static const casadi_int P50[15] = {3, 6, 0, 0, 0, 3, 3, 3, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P51[16] = {3, 9, 0, 0, 0, 2, 2, 2, 4, 4, 4, 4, 1, 2, 1, 2};
-static const casadi_int P52[3] = {9, 2, 1};
-static const casadi_int P53[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P54[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P55[3] = {6, 2, 1};
-static const casadi_int P56[3] = {3, 6, 1};
-static const casadi_int P57[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
+static const casadi_int P48[15] = {3, 6, 0, 3, 3, 3, 6, 6, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P49[16] = {3, 9, 0, 2, 2, 2, 4, 4, 4, 4, 4, 4, 1, 2, 1, 2};
+static const casadi_int P50[15] = {3, 6, 0, 0, 3, 3, 3, 6, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P51[16] = {3, 9, 0, 0, 2, 2, 2, 4, 4, 4, 4, 4, 1, 2, 1, 2};
+static const casadi_int P52[15] = {3, 6, 0, 0, 0, 3, 3, 3, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P53[16] = {3, 9, 0, 0, 0, 2, 2, 2, 4, 4, 4, 4, 1, 2, 1, 2};
+static const casadi_int P54[29] = {81, 2, 0, 12, 24, 0, 3, 6, 10, 13, 16, 18, 19, 21, 22, 24, 25, 1, 4, 7, 9, 12,
+    15, 18, 19, 21, 22, 24, 25};
+static const casadi_int P55[22] = {81, 1, 0, 18, 0, 1, 3, 4, 6, 7, 9, 10, 12, 13, 15, 16, 18, 19, 21, 22, 24, 25};
+static const casadi_int P56[33] = {81, 6, 0, 4, 8, 12, 16, 20, 24, 0, 10, 18, 19, 3, 13, 21, 22, 6, 16, 24, 25, 1,
+    9, 18, 19, 4, 12, 21, 22, 7, 15, 24, 25};
+static const casadi_int P57[12] = {81, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P58[41] = {81, 2, 0, 18, 36, 0, 1, 9, 10, 18, 19, 30, 31, 39, 40, 48, 49, 60, 61, 69, 70,
+    78, 79, 0, 1, 9, 10, 18, 19, 30, 31, 39, 40, 48, 49, 60, 61, 69, 70, 78, 79};
+static const casadi_int P59[22] = {81, 1, 0, 18, 0, 1, 9, 10, 18, 19, 30, 31, 39, 40, 48, 49, 60, 61, 69, 70, 78,
+    79};
+static const casadi_int P60[45] = {81, 6, 0, 6, 12, 18, 24, 30, 36, 0, 1, 9, 10, 18, 19, 30, 31, 39, 40, 48, 49, 60,
+    61, 69, 70, 78, 79, 0, 1, 9, 10, 18, 19, 30, 31, 39, 40, 48, 49, 60, 61, 69, 70, 78, 79};
+static const casadi_int P61[36] = {81, 9, 0, 4, 8, 12, 16, 20, 24, 24, 24, 24, 9, 10, 18, 19, 39, 40, 48, 49, 69,
+    70, 78, 79, 9, 10, 18, 19, 39, 40, 48, 49, 69, 70, 78, 79};
+static const casadi_int P62[3] = {9, 2, 1};
+static const casadi_int P63[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
+static const casadi_int P64[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P65[3] = {6, 2, 1};
+static const casadi_int P66[3] = {3, 6, 1};
+static const casadi_int P67[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
     1, 2, 0, 1, 2};
-static const casadi_int P58[3] = {3, 9, 1};
-static const casadi_int P59[27] = {9, 6, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5,
+static const casadi_int P68[3] = {3, 9, 1};
+static const casadi_int P69[27] = {9, 6, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5,
     8};
-static const casadi_int P60[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P70[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8};
-static const casadi_int P61[3] = {9, 3, 1};
-static const casadi_int P62[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P71[3] = {9, 3, 1};
+static const casadi_int P72[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P63[3] = {9, 6, 1};
-static const casadi_int P64[24] = {9, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 3, 6, 4, 7, 5, 8, 3, 6, 4, 7, 5, 8};
-static const casadi_int P65[7] = {3, 2, 0, 1, 2, 2, 2};
-static const casadi_int P66[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P67[5] = {8, 2, 0, 0, 0};
-static const casadi_int P68[4] = {8, 1, 0, 0};
-static const casadi_int P69[15] = {8, 6, 0, 3, 3, 3, 6, 6, 6, 1, 2, 3, 5, 6, 7};
-static const casadi_int P70[20] = {8, 9, 0, 4, 4, 4, 8, 8, 8, 8, 8, 8, 1, 2, 5, 6, 1, 2, 5, 6};
-static const casadi_int P71[15] = {8, 6, 0, 0, 3, 3, 3, 6, 6, 1, 2, 3, 5, 6, 7};
-static const casadi_int P72[20] = {8, 9, 0, 0, 4, 4, 4, 8, 8, 8, 8, 8, 1, 2, 5, 6, 1, 2, 5, 6};
-static const casadi_int P73[15] = {8, 6, 0, 0, 0, 3, 3, 3, 6, 1, 2, 3, 5, 6, 7};
-static const casadi_int P74[20] = {8, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 8, 1, 2, 5, 6, 1, 2, 5, 6};
-static const casadi_int P75[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P76[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P77[3] = {1, 2, 1};
-static const casadi_int P78[3] = {1, 6, 1};
-static const casadi_int P79[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P80[18] = {1, 9, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P81[5] = {1, 2, 0, 0, 0};
-static const casadi_int P82[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P83[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
-static const casadi_int P84[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P85[4] = {4, 1, 0, 0};
-static const casadi_int P86[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
-static const casadi_int P87[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
-static const casadi_int P88[3] = {4, 3, 1};
-static const casadi_int P89[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
-static const casadi_int P90[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P73[3] = {9, 6, 1};
+static const casadi_int P74[24] = {9, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 3, 6, 4, 7, 5, 8, 3, 6, 4, 7, 5, 8};
+static const casadi_int P75[7] = {3, 2, 0, 1, 2, 2, 2};
+static const casadi_int P76[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P77[5] = {8, 2, 0, 0, 0};
+static const casadi_int P78[4] = {8, 1, 0, 0};
+static const casadi_int P79[15] = {8, 6, 0, 3, 3, 3, 6, 6, 6, 1, 2, 3, 5, 6, 7};
+static const casadi_int P80[20] = {8, 9, 0, 4, 4, 4, 8, 8, 8, 8, 8, 8, 1, 2, 5, 6, 1, 2, 5, 6};
+static const casadi_int P81[15] = {8, 6, 0, 0, 3, 3, 3, 6, 6, 1, 2, 3, 5, 6, 7};
+static const casadi_int P82[20] = {8, 9, 0, 0, 4, 4, 4, 8, 8, 8, 8, 8, 1, 2, 5, 6, 1, 2, 5, 6};
+static const casadi_int P83[15] = {8, 6, 0, 0, 0, 3, 3, 3, 6, 1, 2, 3, 5, 6, 7};
+static const casadi_int P84[20] = {8, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 8, 1, 2, 5, 6, 1, 2, 5, 6};
+static const casadi_int P85[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P86[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P87[3] = {1, 2, 1};
+static const casadi_int P88[3] = {1, 6, 1};
+static const casadi_int P89[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P90[18] = {1, 9, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P91[5] = {1, 2, 0, 0, 0};
+static const casadi_int P92[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P93[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
+static const casadi_int P94[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P95[4] = {4, 1, 0, 0};
+static const casadi_int P96[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
+static const casadi_int P97[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
+static const casadi_int P98[3] = {4, 3, 1};
+static const casadi_int P99[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P100[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- end_points -- */
 
@@ -243,7 +262,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_end_points[] = {
-    P20, P21, P22
+    P23, P24, P25
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_phi", "jac_s_redundant"
@@ -283,7 +302,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P6, P4, P23
+    P6, P4, P26
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_phi", "jac_redundant_s"
@@ -317,7 +336,7 @@ static const krhpr_casadi_slot out_subleg_forward[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_forward[] = {
-    P24
+    P27
 };
 static const char *const names_subleg_forward[] = {
     "jac_s_theta"
@@ -357,7 +376,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 2, 3, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P25, P26, P27, P28, P29, P30
+    P28, P29, P30, P31, P32, P33
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta1_swivel", "jac_theta2_s", "jac_theta2_swivel", "jac_theta3_s", "jac_theta3_swivel"
@@ -397,7 +416,7 @@ static const krhpr_casadi_slot out_swivel[] = {
     {"out_swivel", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_swivel[] = {
-    P23, P31
+    P26, P34
 };
 static const char *const names_swivel[] = {
     "jac_swivel_s", "jac_swivel_theta"
@@ -439,7 +458,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 2, 3, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P32, P33, P34, P35, P36, P37
+    P35, P36, P37, P38, P39, P40
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -479,7 +498,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_constraints[] = {
-    P6, P4, P23
+    P6, P4, P26
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_phi", "jac_residual_s"
@@ -529,7 +548,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 3, 9, 3, NULL, P12, P13},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P38, P39, P40, P41, P42, P43, P44, P45
+    P41, P42, P43, P17, P44, P45, P46, P47
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_phi", "jac_K_s", "jac_K_theta"
@@ -581,7 +600,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 1, 3, 1, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P38, P39, P40, P41, P6, P4, P46, P47, P6, P4, P48, P49, P6, P4, P50, P51
+    P41, P42, P43, P17, P6, P4, P48, P49, P6, P4, P50, P51, P6, P4, P52, P53
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_phi", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -592,6 +611,63 @@ static const krhpr_casadi_function function_jacobian_blocks = {
 };
 KRHPR_CASADI_FUNCTION(NAME(jacobian_blocks), function_jacobian_blocks)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobian_blocks), function_jacobian_blocks)
+
+/* -- jacobians_n -- */
+
+static int value_jacobians_n(const double *x, double *y)
+{
+    return plain_jacobians_n(&geometry, x, x[2], x + 3, x + 9, y, y + 81);
+}
+
+static void tangent_jacobians_n(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const phi = given + 2;
+    const krhpr_dual *const s = given + 3;
+    const krhpr_dual *const theta = given + 9;
+    krhpr_dual *const J = found;
+    krhpr_dual *const K = found + 81;
+    krhpr_dual Q[4];
+    krhpr_dual J_lines[9];
+    krhpr_dual along[6];
+    krhpr_algebra_planar_rotation_tangent(phi, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[2];
+        krhpr_dual redundant_line[3];
+        krhpr_dual d[2];
+        krhpr_dual u_2[2];
+        krhpr_dual u_3[2];
+        krhpr_platform_planar_a_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J_lines + 3 * i, N);
+        krhpr_platform_planar_a_redundant_line_tangent(
+            &geometry.platform, i, p, Q, s + 2 * i, along + 2 * i, redundant_line);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_transmission_tangent(
+            &geometry.subleg, i, d, u_2, u_3, N, along + 2 * i, K + 9 * i);
+    }
+    krhpr_subleg_planar_rrr_non_redundant_tangent(J_lines, along, p, s, J);
+}
+
+static const krhpr_casadi_slot in_jacobians_n[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 3, 1, NULL, P8, P9},
+};
+static const krhpr_casadi_slot out_jacobians_n[] = {
+    {"out_J", 9, 9, 1, NULL, P16, P17},
+    {"out_K", 9, 9, 3, NULL, P18, P17},
+};
+static const casadi_int *const structure_jacobians_n[] = {
+    P54, P55, P56, P57, P58, P59, P60, P61
+};
+static const char *const names_jacobians_n[] = {
+    "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_phi", "jac_K_s", "jac_K_theta"
+};
+static const krhpr_casadi_function function_jacobians_n = {
+    4, in_jacobians_n, 2, out_jacobians_n, value_jacobians_n, tangent_jacobians_n, structure_jacobians_n, names_jacobians_n
+};
+KRHPR_CASADI_FUNCTION(NAME(jacobians_n), function_jacobians_n)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobians_n), function_jacobians_n)
 
 /* -- inverse -- */
 
@@ -631,7 +707,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_inverse[] = {
-    P52, P39, P53, P54, P53
+    P62, P42, P63, P64, P63
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_phi", "jac_theta_redundant", "jac_theta_mode", "jac_theta_swivel"
@@ -679,7 +755,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 2, 3, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P55, P21, P26, P26, P55, P21, P28, P28, P55, P21, P30, P30
+    P65, P24, P29, P29, P65, P24, P31, P31, P65, P24, P33, P33
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_phi", "jac_theta1_redundant", "jac_theta1_swivel", "jac_theta2_p", "jac_theta2_phi",
@@ -762,7 +838,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_twist[] = {
-    P6, P4, P56, P57, P58
+    P6, P4, P66, P67, P68
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_phi", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -818,7 +894,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P52, P39, P59, P60, P61, P53, P53
+    P62, P42, P69, P70, P71, P63, P63
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_phi", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -892,7 +968,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P6, P4, P56, P57, P8, P58, P58
+    P6, P4, P66, P67, P8, P68, P68
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_phi", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -967,7 +1043,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P52, P39, P59, P60, P61, P53, P62, P61, P53, P53
+    P62, P42, P69, P70, P71, P63, P72, P71, P63, P63
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_phi", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -1038,7 +1114,7 @@ static const krhpr_casadi_slot out_inverse_statics[] = {
     {"out_actuator_forces", 3, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_inverse_statics[] = {
-    P52, P39, P63, P64, P61, P61, P53
+    P62, P42, P73, P74, P71, P71, P63
 };
 static const char *const names_inverse_statics[] = {
     "jac_actuator_forces_p", "jac_actuator_forces_phi", "jac_actuator_forces_s", "jac_actuator_forces_theta",
@@ -1097,7 +1173,7 @@ static const krhpr_casadi_slot out_forward_statics[] = {
     {"out_swivel_forces", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_statics[] = {
-    P65, P5, P56, P57, P58, P6, P4, P23, P31, P66, P7, P5, P23, P31, P66
+    P75, P5, P66, P67, P68, P6, P4, P26, P34, P76, P7, P5, P26, P34, P76
 };
 static const char *const names_forward_statics[] = {
     "jac_wrench_p", "jac_wrench_phi", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
@@ -1153,7 +1229,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P6, P4, P23, P31, P6, P4, P23, P13
+    P6, P4, P26, P34, P6, P4, P26, P13
 };
 static const char *const names_passive_joints[] = {
     "jac_wrist_p", "jac_wrist_phi", "jac_wrist_s", "jac_wrist_theta", "jac_platform_joint_p", "jac_platform_joint_phi",
@@ -1199,13 +1275,13 @@ static const krhpr_casadi_slot in_link_points[] = {
     {"out_theta", 3, 3, 1, NULL, P8, P9},
 };
 static const krhpr_casadi_slot out_link_points[] = {
-    {"out_points1", 4, 2, 1, NULL, P16, P17},
-    {"out_points2", 4, 2, 1, NULL, P16, P17},
-    {"out_points3", 4, 2, 1, NULL, P16, P17},
+    {"out_points1", 4, 2, 1, NULL, P19, P20},
+    {"out_points2", 4, 2, 1, NULL, P19, P20},
+    {"out_points3", 4, 2, 1, NULL, P19, P20},
     {"out_attachment", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_link_points[] = {
-    P67, P68, P69, P70, P67, P68, P71, P72, P67, P68, P73, P74, P20, P21, P75, P76
+    P77, P78, P79, P80, P77, P78, P81, P82, P77, P78, P83, P84, P23, P24, P85, P86
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_phi", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_phi",
@@ -1267,7 +1343,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_singularity[] = {
-    P7, P5, P23, P31, P7, P5, P23, P31, P77, P2, P78, P79, P77, P2, P78, P79
+    P7, P5, P26, P34, P7, P5, P26, P34, P87, P2, P88, P89, P87, P2, P88, P89
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_phi", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_phi",
@@ -1407,7 +1483,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P77, P2, P78, P80, P77, P2, P78, P80, P81, P3, P78, P80
+    P87, P2, P88, P90, P87, P2, P88, P90, P91, P3, P88, P90
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_phi", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_2_p", "jac_eta_2_phi", "jac_eta_2_s",
@@ -1432,7 +1508,7 @@ static const krhpr_casadi_slot in_forward_encoders_1[] = {
     {"out_tolerance", 1, 1, 1, NULL, P2, P3},
 };
 static const krhpr_casadi_slot out_forward_encoders_1[] = {
-    {"out_p", 2, 2, 1, NULL, P18, P19},
+    {"out_p", 2, 2, 1, NULL, P21, P22},
     {"out_phi", 2, 1, 1, NULL, P0, P1},
     {"out_mismatch", 2, 1, 1, NULL, P0, P1},
 };
@@ -1484,11 +1560,11 @@ static const krhpr_casadi_slot in_forward_encoders_2[] = {
 static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_p", 2, 1, 1, NULL, P0, P1},
     {"out_phi", 1, 1, 1, NULL, P2, P3},
-    {"out_raw", 2, 2, 1, NULL, P18, P19},
+    {"out_raw", 2, 2, 1, NULL, P21, P22},
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P82, P18, P1, P83, P77, P3, P84, P16, P85, P83, P77, P3
+    P92, P21, P1, P93, P87, P3, P94, P19, P95, P93, P87, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",
@@ -1543,11 +1619,11 @@ static const krhpr_casadi_slot in_forward_encoders_3[] = {
 static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_p", 2, 1, 1, NULL, P0, P1},
     {"out_phi", 1, 1, 1, NULL, P2, P3},
-    {"out_raw", 2, 2, 1, NULL, P18, P19},
+    {"out_raw", 2, 2, 1, NULL, P21, P22},
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P86, P10, P1, P78, P14, P3, P87, P88, P85, P89, P90, P5
+    P96, P10, P1, P88, P14, P3, P97, P98, P95, P99, P100, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",

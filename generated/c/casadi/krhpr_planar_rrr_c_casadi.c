@@ -33,6 +33,7 @@
 #define krhpr_planar_rrr_c_constraints plain_constraints
 #define krhpr_planar_rrr_c_jacobians plain_jacobians
 #define krhpr_planar_rrr_c_jacobian_blocks plain_jacobian_blocks
+#define krhpr_planar_rrr_c_jacobians_n plain_jacobians_n
 #define krhpr_planar_rrr_c_inverse plain_inverse
 #define krhpr_planar_rrr_c_inverse_all plain_inverse_all
 #define krhpr_planar_rrr_c_inverse_status plain_inverse_status
@@ -65,6 +66,7 @@
 #undef krhpr_planar_rrr_c_constraints
 #undef krhpr_planar_rrr_c_jacobians
 #undef krhpr_planar_rrr_c_jacobian_blocks
+#undef krhpr_planar_rrr_c_jacobians_n
 #undef krhpr_planar_rrr_c_inverse
 #undef krhpr_planar_rrr_c_inverse_all
 #undef krhpr_planar_rrr_c_inverse_status
@@ -134,103 +136,117 @@ static const casadi_int P12[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 0, 0, 
 static const casadi_int P13[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P14[3] = {1, 3, 1};
 static const casadi_int P15[6] = {1, 3, 0, 0, 0, 0};
-static const casadi_int P16[3] = {4, 2, 1};
-static const casadi_int P17[5] = {4, 2, 0, 0, 0};
-static const casadi_int P18[3] = {2, 2, 1};
-static const casadi_int P19[5] = {2, 2, 0, 0, 0};
-static const casadi_int P20[11] = {6, 2, 0, 3, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P21[3] = {6, 1, 1};
-static const casadi_int P22[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
-static const casadi_int P23[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P24[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5, 0,
+static const casadi_int P16[3] = {9, 9, 1};
+static const casadi_int P17[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P18[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 1, 2, 0, 1, 2, 0, 1, 2, 3, 4, 5, 3,
+    4, 5, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
+static const casadi_int P19[3] = {4, 2, 1};
+static const casadi_int P20[5] = {4, 2, 0, 0, 0};
+static const casadi_int P21[3] = {2, 2, 1};
+static const casadi_int P22[5] = {2, 2, 0, 0, 0};
+static const casadi_int P23[11] = {6, 2, 0, 3, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P24[3] = {6, 1, 1};
+static const casadi_int P25[12] = {6, 3, 0, 2, 4, 6, 0, 3, 1, 4, 2, 5};
+static const casadi_int P26[15] = {3, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P27[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5, 0,
     3, 1, 4, 2, 5};
-static const casadi_int P25[21] = {6, 6, 0, 6, 6, 6, 12, 12, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P26[12] = {6, 3, 0, 6, 6, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P27[21] = {6, 6, 0, 0, 6, 6, 6, 12, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P28[12] = {6, 3, 0, 0, 6, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P29[21] = {6, 6, 0, 0, 0, 6, 6, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P30[12] = {6, 3, 0, 0, 0, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P31[18] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P32[15] = {6, 6, 0, 3, 3, 3, 6, 6, 6, 1, 3, 5, 0, 2, 4};
-static const casadi_int P33[20] = {6, 9, 0, 4, 4, 4, 8, 8, 8, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P34[15] = {6, 6, 0, 0, 3, 3, 3, 6, 6, 1, 3, 5, 0, 2, 4};
-static const casadi_int P35[20] = {6, 9, 0, 0, 4, 4, 4, 8, 8, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P36[15] = {6, 6, 0, 0, 0, 3, 3, 3, 6, 1, 3, 5, 0, 2, 4};
-static const casadi_int P37[20] = {6, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P38[11] = {9, 2, 0, 3, 6, 6, 7, 8, 6, 7, 8};
-static const casadi_int P39[3] = {9, 1, 1};
-static const casadi_int P40[15] = {9, 6, 0, 1, 2, 3, 4, 5, 6, 6, 7, 8, 6, 7, 8};
-static const casadi_int P41[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P42[5] = {27, 2, 0, 0, 0};
-static const casadi_int P43[13] = {27, 1, 0, 9, 0, 3, 6, 10, 13, 16, 20, 23, 26};
-static const casadi_int P44[27] = {27, 6, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 10, 13, 16, 20, 23, 26, 0, 3, 6, 10, 13,
+static const casadi_int P28[21] = {6, 6, 0, 6, 6, 6, 12, 12, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P29[12] = {6, 3, 0, 6, 6, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P30[21] = {6, 6, 0, 0, 6, 6, 6, 12, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P31[12] = {6, 3, 0, 0, 6, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P32[21] = {6, 6, 0, 0, 0, 6, 6, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P33[12] = {6, 3, 0, 0, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P34[18] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P35[15] = {6, 6, 0, 3, 3, 3, 6, 6, 6, 1, 3, 5, 0, 2, 4};
+static const casadi_int P36[20] = {6, 9, 0, 4, 4, 4, 8, 8, 8, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P37[15] = {6, 6, 0, 0, 3, 3, 3, 6, 6, 1, 3, 5, 0, 2, 4};
+static const casadi_int P38[20] = {6, 9, 0, 0, 4, 4, 4, 8, 8, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P39[15] = {6, 6, 0, 0, 0, 3, 3, 3, 6, 1, 3, 5, 0, 2, 4};
+static const casadi_int P40[20] = {6, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P41[11] = {9, 2, 0, 3, 6, 6, 7, 8, 6, 7, 8};
+static const casadi_int P42[3] = {9, 1, 1};
+static const casadi_int P43[15] = {9, 6, 0, 1, 2, 3, 4, 5, 6, 6, 7, 8, 6, 7, 8};
+static const casadi_int P44[5] = {27, 2, 0, 0, 0};
+static const casadi_int P45[13] = {27, 1, 0, 9, 0, 3, 6, 10, 13, 16, 20, 23, 26};
+static const casadi_int P46[27] = {27, 6, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 10, 13, 16, 20, 23, 26, 0, 3, 6, 10, 13,
     16, 20, 23, 26};
-static const casadi_int P45[24] = {27, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 3, 6, 13, 16, 23, 26, 3, 6, 13, 16, 23,
+static const casadi_int P47[24] = {27, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 3, 6, 13, 16, 23, 26, 3, 6, 13, 16, 23,
     26};
-static const casadi_int P46[15] = {3, 6, 0, 3, 3, 3, 6, 6, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P47[16] = {3, 9, 0, 2, 2, 2, 4, 4, 4, 4, 4, 4, 1, 2, 1, 2};
-static const casadi_int P48[15] = {3, 6, 0, 0, 3, 3, 3, 6, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P49[16] = {3, 9, 0, 0, 2, 2, 2, 4, 4, 4, 4, 4, 1, 2, 1, 2};
-static const casadi_int P50[15] = {3, 6, 0, 0, 0, 3, 3, 3, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P51[16] = {3, 9, 0, 0, 0, 2, 2, 2, 4, 4, 4, 4, 1, 2, 1, 2};
-static const casadi_int P52[3] = {9, 2, 1};
-static const casadi_int P53[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P54[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P55[3] = {6, 2, 1};
-static const casadi_int P56[3] = {3, 6, 1};
-static const casadi_int P57[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
+static const casadi_int P48[15] = {3, 6, 0, 3, 3, 3, 6, 6, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P49[16] = {3, 9, 0, 2, 2, 2, 4, 4, 4, 4, 4, 4, 1, 2, 1, 2};
+static const casadi_int P50[15] = {3, 6, 0, 0, 3, 3, 3, 6, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P51[16] = {3, 9, 0, 0, 2, 2, 2, 4, 4, 4, 4, 4, 1, 2, 1, 2};
+static const casadi_int P52[15] = {3, 6, 0, 0, 0, 3, 3, 3, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P53[16] = {3, 9, 0, 0, 0, 2, 2, 2, 4, 4, 4, 4, 1, 2, 1, 2};
+static const casadi_int P54[17] = {81, 2, 0, 6, 12, 18, 19, 21, 22, 24, 25, 18, 19, 21, 22, 24, 25};
+static const casadi_int P55[22] = {81, 1, 0, 18, 0, 1, 3, 4, 6, 7, 9, 10, 12, 13, 15, 16, 18, 19, 21, 22, 24, 25};
+static const casadi_int P56[21] = {81, 6, 0, 2, 4, 6, 8, 10, 12, 18, 19, 21, 22, 24, 25, 18, 19, 21, 22, 24, 25};
+static const casadi_int P57[12] = {81, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P58[5] = {81, 2, 0, 0, 0};
+static const casadi_int P59[22] = {81, 1, 0, 18, 0, 1, 9, 10, 18, 19, 30, 31, 39, 40, 48, 49, 60, 61, 69, 70, 78,
+    79};
+static const casadi_int P60[45] = {81, 6, 0, 6, 12, 18, 24, 30, 36, 0, 1, 9, 10, 18, 19, 30, 31, 39, 40, 48, 49, 60,
+    61, 69, 70, 78, 79, 0, 1, 9, 10, 18, 19, 30, 31, 39, 40, 48, 49, 60, 61, 69, 70, 78, 79};
+static const casadi_int P61[36] = {81, 9, 0, 4, 8, 12, 16, 20, 24, 24, 24, 24, 9, 10, 18, 19, 39, 40, 48, 49, 69,
+    70, 78, 79, 9, 10, 18, 19, 39, 40, 48, 49, 69, 70, 78, 79};
+static const casadi_int P62[3] = {9, 2, 1};
+static const casadi_int P63[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
+static const casadi_int P64[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P65[3] = {6, 2, 1};
+static const casadi_int P66[3] = {3, 6, 1};
+static const casadi_int P67[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
     1, 2, 0, 1, 2};
-static const casadi_int P58[3] = {3, 9, 1};
-static const casadi_int P59[27] = {9, 6, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5,
+static const casadi_int P68[3] = {3, 9, 1};
+static const casadi_int P69[27] = {9, 6, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5,
     8};
-static const casadi_int P60[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P70[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8};
-static const casadi_int P61[3] = {9, 3, 1};
-static const casadi_int P62[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P71[3] = {9, 3, 1};
+static const casadi_int P72[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P63[3] = {9, 6, 1};
-static const casadi_int P64[24] = {9, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 3, 6, 4, 7, 5, 8, 3, 6, 4, 7, 5, 8};
-static const casadi_int P65[7] = {3, 2, 0, 1, 2, 2, 2};
-static const casadi_int P66[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P67[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P68[7] = {6, 1, 0, 3, 3, 4, 5};
-static const casadi_int P69[27] = {6, 6, 0, 3, 6, 9, 12, 15, 18, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4,
+static const casadi_int P73[3] = {9, 6, 1};
+static const casadi_int P74[24] = {9, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 3, 6, 4, 7, 5, 8, 3, 6, 4, 7, 5, 8};
+static const casadi_int P75[7] = {3, 2, 0, 1, 2, 2, 2};
+static const casadi_int P76[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P77[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P78[7] = {6, 1, 0, 3, 3, 4, 5};
+static const casadi_int P79[27] = {6, 6, 0, 3, 6, 9, 12, 15, 18, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4, 5, 3, 4,
     5};
-static const casadi_int P70[11] = {6, 2, 0, 3, 6, 3, 4, 5, 3, 4, 5};
-static const casadi_int P71[18] = {6, 3, 0, 4, 8, 12, 0, 3, 4, 5, 1, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P72[4] = {6, 1, 0, 0};
-static const casadi_int P73[9] = {3, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P74[5] = {8, 2, 0, 0, 0};
-static const casadi_int P75[4] = {8, 1, 0, 0};
-static const casadi_int P76[15] = {8, 6, 0, 3, 3, 3, 6, 6, 6, 1, 2, 3, 5, 6, 7};
-static const casadi_int P77[20] = {8, 9, 0, 4, 4, 4, 8, 8, 8, 8, 8, 8, 1, 2, 5, 6, 1, 2, 5, 6};
-static const casadi_int P78[15] = {8, 6, 0, 0, 3, 3, 3, 6, 6, 1, 2, 3, 5, 6, 7};
-static const casadi_int P79[20] = {8, 9, 0, 0, 4, 4, 4, 8, 8, 8, 8, 8, 1, 2, 5, 6, 1, 2, 5, 6};
-static const casadi_int P80[15] = {8, 6, 0, 0, 0, 3, 3, 3, 6, 1, 2, 3, 5, 6, 7};
-static const casadi_int P81[20] = {8, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 8, 1, 2, 5, 6, 1, 2, 5, 6};
-static const casadi_int P82[5] = {6, 2, 0, 0, 0};
-static const casadi_int P83[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P84[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P85[3] = {1, 2, 1};
-static const casadi_int P86[3] = {1, 6, 1};
-static const casadi_int P87[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P88[18] = {1, 9, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P89[5] = {1, 2, 0, 0, 0};
-static const casadi_int P90[3] = {4, 6, 1};
-static const casadi_int P91[3] = {2, 6, 1};
-static const casadi_int P92[3] = {6, 6, 1};
-static const casadi_int P93[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P94[3] = {2, 9, 1};
-static const casadi_int P95[3] = {1, 9, 1};
-static const casadi_int P96[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P97[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
-static const casadi_int P98[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
-static const casadi_int P99[4] = {4, 1, 0, 0};
-static const casadi_int P100[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
-static const casadi_int P101[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
-static const casadi_int P102[3] = {4, 3, 1};
-static const casadi_int P103[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
-static const casadi_int P104[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P80[11] = {6, 2, 0, 3, 6, 3, 4, 5, 3, 4, 5};
+static const casadi_int P81[18] = {6, 3, 0, 4, 8, 12, 0, 3, 4, 5, 1, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P82[4] = {6, 1, 0, 0};
+static const casadi_int P83[9] = {3, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P84[5] = {8, 2, 0, 0, 0};
+static const casadi_int P85[4] = {8, 1, 0, 0};
+static const casadi_int P86[15] = {8, 6, 0, 3, 3, 3, 6, 6, 6, 1, 2, 3, 5, 6, 7};
+static const casadi_int P87[20] = {8, 9, 0, 4, 4, 4, 8, 8, 8, 8, 8, 8, 1, 2, 5, 6, 1, 2, 5, 6};
+static const casadi_int P88[15] = {8, 6, 0, 0, 3, 3, 3, 6, 6, 1, 2, 3, 5, 6, 7};
+static const casadi_int P89[20] = {8, 9, 0, 0, 4, 4, 4, 8, 8, 8, 8, 8, 1, 2, 5, 6, 1, 2, 5, 6};
+static const casadi_int P90[15] = {8, 6, 0, 0, 0, 3, 3, 3, 6, 1, 2, 3, 5, 6, 7};
+static const casadi_int P91[20] = {8, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 8, 1, 2, 5, 6, 1, 2, 5, 6};
+static const casadi_int P92[5] = {6, 2, 0, 0, 0};
+static const casadi_int P93[15] = {6, 6, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P94[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P95[3] = {1, 2, 1};
+static const casadi_int P96[3] = {1, 6, 1};
+static const casadi_int P97[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P98[18] = {1, 9, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P99[5] = {1, 2, 0, 0, 0};
+static const casadi_int P100[3] = {4, 6, 1};
+static const casadi_int P101[3] = {2, 6, 1};
+static const casadi_int P102[3] = {6, 6, 1};
+static const casadi_int P103[9] = {1, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P104[3] = {2, 9, 1};
+static const casadi_int P105[3] = {1, 9, 1};
+static const casadi_int P106[17] = {2, 6, 0, 2, 4, 4, 6, 8, 8, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P107[13] = {1, 6, 0, 1, 2, 2, 3, 4, 4, 0, 0, 0, 0};
+static const casadi_int P108[25] = {4, 6, 0, 4, 8, 8, 12, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+static const casadi_int P109[4] = {4, 1, 0, 0};
+static const casadi_int P110[15] = {2, 6, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 1, 1, 1};
+static const casadi_int P111[21] = {4, 6, 0, 2, 4, 6, 8, 10, 12, 0, 2, 0, 2, 0, 2, 1, 3, 1, 3, 1, 3};
+static const casadi_int P112[3] = {4, 3, 1};
+static const casadi_int P113[23] = {3, 6, 0, 3, 5, 7, 10, 12, 14, 0, 1, 2, 0, 2, 1, 2, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P114[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- end_points -- */
 
@@ -261,7 +277,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_end_points[] = {
-    P20, P21, P22
+    P23, P24, P25
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_phi", "jac_s_redundant"
@@ -301,7 +317,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P6, P4, P23
+    P6, P4, P26
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_phi", "jac_redundant_s"
@@ -335,7 +351,7 @@ static const krhpr_casadi_slot out_subleg_forward[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_forward[] = {
-    P24
+    P27
 };
 static const char *const names_subleg_forward[] = {
     "jac_s_theta"
@@ -375,7 +391,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 2, 3, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P25, P26, P27, P28, P29, P30
+    P28, P29, P30, P31, P32, P33
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta1_swivel", "jac_theta2_s", "jac_theta2_swivel", "jac_theta3_s", "jac_theta3_swivel"
@@ -415,7 +431,7 @@ static const krhpr_casadi_slot out_swivel[] = {
     {"out_swivel", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_swivel[] = {
-    P23, P31
+    P26, P34
 };
 static const char *const names_swivel[] = {
     "jac_swivel_s", "jac_swivel_theta"
@@ -457,7 +473,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 2, 3, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P32, P33, P34, P35, P36, P37
+    P35, P36, P37, P38, P39, P40
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -497,7 +513,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_constraints[] = {
-    P6, P4, P23
+    P6, P4, P26
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_phi", "jac_residual_s"
@@ -547,7 +563,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 3, 9, 3, NULL, P12, P13},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P38, P39, P40, P41, P42, P43, P44, P45
+    P41, P42, P43, P17, P44, P45, P46, P47
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_phi", "jac_K_s", "jac_K_theta"
@@ -599,7 +615,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 1, 3, 1, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P38, P39, P40, P41, P7, P4, P46, P47, P7, P4, P48, P49, P7, P4, P50, P51
+    P41, P42, P43, P17, P7, P4, P48, P49, P7, P4, P50, P51, P7, P4, P52, P53
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_phi", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -610,6 +626,63 @@ static const krhpr_casadi_function function_jacobian_blocks = {
 };
 KRHPR_CASADI_FUNCTION(NAME(jacobian_blocks), function_jacobian_blocks)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobian_blocks), function_jacobian_blocks)
+
+/* -- jacobians_n -- */
+
+static int value_jacobians_n(const double *x, double *y)
+{
+    return plain_jacobians_n(&geometry, x, x[2], x + 3, x + 9, y, y + 81);
+}
+
+static void tangent_jacobians_n(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const phi = given + 2;
+    const krhpr_dual *const s = given + 3;
+    const krhpr_dual *const theta = given + 9;
+    krhpr_dual *const J = found;
+    krhpr_dual *const K = found + 81;
+    krhpr_dual Q[4];
+    krhpr_dual J_lines[9];
+    krhpr_dual along[6];
+    krhpr_algebra_planar_rotation_tangent(phi, Q);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[2];
+        krhpr_dual redundant_line[3];
+        krhpr_dual d[2];
+        krhpr_dual u_2[2];
+        krhpr_dual u_3[2];
+        krhpr_platform_planar_c_rows_tangent(&geometry.platform, i, p, Q, s + 2 * i, J_lines + 3 * i, N);
+        krhpr_platform_planar_c_redundant_line_tangent(
+            &geometry.platform, i, p, Q, s + 2 * i, along + 2 * i, redundant_line);
+        krhpr_subleg_planar_rrr_posture_tangent(&geometry.subleg, i, s + 2 * i, theta + 3 * i, d, u_2, u_3);
+        krhpr_subleg_planar_rrr_transmission_tangent(
+            &geometry.subleg, i, d, u_2, u_3, N, along + 2 * i, K + 9 * i);
+    }
+    krhpr_subleg_planar_rrr_non_redundant_tangent(J_lines, along, p, s, J);
+}
+
+static const krhpr_casadi_slot in_jacobians_n[] = {
+    {"out_p", 2, 1, 1, NULL, P0, P1},
+    {"out_phi", 1, 1, 1, NULL, P2, P3},
+    {"out_s", 3, 2, 1, NULL, P6, P7},
+    {"out_theta", 3, 3, 1, NULL, P8, P9},
+};
+static const krhpr_casadi_slot out_jacobians_n[] = {
+    {"out_J", 9, 9, 1, NULL, P16, P17},
+    {"out_K", 9, 9, 3, NULL, P18, P17},
+};
+static const casadi_int *const structure_jacobians_n[] = {
+    P54, P55, P56, P57, P58, P59, P60, P61
+};
+static const char *const names_jacobians_n[] = {
+    "jac_J_p", "jac_J_phi", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_phi", "jac_K_s", "jac_K_theta"
+};
+static const krhpr_casadi_function function_jacobians_n = {
+    4, in_jacobians_n, 2, out_jacobians_n, value_jacobians_n, tangent_jacobians_n, structure_jacobians_n, names_jacobians_n
+};
+KRHPR_CASADI_FUNCTION(NAME(jacobians_n), function_jacobians_n)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobians_n), function_jacobians_n)
 
 /* -- inverse -- */
 
@@ -649,7 +722,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_inverse[] = {
-    P52, P39, P53, P54, P53
+    P62, P42, P63, P64, P63
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_phi", "jac_theta_redundant", "jac_theta_mode", "jac_theta_swivel"
@@ -697,7 +770,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 2, 3, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P55, P21, P26, P26, P55, P21, P28, P28, P55, P21, P30, P30
+    P65, P24, P29, P29, P65, P24, P31, P31, P65, P24, P33, P33
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_phi", "jac_theta1_redundant", "jac_theta1_swivel", "jac_theta2_p", "jac_theta2_phi",
@@ -780,7 +853,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_twist[] = {
-    P6, P4, P56, P57, P58
+    P6, P4, P66, P67, P68
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_phi", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -836,7 +909,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P52, P39, P59, P60, P61, P53, P53
+    P62, P42, P69, P70, P71, P63, P63
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_phi", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -910,7 +983,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P6, P4, P56, P57, P8, P58, P58
+    P6, P4, P66, P67, P8, P68, P68
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_phi", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -985,7 +1058,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P52, P39, P59, P60, P61, P53, P62, P61, P53, P53
+    P62, P42, P69, P70, P71, P63, P72, P71, P63, P63
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_phi", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -1056,7 +1129,7 @@ static const krhpr_casadi_slot out_inverse_statics[] = {
     {"out_actuator_forces", 3, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_inverse_statics[] = {
-    P52, P39, P63, P64, P61, P61, P53
+    P62, P42, P73, P74, P71, P71, P63
 };
 static const char *const names_inverse_statics[] = {
     "jac_actuator_forces_p", "jac_actuator_forces_phi", "jac_actuator_forces_s", "jac_actuator_forces_theta",
@@ -1115,7 +1188,7 @@ static const krhpr_casadi_slot out_forward_statics[] = {
     {"out_swivel_forces", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_statics[] = {
-    P65, P5, P56, P57, P58, P7, P4, P23, P31, P66, P7, P5, P23, P31, P66
+    P75, P5, P66, P67, P68, P7, P4, P26, P34, P76, P7, P5, P26, P34, P76
 };
 static const char *const names_forward_statics[] = {
     "jac_wrench_p", "jac_wrench_phi", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
@@ -1200,7 +1273,7 @@ static const krhpr_casadi_slot out_redundant_of_opening[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_of_opening[] = {
-    P4, P6, P67
+    P4, P6, P77
 };
 static const char *const names_redundant_of_opening[] = {
     "jac_redundant_opening", "jac_redundant_centre", "jac_redundant_jaws"
@@ -1257,7 +1330,7 @@ static const krhpr_casadi_slot out_grasp[] = {
     {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_grasp[] = {
-    P68, P69, P70, P70, P71, P72, P4, P56, P6, P6, P8, P5, P5, P73, P7, P7, P67, P5, P4, P56, P6, P6, P8, P4
+    P78, P79, P80, P80, P81, P82, P4, P66, P6, P6, P8, P5, P5, P83, P7, P7, P77, P5, P4, P66, P6, P6, P8, P4
 };
 static const char *const names_grasp[] = {
     "jac_contact_forces_phi", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
@@ -1317,7 +1390,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P7, P4, P23, P31, P6, P4, P23, P13
+    P7, P4, P26, P34, P6, P4, P26, P13
 };
 static const char *const names_passive_joints[] = {
     "jac_wrist_p", "jac_wrist_phi", "jac_wrist_s", "jac_wrist_theta", "jac_platform_joint_p", "jac_platform_joint_phi",
@@ -1359,13 +1432,13 @@ static const krhpr_casadi_slot in_link_points[] = {
     {"out_theta", 3, 3, 1, NULL, P8, P9},
 };
 static const krhpr_casadi_slot out_link_points[] = {
-    {"out_points1", 4, 2, 1, NULL, P16, P17},
-    {"out_points2", 4, 2, 1, NULL, P16, P17},
-    {"out_points3", 4, 2, 1, NULL, P16, P17},
+    {"out_points1", 4, 2, 1, NULL, P19, P20},
+    {"out_points2", 4, 2, 1, NULL, P19, P20},
+    {"out_points3", 4, 2, 1, NULL, P19, P20},
     {"out_attachment", 3, 2, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_link_points[] = {
-    P74, P75, P76, P77, P74, P75, P78, P79, P74, P75, P80, P81, P82, P72, P83, P84
+    P84, P85, P86, P87, P84, P85, P88, P89, P84, P85, P90, P91, P92, P82, P93, P94
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_phi", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_phi",
@@ -1427,7 +1500,7 @@ static const krhpr_casadi_slot out_singularity[] = {
     {"out_margins", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_singularity[] = {
-    P7, P5, P23, P31, P7, P5, P23, P31, P85, P2, P86, P87, P85, P2, P86, P87
+    P7, P5, P26, P34, P7, P5, P26, P34, P95, P2, P96, P97, P95, P2, P96, P97
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_phi", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_phi",
@@ -1567,7 +1640,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P85, P2, P86, P88, P85, P2, P86, P88, P89, P3, P86, P88
+    P95, P2, P96, P98, P95, P2, P96, P98, P99, P3, P96, P98
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_phi", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_2_p", "jac_eta_2_phi", "jac_eta_2_s",
@@ -1608,14 +1681,14 @@ static const krhpr_casadi_slot in_forward_all[] = {
     {"out_s", 3, 2, 1, NULL, P6, P7},
 };
 static const krhpr_casadi_slot out_forward_all[] = {
-    {"out_p", 2, 2, 1, NULL, P18, P19},
+    {"out_p", 2, 2, 1, NULL, P21, P22},
     {"out_phi", 2, 1, 1, NULL, P0, P1},
     {"out_redundant", 2, 3, 1, NULL, P10, P11},
     {"out_det_J", 2, 1, 1, NULL, P0, P1},
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P90, P91, P92, P91, P93
+    P100, P101, P102, P101, P103
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_phi_s", "jac_redundant_s", "jac_det_J_s", "jac_count_s"
@@ -1667,7 +1740,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P94, P0, P95, P2, P58, P4, P87, P3, P87, P3
+    P104, P0, P105, P2, P68, P4, P97, P3, P97, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_side", "jac_phi_theta", "jac_phi_side", "jac_redundant_theta", "jac_redundant_side",
@@ -1717,11 +1790,11 @@ static const krhpr_casadi_slot in_forward_encoders_2[] = {
 static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_p", 2, 1, 1, NULL, P0, P1},
     {"out_phi", 1, 1, 1, NULL, P2, P3},
-    {"out_raw", 2, 2, 1, NULL, P18, P19},
+    {"out_raw", 2, 2, 1, NULL, P21, P22},
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P96, P18, P1, P97, P85, P3, P98, P16, P99, P97, P85, P3
+    P106, P21, P1, P107, P95, P3, P108, P19, P109, P107, P95, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",
@@ -1771,11 +1844,11 @@ static const krhpr_casadi_slot in_forward_encoders_3[] = {
 static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_p", 2, 1, 1, NULL, P0, P1},
     {"out_phi", 1, 1, 1, NULL, P2, P3},
-    {"out_raw", 2, 2, 1, NULL, P18, P19},
+    {"out_raw", 2, 2, 1, NULL, P21, P22},
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P100, P10, P1, P86, P14, P3, P101, P102, P99, P103, P104, P5
+    P110, P10, P1, P96, P14, P3, P111, P112, P109, P113, P114, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_phi_s", "jac_phi_measured", "jac_phi_tolerance", "jac_raw_s",

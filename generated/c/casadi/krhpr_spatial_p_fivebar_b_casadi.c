@@ -34,6 +34,7 @@
 #define krhpr_spatial_p_fivebar_b_constraints plain_constraints
 #define krhpr_spatial_p_fivebar_b_jacobians plain_jacobians
 #define krhpr_spatial_p_fivebar_b_jacobian_blocks plain_jacobian_blocks
+#define krhpr_spatial_p_fivebar_b_jacobians_n plain_jacobians_n
 #define krhpr_spatial_p_fivebar_b_inverse plain_inverse
 #define krhpr_spatial_p_fivebar_b_inverse_all plain_inverse_all
 #define krhpr_spatial_p_fivebar_b_inverse_status plain_inverse_status
@@ -68,6 +69,7 @@
 #undef krhpr_spatial_p_fivebar_b_constraints
 #undef krhpr_spatial_p_fivebar_b_jacobians
 #undef krhpr_spatial_p_fivebar_b_jacobian_blocks
+#undef krhpr_spatial_p_fivebar_b_jacobians_n
 #undef krhpr_spatial_p_fivebar_b_inverse
 #undef krhpr_spatial_p_fivebar_b_inverse_all
 #undef krhpr_spatial_p_fivebar_b_inverse_status
@@ -150,165 +152,191 @@ static const casadi_int P13[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P14[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 0, 1, 0, 1, 2, 3, 2, 3, 2, 3, 4,
     5, 4, 5, 4, 5};
 static const casadi_int P15[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P16[3] = {3, 2, 1};
-static const casadi_int P17[5] = {3, 2, 0, 0, 0};
-static const casadi_int P18[3] = {2, 1, 1};
-static const casadi_int P19[4] = {2, 1, 0, 0};
-static const casadi_int P20[3] = {7, 3, 1};
-static const casadi_int P21[6] = {7, 3, 0, 0, 0, 0};
-static const casadi_int P22[3] = {186, 1, 1};
-static const casadi_int P23[4] = {186, 1, 0, 0};
-static const casadi_int P24[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P25[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P16[3] = {9, 9, 1};
+static const casadi_int P17[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P18[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 1, 2, 0, 1, 2, 0, 1, 2, 3, 4, 5, 3,
+    4, 5, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
+static const casadi_int P19[3] = {3, 2, 1};
+static const casadi_int P20[5] = {3, 2, 0, 0, 0};
+static const casadi_int P21[3] = {2, 1, 1};
+static const casadi_int P22[4] = {2, 1, 0, 0};
+static const casadi_int P23[3] = {7, 3, 1};
+static const casadi_int P24[6] = {7, 3, 0, 0, 0, 0};
+static const casadi_int P25[3] = {186, 1, 1};
+static const casadi_int P26[4] = {186, 1, 0, 0};
+static const casadi_int P27[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P28[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P26[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P27[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
+static const casadi_int P29[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
+static const casadi_int P30[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
     1, 2, 0, 1, 2};
-static const casadi_int P28[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P29[36] = {9, 9, 0, 2, 4, 6, 9, 12, 15, 18, 21, 24, 0, 3, 1, 4, 2, 5, 0, 3, 6, 1, 4, 7, 2,
+static const casadi_int P31[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P32[36] = {9, 9, 0, 2, 4, 6, 9, 12, 15, 18, 21, 24, 0, 3, 1, 4, 2, 5, 0, 3, 6, 1, 4, 7, 2,
     5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P30[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P31[28] = {6, 9, 0, 4, 4, 4, 10, 10, 10, 16, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 0, 1, 2,
+static const casadi_int P33[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P34[28] = {6, 9, 0, 4, 4, 4, 10, 10, 10, 16, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 0, 1, 2,
     3, 4, 5};
-static const casadi_int P32[28] = {6, 9, 0, 0, 4, 4, 4, 10, 10, 10, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 0, 1, 2,
+static const casadi_int P35[28] = {6, 9, 0, 0, 4, 4, 4, 10, 10, 10, 16, 16, 0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 0, 1, 2,
     3, 4, 5};
-static const casadi_int P33[28] = {6, 9, 0, 0, 0, 4, 4, 4, 10, 10, 10, 16, 0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3,
+static const casadi_int P36[28] = {6, 9, 0, 0, 0, 4, 4, 4, 10, 10, 10, 16, 0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3,
     4, 5};
-static const casadi_int P34[44] = {12, 9, 0, 12, 12, 12, 24, 24, 24, 32, 32, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P37[44] = {12, 9, 0, 12, 12, 12, 24, 24, 24, 32, 32, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P35[44] = {12, 9, 0, 0, 12, 12, 12, 24, 24, 24, 32, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P38[44] = {12, 9, 0, 0, 12, 12, 12, 24, 24, 24, 32, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P36[44] = {12, 9, 0, 0, 0, 12, 12, 12, 24, 24, 24, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
+static const casadi_int P39[44] = {12, 9, 0, 0, 0, 12, 12, 12, 24, 24, 24, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
     0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P37[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3,
+static const casadi_int P40[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P38[24] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 12, 12, 12, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P39[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3,
+static const casadi_int P41[24] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 12, 12, 12, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P42[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P40[24] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 12, 12, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P41[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4,
+static const casadi_int P43[24] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 12, 12, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P44[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4,
     5, 6, 7, 8};
-static const casadi_int P42[24] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 12, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P43[3] = {6, 3, 1};
-static const casadi_int P44[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
+static const casadi_int P45[24] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 12, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P46[3] = {6, 3, 1};
+static const casadi_int P47[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
     2, 4, 0, 2, 4, 1, 3, 5, 1, 3, 5, 1, 3, 5};
-static const casadi_int P45[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P48[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P46[42] = {36, 3, 0, 12, 24, 36, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 18, 19, 20,
+static const casadi_int P49[42] = {36, 3, 0, 12, 24, 36, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 18, 19, 20,
     21, 22, 23, 30, 31, 32, 33, 34, 35, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29};
-static const casadi_int P47[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
+static const casadi_int P50[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
     8, 10, 18, 20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6, 8, 10, 18,
     20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 1, 3, 5, 25, 27, 29, 31, 33, 35, 7, 9, 11, 19, 21, 23, 31,
     33, 35, 13, 15, 17, 19, 21, 23, 25, 27, 29};
-static const casadi_int P48[48] = {36, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 24, 25, 30, 31, 26, 27, 32, 33, 28,
+static const casadi_int P51[48] = {36, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 24, 25, 30, 31, 26, 27, 32, 33, 28,
     29, 34, 35, 18, 19, 30, 31, 20, 21, 32, 33, 22, 23, 34, 35, 18, 19, 24, 25, 20, 21, 26, 27, 22, 23, 28, 29};
-static const casadi_int P49[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P50[6] = {54, 3, 0, 0, 0, 0};
-static const casadi_int P51[84] = {54, 9, 0, 9, 18, 24, 33, 42, 48, 57, 66, 72, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
+static const casadi_int P52[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P53[6] = {54, 3, 0, 0, 0, 0};
+static const casadi_int P54[84] = {54, 9, 0, 9, 18, 24, 33, 42, 48, 57, 66, 72, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
     6, 12, 20, 26, 32, 40, 46, 52, 6, 12, 26, 32, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40,
     46, 52, 6, 12, 26, 32, 46, 52, 1, 7, 13, 21, 27, 33, 41, 47, 53, 1, 7, 13, 21, 27, 33, 41, 47, 53, 7, 13, 27, 33,
     47, 53};
-static const casadi_int P52[48] = {54, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47,
+static const casadi_int P55[48] = {54, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47,
     52, 53, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47, 52, 53, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47, 52, 53};
-static const casadi_int P53[36] = {54, 9, 0, 0, 0, 0, 4, 8, 12, 16, 20, 24, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47,
+static const casadi_int P56[36] = {54, 9, 0, 0, 0, 0, 4, 8, 12, 16, 20, 24, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47,
     52, 53, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47, 52, 53};
-static const casadi_int P54[6] = {6, 3, 0, 0, 0, 0};
-static const casadi_int P55[36] = {6, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 2, 4, 0, 2, 4, 2, 4, 0, 2, 4, 0, 2,
+static const casadi_int P57[6] = {6, 3, 0, 0, 0, 0};
+static const casadi_int P58[36] = {6, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 2, 4, 0, 2, 4, 2, 4, 0, 2, 4, 0, 2,
     4, 2, 4, 1, 3, 5, 1, 3, 5, 3, 5};
-static const casadi_int P56[24] = {6, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P57[20] = {6, 9, 0, 0, 0, 0, 4, 4, 4, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P58[24] = {6, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P59[20] = {6, 9, 0, 0, 0, 0, 0, 4, 4, 4, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P60[24] = {6, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P61[20] = {6, 9, 0, 0, 0, 0, 0, 0, 4, 4, 4, 8, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P62[30] = {9, 3, 0, 9, 18, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4,
+static const casadi_int P59[24] = {6, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P60[20] = {6, 9, 0, 0, 0, 0, 4, 4, 4, 8, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P61[24] = {6, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P62[20] = {6, 9, 0, 0, 0, 0, 0, 4, 4, 4, 8, 8, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P63[24] = {6, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P64[20] = {6, 9, 0, 0, 0, 0, 0, 0, 4, 4, 4, 8, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P65[60] = {81, 3, 0, 18, 36, 54, 36, 37, 38, 39, 40, 41, 42, 43, 44, 45, 46, 47, 48, 49, 50,
+    51, 52, 53, 27, 28, 29, 30, 31, 32, 33, 34, 35, 45, 46, 47, 48, 49, 50, 51, 52, 53, 27, 28, 29, 30, 31, 32, 33, 34,
+    35, 36, 37, 38, 39, 40, 41, 42, 43, 44};
+static const casadi_int P66[147] = {81, 9, 0, 18, 36, 54, 72, 90, 108, 117, 126, 135, 0, 2, 3, 5, 6, 8, 36, 38, 39,
+    41, 42, 44, 45, 47, 48, 50, 51, 53, 9, 11, 12, 14, 15, 17, 27, 29, 30, 32, 33, 35, 45, 47, 48, 50, 51, 53, 18, 20,
+    21, 23, 24, 26, 27, 29, 30, 32, 33, 35, 36, 38, 39, 41, 42, 44, 0, 2, 3, 5, 6, 8, 36, 38, 39, 41, 42, 44, 45, 47,
+    48, 50, 51, 53, 9, 11, 12, 14, 15, 17, 27, 29, 30, 32, 33, 35, 45, 47, 48, 50, 51, 53, 18, 20, 21, 23, 24, 26, 27,
+    29, 30, 32, 33, 35, 36, 38, 39, 41, 42, 44, 1, 4, 7, 37, 40, 43, 46, 49, 52, 10, 13, 16, 28, 31, 34, 46, 49, 52, 19,
+    22, 25, 28, 31, 34, 37, 40, 43};
+static const casadi_int P67[66] = {81, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 36, 37, 38, 45, 46, 47, 39, 40, 41,
+    48, 49, 50, 42, 43, 44, 51, 52, 53, 27, 28, 29, 45, 46, 47, 30, 31, 32, 48, 49, 50, 33, 34, 35, 51, 52, 53, 27, 28,
+    29, 36, 37, 38, 30, 31, 32, 39, 40, 41, 33, 34, 35, 42, 43, 44};
+static const casadi_int P68[12] = {81, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P69[6] = {81, 3, 0, 0, 0, 0};
+static const casadi_int P70[132] = {81, 9, 0, 18, 36, 48, 66, 84, 96, 105, 114, 120, 0, 2, 9, 11, 18, 20, 30, 32,
+    39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 0, 2, 9, 11, 18, 20, 30, 32, 39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 9, 11,
+    18, 20, 39, 41, 48, 50, 69, 71, 78, 80, 0, 2, 9, 11, 18, 20, 30, 32, 39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 0, 2,
+    9, 11, 18, 20, 30, 32, 39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 9, 11, 18, 20, 39, 41, 48, 50, 69, 71, 78, 80, 1, 10,
+    19, 31, 40, 49, 61, 70, 79, 1, 10, 19, 31, 40, 49, 61, 70, 79, 10, 19, 40, 49, 70, 79};
+static const casadi_int P71[66] = {81, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 9, 10, 11, 18, 19, 20, 39, 40, 41,
+    48, 49, 50, 69, 70, 71, 78, 79, 80, 9, 10, 11, 18, 19, 20, 39, 40, 41, 48, 49, 50, 69, 70, 71, 78, 79, 80, 9, 10,
+    11, 18, 19, 20, 39, 40, 41, 48, 49, 50, 69, 70, 71, 78, 79, 80};
+static const casadi_int P72[48] = {81, 9, 0, 0, 0, 0, 6, 12, 18, 24, 30, 36, 9, 10, 11, 18, 19, 20, 39, 40, 41, 48,
+    49, 50, 69, 70, 71, 78, 79, 80, 9, 10, 11, 18, 19, 20, 39, 40, 41, 48, 49, 50, 69, 70, 71, 78, 79, 80};
+static const casadi_int P73[30] = {9, 3, 0, 9, 18, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4,
     5, 6, 7, 8};
-static const casadi_int P63[60] = {9, 9, 0, 9, 18, 24, 33, 42, 48, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
+static const casadi_int P74[60] = {9, 9, 0, 9, 18, 24, 33, 42, 48, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P64[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P65[38] = {12, 3, 0, 12, 24, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6,
+static const casadi_int P75[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P76[38] = {12, 3, 0, 12, 24, 32, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6,
     7, 8, 9, 10, 11, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P66[76] = {12, 9, 0, 12, 24, 32, 44, 56, 64, 64, 64, 64, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P77[76] = {12, 9, 0, 12, 24, 32, 44, 56, 64, 64, 64, 64, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 9, 10, 11, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P67[18] = {12, 3, 0, 12, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P68[18] = {12, 3, 0, 0, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P69[18] = {12, 3, 0, 0, 0, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P70[3] = {6, 9, 1};
-static const casadi_int P71[48] = {6, 9, 0, 0, 0, 0, 6, 12, 18, 24, 30, 36, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P78[18] = {12, 3, 0, 12, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static const casadi_int P79[18] = {12, 3, 0, 0, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static const casadi_int P80[18] = {12, 3, 0, 0, 0, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static const casadi_int P81[3] = {6, 9, 1};
+static const casadi_int P82[48] = {6, 9, 0, 0, 0, 0, 6, 12, 18, 24, 30, 36, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P72[3] = {9, 3, 1};
-static const casadi_int P73[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P83[3] = {9, 3, 1};
+static const casadi_int P84[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P74[21] = {9, 9, 0, 0, 0, 0, 2, 4, 6, 7, 8, 9, 3, 6, 4, 7, 5, 8, 6, 7, 8};
-static const casadi_int P75[60] = {9, 6, 0, 9, 18, 24, 33, 42, 51, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6,
+static const casadi_int P85[21] = {9, 9, 0, 0, 0, 0, 2, 4, 6, 7, 8, 9, 3, 6, 4, 7, 5, 8, 6, 7, 8};
+static const casadi_int P86[60] = {9, 6, 0, 9, 18, 24, 33, 42, 51, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6,
     7, 8, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P76[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
+static const casadi_int P87[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5,
     6, 7, 8};
-static const casadi_int P77[30] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4,
+static const casadi_int P88[30] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 12, 15, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4,
     7, 2, 5, 8};
-static const casadi_int P78[3] = {9, 6, 1};
-static const casadi_int P79[3] = {9, 9, 1};
-static const casadi_int P80[24] = {9, 9, 0, 0, 0, 0, 2, 4, 6, 8, 10, 12, 3, 6, 4, 7, 5, 8, 3, 6, 4, 7, 5, 8};
-static const casadi_int P81[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
-static const casadi_int P82[63] = {6, 9, 0, 5, 10, 15, 21, 27, 33, 39, 45, 51, 0, 1, 3, 4, 5, 0, 1, 3, 4, 5, 0, 1,
+static const casadi_int P89[3] = {9, 6, 1};
+static const casadi_int P90[24] = {9, 9, 0, 0, 0, 0, 2, 4, 6, 8, 10, 12, 3, 6, 4, 7, 5, 8, 3, 6, 4, 7, 5, 8};
+static const casadi_int P91[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
+static const casadi_int P92[63] = {6, 9, 0, 5, 10, 15, 21, 27, 33, 39, 45, 51, 0, 1, 3, 4, 5, 0, 1, 3, 4, 5, 0, 1,
     3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4,
     5};
-static const casadi_int P83[18] = {3, 9, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P84[3] = {1, 3, 1};
-static const casadi_int P85[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P86[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8,
+static const casadi_int P93[18] = {3, 9, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P94[3] = {1, 3, 1};
+static const casadi_int P95[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P96[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8,
     3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P87[21] = {9, 3, 0, 6, 12, 15, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8};
-static const casadi_int P88[24] = {9, 3, 0, 6, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P89[27] = {9, 3, 0, 7, 14, 21, 0, 3, 4, 5, 6, 7, 8, 1, 3, 4, 5, 6, 7, 8, 2, 3, 4, 5, 6, 7,
+static const casadi_int P97[21] = {9, 3, 0, 6, 12, 15, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8};
+static const casadi_int P98[24] = {9, 3, 0, 6, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P99[27] = {9, 3, 0, 7, 14, 21, 0, 3, 4, 5, 6, 7, 8, 1, 3, 4, 5, 6, 7, 8, 2, 3, 4, 5, 6, 7,
     8};
-static const casadi_int P90[4] = {9, 1, 0, 0};
-static const casadi_int P91[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P92[3] = {3, 9, 1};
-static const casadi_int P93[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P94[27] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 11, 13, 15, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7, 5,
+static const casadi_int P100[4] = {9, 1, 0, 0};
+static const casadi_int P101[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P102[3] = {3, 9, 1};
+static const casadi_int P103[27] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 11, 13, 15, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7, 5,
     8};
-static const casadi_int P95[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P104[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P96[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P105[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P97[18] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P98[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P106[18] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P107[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P99[18] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P100[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P108[18] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P109[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P101[18] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P102[6] = {21, 3, 0, 0, 0, 0};
-static const casadi_int P103[12] = {21, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P104[51] = {21, 9, 0, 13, 13, 13, 26, 26, 26, 39, 39, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
+static const casadi_int P110[18] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P111[6] = {21, 3, 0, 0, 0, 0};
+static const casadi_int P112[12] = {21, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P113[51] = {21, 9, 0, 13, 13, 13, 26, 26, 26, 39, 39, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
     17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 13, 16, 17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 16, 17, 18, 19, 20};
-static const casadi_int P105[21] = {21, 9, 0, 0, 0, 0, 6, 6, 6, 9, 9, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
-static const casadi_int P106[51] = {21, 9, 0, 0, 13, 13, 13, 26, 26, 26, 39, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
+static const casadi_int P114[21] = {21, 9, 0, 0, 0, 0, 6, 6, 6, 9, 9, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
+static const casadi_int P115[51] = {21, 9, 0, 0, 13, 13, 13, 26, 26, 26, 39, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
     17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 13, 16, 17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 16, 17, 18, 19, 20};
-static const casadi_int P107[21] = {21, 9, 0, 0, 0, 0, 0, 6, 6, 6, 9, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
-static const casadi_int P108[51] = {21, 9, 0, 0, 0, 13, 13, 13, 26, 26, 26, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
+static const casadi_int P116[21] = {21, 9, 0, 0, 0, 0, 0, 6, 6, 6, 9, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
+static const casadi_int P117[51] = {21, 9, 0, 0, 0, 13, 13, 13, 26, 26, 26, 39, 2, 3, 4, 5, 6, 9, 10, 11, 12, 16,
     17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 13, 16, 17, 18, 19, 2, 3, 4, 5, 9, 10, 11, 12, 16, 17, 18, 19, 20};
-static const casadi_int P109[21] = {21, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
-static const casadi_int P110[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P111[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P112[3] = {2, 9, 1};
-static const casadi_int P113[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P114[3] = {1, 9, 1};
-static const casadi_int P115[18] = {1, 9, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P116[6] = {1, 3, 0, 0, 0, 0};
-static const casadi_int P117[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P118[3] = {9, 1, 1};
-static const casadi_int P119[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P120[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P121[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P122[3] = {1, 2, 1};
-static const casadi_int P123[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P124[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P118[21] = {21, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 9, 3, 5, 10, 12, 17, 19, 4, 11, 18};
+static const casadi_int P119[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P120[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P121[3] = {2, 9, 1};
+static const casadi_int P122[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P123[3] = {1, 9, 1};
+static const casadi_int P124[18] = {1, 9, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P125[6] = {1, 3, 0, 0, 0, 0};
+static const casadi_int P126[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P127[3] = {9, 1, 1};
+static const casadi_int P128[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P129[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P130[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P131[3] = {1, 2, 1};
+static const casadi_int P132[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P133[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P125[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P134[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -355,7 +383,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_end_points[] = {
-    P24, P25, P26
+    P27, P28, P29
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_Q", "jac_s_redundant"
@@ -393,7 +421,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P0, P27, P28
+    P0, P30, P31
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_Q", "jac_redundant_s"
@@ -432,7 +460,7 @@ static const krhpr_casadi_slot out_subleg_forward[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_forward[] = {
-    P29, P30
+    P32, P33
 };
 static const char *const names_subleg_forward[] = {
     "jac_s_theta", "jac_s_assembly"
@@ -469,7 +497,7 @@ static const krhpr_casadi_slot out_subleg_forward_all[] = {
     {"out_s3", 2, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_forward_all[] = {
-    P31, P32, P33
+    P34, P35, P36
 };
 static const char *const names_subleg_forward_all[] = {
     "jac_s1_theta", "jac_s2_theta", "jac_s3_theta"
@@ -505,7 +533,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 4, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P34, P35, P36
+    P37, P38, P39
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -547,7 +575,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P37, P38, P39, P40, P41, P42
+    P40, P41, P42, P43, P44, P45
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -585,7 +613,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_constraints[] = {
-    P43, P44, P45
+    P46, P47, P48
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_Q", "jac_residual_s"
@@ -633,7 +661,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 6, 9, 3, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P46, P47, P48, P49, P50, P51, P52, P53
+    P49, P50, P51, P52, P53, P54, P55, P56
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
@@ -683,7 +711,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 2, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P46, P47, P48, P49, P54, P55, P56, P57, P54, P55, P58, P59, P54, P55, P60, P61
+    P49, P50, P51, P52, P57, P58, P59, P60, P57, P58, P61, P62, P57, P58, P63, P64
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_Q", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -694,6 +722,61 @@ static const krhpr_casadi_function function_jacobian_blocks = {
 };
 KRHPR_CASADI_FUNCTION(NAME(jacobian_blocks), function_jacobian_blocks)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobian_blocks), function_jacobian_blocks)
+
+/* -- jacobians_n -- */
+
+static int value_jacobians_n(const double *x, double *y)
+{
+    return plain_jacobians_n(&geometry, x, x + 3, x + 12, x + 21, y, y + 81);
+}
+
+static void tangent_jacobians_n(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const Q = given + 3;
+    const krhpr_dual *const s = given + 12;
+    const krhpr_dual *const theta = given + 21;
+    krhpr_dual *const J = found;
+    krhpr_dual *const K = found + 81;
+    krhpr_dual J_lines[36];
+    krhpr_dual along[9];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[6];
+        krhpr_dual redundant_line[6];
+        krhpr_dual d[2];
+        krhpr_dual u_1[2];
+        krhpr_dual u_2[2];
+        krhpr_platform_spatial_b_rows_tangent(&geometry.platform, i, p, Q, s + 3 * i, J_lines + 12 * i, N);
+        krhpr_platform_spatial_b_redundant_line_tangent(
+            &geometry.platform, i, p, Q, s + 3 * i, along + 3 * i, redundant_line);
+        krhpr_subleg_p_fivebar_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, u_1, u_2);
+        krhpr_subleg_p_fivebar_transmission_tangent(
+            &geometry.subleg, i, d, u_1, u_2, N, along + 3 * i, K + 9 * i);
+    }
+    krhpr_subleg_p_fivebar_non_redundant_tangent(J_lines, along, p, s, J);
+}
+
+static const krhpr_casadi_slot in_jacobians_n[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+};
+static const krhpr_casadi_slot out_jacobians_n[] = {
+    {"out_J", 9, 9, 1, NULL, P16, P17},
+    {"out_K", 9, 9, 3, NULL, P18, P17},
+};
+static const casadi_int *const structure_jacobians_n[] = {
+    P65, P66, P67, P68, P69, P70, P71, P72
+};
+static const char *const names_jacobians_n[] = {
+    "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
+};
+static const krhpr_casadi_function function_jacobians_n = {
+    4, in_jacobians_n, 2, out_jacobians_n, value_jacobians_n, tangent_jacobians_n, structure_jacobians_n, names_jacobians_n
+};
+KRHPR_CASADI_FUNCTION(NAME(jacobians_n), function_jacobians_n)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobians_n), function_jacobians_n)
 
 /* -- inverse -- */
 
@@ -721,13 +804,13 @@ static const krhpr_casadi_slot in_inverse[] = {
     {"out_p", 3, 1, 1, NULL, P4, P5},
     {"out_Q", 3, 3, 1, NULL, P0, P1},
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
-    {"out_mode", 3, 2, 1, mode_default, P16, P17},
+    {"out_mode", 3, 2, 1, mode_default, P19, P20},
 };
 static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse[] = {
-    P62, P63, P26, P64
+    P73, P74, P29, P75
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_Q", "jac_theta_redundant", "jac_theta_mode"
@@ -769,7 +852,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 4, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P65, P66, P67, P65, P66, P68, P65, P66, P69
+    P76, P77, P78, P76, P77, P79, P76, P77, P80
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_Q", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_Q", "jac_theta2_redundant",
@@ -792,7 +875,7 @@ static const krhpr_casadi_slot in_inverse_status[] = {
     {"out_p", 3, 1, 1, NULL, P4, P5},
     {"out_Q", 3, 3, 1, NULL, P0, P1},
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
-    {"out_mode", 3, 2, 1, mode_default, P16, P17},
+    {"out_mode", 3, 2, 1, mode_default, P19, P20},
 };
 static const krhpr_casadi_slot out_inverse_status[] = {
     {"out_excess", 3, 1, 1, NULL, P4, P5},
@@ -848,7 +931,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_twist[] = {
-    P43, P70, P70, P71, P70
+    P46, P81, P81, P82, P81
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_Q", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -899,7 +982,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P72, P63, P73, P74, P75, P26
+    P83, P74, P84, P85, P86, P29
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_Q", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -970,7 +1053,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P43, P70, P70, P71, P12, P70, P70
+    P46, P81, P81, P82, P12, P81, P81
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_Q", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -1036,7 +1119,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P72, P76, P73, P77, P78, P26, P73, P75, P26
+    P83, P87, P84, P88, P89, P29, P84, P86, P29
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_Q", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -1102,7 +1185,7 @@ static const krhpr_casadi_slot out_inverse_statics[] = {
     {"out_actuator_forces", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse_statics[] = {
-    P72, P79, P79, P80, P78, P72
+    P83, P16, P16, P90, P89, P83
 };
 static const char *const names_inverse_statics[] = {
     "jac_actuator_forces_p", "jac_actuator_forces_Q", "jac_actuator_forces_s", "jac_actuator_forces_theta",
@@ -1157,7 +1240,7 @@ static const krhpr_casadi_slot out_forward_statics[] = {
     {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_statics[] = {
-    P81, P15, P70, P71, P82, P1, P27, P28, P83, P28
+    P91, P15, P81, P82, P92, P1, P30, P31, P93, P31
 };
 static const char *const names_forward_statics[] = {
     "jac_wrench_p", "jac_wrench_Q", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
@@ -1199,11 +1282,11 @@ static const krhpr_casadi_slot in_opening[] = {
 };
 static const krhpr_casadi_slot out_opening[] = {
     {"out_opening", 1, 1, 1, NULL, P2, P3},
-    {"out_centre", 2, 1, 1, NULL, P18, P19},
+    {"out_centre", 2, 1, 1, NULL, P21, P22},
     {"out_shares", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_opening[] = {
-    P84, P84, P6, P6, P1, P1
+    P94, P94, P6, P6, P1, P1
 };
 static const char *const names_opening[] = {
     "jac_opening_redundant", "jac_opening_jaws", "jac_centre_redundant", "jac_centre_jaws", "jac_shares_redundant",
@@ -1236,14 +1319,14 @@ static void tangent_redundant_of_opening(const krhpr_dual *given, krhpr_dual *fo
 
 static const krhpr_casadi_slot in_redundant_of_opening[] = {
     {"out_opening", 1, 1, 1, NULL, P2, P3},
-    {"out_centre", 2, 1, 1, NULL, P18, P19},
+    {"out_centre", 2, 1, 1, NULL, P21, P22},
     {"out_jaws", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_redundant_of_opening[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_of_opening[] = {
-    P4, P16, P85
+    P4, P19, P95
 };
 static const char *const names_redundant_of_opening[] = {
     "jac_redundant_opening", "jac_redundant_centre", "jac_redundant_jaws"
@@ -1300,7 +1383,7 @@ static const krhpr_casadi_slot out_grasp[] = {
     {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_grasp[] = {
-    P86, P86, P87, P88, P89, P90, P70, P70, P43, P43, P43, P11, P91, P91, P1, P1, P85, P5, P92, P92, P0, P0, P0, P4
+    P96, P96, P97, P98, P99, P100, P81, P81, P46, P46, P46, P11, P101, P101, P1, P1, P95, P5, P102, P102, P0, P0, P0, P4
 };
 static const char *const names_grasp[] = {
     "jac_contact_forces_Q", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
@@ -1362,7 +1445,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P30, P93, P73, P94, P30, P95, P96, P97, P30, P95, P98, P99, P30, P95, P100, P101, P0, P27, P28, P91
+    P33, P17, P84, P103, P33, P104, P105, P106, P33, P104, P107, P108, P33, P104, P109, P110, P0, P30, P31, P101
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -1407,13 +1490,13 @@ static const krhpr_casadi_slot in_link_points[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_link_points[] = {
-    {"out_points1", 7, 3, 1, NULL, P20, P21},
-    {"out_points2", 7, 3, 1, NULL, P20, P21},
-    {"out_points3", 7, 3, 1, NULL, P20, P21},
+    {"out_points1", 7, 3, 1, NULL, P23, P24},
+    {"out_points2", 7, 3, 1, NULL, P23, P24},
+    {"out_points3", 7, 3, 1, NULL, P23, P24},
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P102, P103, P104, P105, P102, P103, P106, P107, P102, P103, P108, P109, P30, P25, P110, P93
+    P111, P112, P113, P114, P111, P112, P115, P116, P111, P112, P117, P118, P33, P28, P119, P17
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1440,7 +1523,7 @@ static const krhpr_casadi_slot in_clearances[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_clearances[] = {
-    {"out_distances", 186, 1, 1, NULL, P22, P23},
+    {"out_distances", 186, 1, 1, NULL, P25, P26},
 };
 static const krhpr_casadi_function function_clearances = {
     4, in_clearances, 1, out_clearances, value_clearances, NULL, NULL, NULL
@@ -1490,11 +1573,11 @@ static const krhpr_casadi_slot in_singularity[] = {
 static const krhpr_casadi_slot out_singularity[] = {
     {"out_type_1", 3, 1, 1, NULL, P4, P5},
     {"out_factors", 3, 3, 1, NULL, P0, P1},
-    {"out_type_2", 2, 1, 1, NULL, P18, P19},
-    {"out_margins", 2, 1, 1, NULL, P18, P19},
+    {"out_type_2", 2, 1, 1, NULL, P21, P22},
+    {"out_margins", 2, 1, 1, NULL, P21, P22},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P91, P28, P83, P30, P93, P73, P94, P6, P111, P112, P113, P6, P111, P112, P113
+    P1, P101, P31, P93, P33, P17, P84, P103, P6, P120, P121, P122, P6, P120, P121, P122
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1533,8 +1616,8 @@ static const krhpr_casadi_slot in_type_2_of_redundant[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_type_2_of_redundant[] = {
-    {"out_type_2", 2, 1, 1, NULL, P18, P19},
-    {"out_margins", 2, 1, 1, NULL, P18, P19},
+    {"out_type_2", 2, 1, 1, NULL, P21, P22},
+    {"out_margins", 2, 1, 1, NULL, P21, P22},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
     P6, P6
@@ -1636,7 +1719,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P84, P114, P114, P115, P2, P84, P114, P114, P115, P2, P116, P117, P114, P115, P2
+    P94, P123, P123, P124, P2, P94, P123, P123, P124, P2, P125, P126, P123, P124, P2
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_Q", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_1_characteristic_length", "jac_eta_2_p",
@@ -1688,11 +1771,11 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_Q1", 3, 3, 1, NULL, P0, P1},
     {"out_Q2", 3, 3, 1, NULL, P0, P1},
     {"out_redundant", 2, 3, 1, NULL, P6, P7},
-    {"out_det_J", 2, 1, 1, NULL, P18, P19},
+    {"out_det_J", 2, 1, 1, NULL, P21, P22},
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P70, P10, P79, P118, P79, P118, P70, P10, P112, P18, P117, P3
+    P81, P10, P16, P127, P16, P127, P81, P10, P121, P21, P126, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1754,7 +1837,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P92, P1, P4, P79, P30, P119, P92, P1, P4, P117, P116, P3, P117, P116, P3
+    P102, P1, P4, P16, P33, P128, P102, P1, P4, P126, P125, P3, P126, P125, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_assembly", "jac_p_side", "jac_Q_theta", "jac_Q_assembly", "jac_Q_side", "jac_redundant_theta",
@@ -1804,7 +1887,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
 
 static const krhpr_casadi_slot in_forward_encoders_2[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
-    {"out_measured", 2, 1, 1, NULL, P18, P19},
+    {"out_measured", 2, 1, 1, NULL, P21, P22},
     {"out_tolerance", 1, 1, 1, NULL, P2, P3},
 };
 static const krhpr_casadi_slot out_forward_encoders_2[] = {
@@ -1814,7 +1897,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P92, P16, P5, P79, P120, P90, P79, P120, P90, P121, P122, P3
+    P102, P19, P5, P16, P129, P100, P16, P129, P100, P130, P131, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1873,7 +1956,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P92, P0, P5, P79, P123, P90, P79, P123, P90, P124, P125, P5
+    P102, P0, P5, P16, P132, P100, P16, P132, P100, P133, P134, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

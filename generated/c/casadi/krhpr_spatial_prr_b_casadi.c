@@ -33,6 +33,7 @@
 #define krhpr_spatial_prr_b_constraints plain_constraints
 #define krhpr_spatial_prr_b_jacobians plain_jacobians
 #define krhpr_spatial_prr_b_jacobian_blocks plain_jacobian_blocks
+#define krhpr_spatial_prr_b_jacobians_n plain_jacobians_n
 #define krhpr_spatial_prr_b_inverse plain_inverse
 #define krhpr_spatial_prr_b_inverse_all plain_inverse_all
 #define krhpr_spatial_prr_b_inverse_status plain_inverse_status
@@ -66,6 +67,7 @@
 #undef krhpr_spatial_prr_b_constraints
 #undef krhpr_spatial_prr_b_jacobians
 #undef krhpr_spatial_prr_b_jacobian_blocks
+#undef krhpr_spatial_prr_b_jacobians_n
 #undef krhpr_spatial_prr_b_inverse
 #undef krhpr_spatial_prr_b_inverse_all
 #undef krhpr_spatial_prr_b_inverse_status
@@ -143,151 +145,176 @@ static const casadi_int P11[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P12[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 0, 1, 0, 1, 2, 3, 2, 3, 2, 3, 4,
     5, 4, 5, 4, 5};
 static const casadi_int P13[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P14[3] = {2, 1, 1};
-static const casadi_int P15[4] = {2, 1, 0, 0};
-static const casadi_int P16[3] = {5, 3, 1};
-static const casadi_int P17[6] = {5, 3, 0, 0, 0, 0};
-static const casadi_int P18[3] = {93, 1, 1};
-static const casadi_int P19[4] = {93, 1, 0, 0};
-static const casadi_int P20[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P21[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P14[3] = {9, 9, 1};
+static const casadi_int P15[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P16[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 1, 2, 0, 1, 2, 0, 1, 2, 3, 4, 5, 3,
+    4, 5, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
+static const casadi_int P17[3] = {2, 1, 1};
+static const casadi_int P18[4] = {2, 1, 0, 0};
+static const casadi_int P19[3] = {5, 3, 1};
+static const casadi_int P20[6] = {5, 3, 0, 0, 0, 0};
+static const casadi_int P21[3] = {93, 1, 1};
+static const casadi_int P22[4] = {93, 1, 0, 0};
+static const casadi_int P23[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P24[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P22[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P23[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
+static const casadi_int P25[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
+static const casadi_int P26[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
     1, 2, 0, 1, 2};
-static const casadi_int P24[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P25[36] = {9, 9, 0, 2, 4, 6, 9, 12, 15, 18, 21, 24, 0, 3, 1, 4, 2, 5, 0, 3, 6, 1, 4, 7, 2,
+static const casadi_int P27[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P28[36] = {9, 9, 0, 2, 4, 6, 9, 12, 15, 18, 21, 24, 0, 3, 1, 4, 2, 5, 0, 3, 6, 1, 4, 7, 2,
     5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P26[28] = {6, 9, 0, 6, 6, 6, 12, 12, 12, 16, 16, 16, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 2,
+static const casadi_int P29[28] = {6, 9, 0, 6, 6, 6, 12, 12, 12, 16, 16, 16, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 2,
     3, 4, 5};
-static const casadi_int P27[28] = {6, 9, 0, 0, 6, 6, 6, 12, 12, 12, 16, 16, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 2,
+static const casadi_int P30[28] = {6, 9, 0, 0, 6, 6, 6, 12, 12, 12, 16, 16, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 2,
     3, 4, 5};
-static const casadi_int P28[28] = {6, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 16, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 2, 3,
+static const casadi_int P31[28] = {6, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 16, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 2, 3,
     4, 5};
-static const casadi_int P29[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3,
+static const casadi_int P32[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P30[15] = {9, 9, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 6, 7, 8};
-static const casadi_int P31[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3,
+static const casadi_int P33[15] = {9, 9, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 6, 7, 8};
+static const casadi_int P34[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P32[15] = {9, 9, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 6, 7, 8};
-static const casadi_int P33[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4,
+static const casadi_int P35[15] = {9, 9, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 6, 7, 8};
+static const casadi_int P36[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4,
     5, 6, 7, 8};
-static const casadi_int P34[15] = {9, 9, 0, 0, 0, 0, 0, 0, 3, 3, 3, 3, 6, 7, 8};
-static const casadi_int P35[3] = {6, 3, 1};
-static const casadi_int P36[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
+static const casadi_int P37[15] = {9, 9, 0, 0, 0, 0, 0, 0, 3, 3, 3, 3, 6, 7, 8};
+static const casadi_int P38[3] = {6, 3, 1};
+static const casadi_int P39[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
     2, 4, 0, 2, 4, 1, 3, 5, 1, 3, 5, 1, 3, 5};
-static const casadi_int P37[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P40[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P38[42] = {36, 3, 0, 12, 24, 36, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 18, 19, 20,
+static const casadi_int P41[42] = {36, 3, 0, 12, 24, 36, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 18, 19, 20,
     21, 22, 23, 30, 31, 32, 33, 34, 35, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29};
-static const casadi_int P39[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
+static const casadi_int P42[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
     8, 10, 18, 20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6, 8, 10, 18,
     20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 1, 3, 5, 25, 27, 29, 31, 33, 35, 7, 9, 11, 19, 21, 23, 31,
     33, 35, 13, 15, 17, 19, 21, 23, 25, 27, 29};
-static const casadi_int P40[48] = {36, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 24, 25, 30, 31, 26, 27, 32, 33, 28,
+static const casadi_int P43[48] = {36, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 24, 25, 30, 31, 26, 27, 32, 33, 28,
     29, 34, 35, 18, 19, 30, 31, 20, 21, 32, 33, 22, 23, 34, 35, 18, 19, 24, 25, 20, 21, 26, 27, 22, 23, 28, 29};
-static const casadi_int P41[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P42[6] = {54, 3, 0, 0, 0, 0};
-static const casadi_int P43[84] = {54, 9, 0, 9, 18, 24, 33, 42, 48, 57, 66, 72, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
+static const casadi_int P44[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P45[6] = {54, 3, 0, 0, 0, 0};
+static const casadi_int P46[84] = {54, 9, 0, 9, 18, 24, 33, 42, 48, 57, 66, 72, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
     6, 12, 20, 26, 32, 40, 46, 52, 6, 12, 26, 32, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40,
     46, 52, 6, 12, 26, 32, 46, 52, 1, 7, 13, 21, 27, 33, 41, 47, 53, 1, 7, 13, 21, 27, 33, 41, 47, 53, 7, 13, 27, 33,
     47, 53};
-static const casadi_int P44[48] = {54, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47,
+static const casadi_int P47[48] = {54, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47,
     52, 53, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47, 52, 53, 6, 7, 12, 13, 26, 27, 32, 33, 46, 47, 52, 53};
-static const casadi_int P45[18] = {54, 9, 0, 0, 0, 0, 2, 4, 6, 6, 6, 6, 12, 13, 32, 33, 52, 53};
-static const casadi_int P46[6] = {6, 3, 0, 0, 0, 0};
-static const casadi_int P47[36] = {6, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 2, 4, 0, 2, 4, 2, 4, 0, 2, 4, 0, 2,
+static const casadi_int P48[18] = {54, 9, 0, 0, 0, 0, 2, 4, 6, 6, 6, 6, 12, 13, 32, 33, 52, 53};
+static const casadi_int P49[6] = {6, 3, 0, 0, 0, 0};
+static const casadi_int P50[36] = {6, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 2, 4, 0, 2, 4, 2, 4, 0, 2, 4, 0, 2,
     4, 2, 4, 1, 3, 5, 1, 3, 5, 3, 5};
-static const casadi_int P48[24] = {6, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P49[14] = {6, 9, 0, 0, 0, 0, 2, 2, 2, 2, 2, 2, 4, 5};
-static const casadi_int P50[24] = {6, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P51[14] = {6, 9, 0, 0, 0, 0, 0, 2, 2, 2, 2, 2, 4, 5};
-static const casadi_int P52[24] = {6, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P53[14] = {6, 9, 0, 0, 0, 0, 0, 0, 2, 2, 2, 2, 4, 5};
-static const casadi_int P54[30] = {9, 3, 0, 9, 18, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4,
+static const casadi_int P51[24] = {6, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P52[14] = {6, 9, 0, 0, 0, 0, 2, 2, 2, 2, 2, 2, 4, 5};
+static const casadi_int P53[24] = {6, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P54[14] = {6, 9, 0, 0, 0, 0, 0, 2, 2, 2, 2, 2, 4, 5};
+static const casadi_int P55[24] = {6, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 2, 3, 4, 5, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P56[14] = {6, 9, 0, 0, 0, 0, 0, 0, 2, 2, 2, 2, 4, 5};
+static const casadi_int P57[60] = {81, 3, 0, 18, 36, 54, 36, 37, 38, 39, 40, 41, 42, 43, 44, 45, 46, 47, 48, 49, 50,
+    51, 52, 53, 27, 28, 29, 30, 31, 32, 33, 34, 35, 45, 46, 47, 48, 49, 50, 51, 52, 53, 27, 28, 29, 30, 31, 32, 33, 34,
+    35, 36, 37, 38, 39, 40, 41, 42, 43, 44};
+static const casadi_int P58[147] = {81, 9, 0, 18, 36, 54, 72, 90, 108, 117, 126, 135, 0, 2, 3, 5, 6, 8, 36, 38, 39,
+    41, 42, 44, 45, 47, 48, 50, 51, 53, 9, 11, 12, 14, 15, 17, 27, 29, 30, 32, 33, 35, 45, 47, 48, 50, 51, 53, 18, 20,
+    21, 23, 24, 26, 27, 29, 30, 32, 33, 35, 36, 38, 39, 41, 42, 44, 0, 2, 3, 5, 6, 8, 36, 38, 39, 41, 42, 44, 45, 47,
+    48, 50, 51, 53, 9, 11, 12, 14, 15, 17, 27, 29, 30, 32, 33, 35, 45, 47, 48, 50, 51, 53, 18, 20, 21, 23, 24, 26, 27,
+    29, 30, 32, 33, 35, 36, 38, 39, 41, 42, 44, 1, 4, 7, 37, 40, 43, 46, 49, 52, 10, 13, 16, 28, 31, 34, 46, 49, 52, 19,
+    22, 25, 28, 31, 34, 37, 40, 43};
+static const casadi_int P59[66] = {81, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 36, 37, 38, 45, 46, 47, 39, 40, 41,
+    48, 49, 50, 42, 43, 44, 51, 52, 53, 27, 28, 29, 45, 46, 47, 30, 31, 32, 48, 49, 50, 33, 34, 35, 51, 52, 53, 27, 28,
+    29, 36, 37, 38, 30, 31, 32, 39, 40, 41, 33, 34, 35, 42, 43, 44};
+static const casadi_int P60[12] = {81, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P61[6] = {81, 3, 0, 0, 0, 0};
+static const casadi_int P62[132] = {81, 9, 0, 18, 36, 48, 66, 84, 96, 105, 114, 120, 0, 2, 9, 11, 18, 20, 30, 32,
+    39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 0, 2, 9, 11, 18, 20, 30, 32, 39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 9, 11,
+    18, 20, 39, 41, 48, 50, 69, 71, 78, 80, 0, 2, 9, 11, 18, 20, 30, 32, 39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 0, 2,
+    9, 11, 18, 20, 30, 32, 39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 9, 11, 18, 20, 39, 41, 48, 50, 69, 71, 78, 80, 1, 10,
+    19, 31, 40, 49, 61, 70, 79, 1, 10, 19, 31, 40, 49, 61, 70, 79, 10, 19, 40, 49, 70, 79};
+static const casadi_int P63[66] = {81, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 9, 10, 11, 18, 19, 20, 39, 40, 41,
+    48, 49, 50, 69, 70, 71, 78, 79, 80, 9, 10, 11, 18, 19, 20, 39, 40, 41, 48, 49, 50, 69, 70, 71, 78, 79, 80, 9, 10,
+    11, 18, 19, 20, 39, 40, 41, 48, 49, 50, 69, 70, 71, 78, 79, 80};
+static const casadi_int P64[21] = {81, 9, 0, 0, 0, 0, 3, 6, 9, 9, 9, 9, 18, 19, 20, 48, 49, 50, 78, 79, 80};
+static const casadi_int P65[30] = {9, 3, 0, 9, 18, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4,
     5, 6, 7, 8};
-static const casadi_int P55[60] = {9, 9, 0, 9, 18, 24, 33, 42, 48, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
+static const casadi_int P66[60] = {9, 9, 0, 9, 18, 24, 33, 42, 48, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P56[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P57[22] = {6, 3, 0, 6, 12, 16, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P58[44] = {6, 9, 0, 6, 12, 16, 22, 28, 32, 32, 32, 32, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P67[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P68[22] = {6, 3, 0, 6, 12, 16, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 2, 3, 4, 5};
+static const casadi_int P69[44] = {6, 9, 0, 6, 12, 16, 22, 28, 32, 32, 32, 32, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 2, 3, 4, 5};
-static const casadi_int P59[12] = {6, 3, 0, 6, 6, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P60[12] = {6, 3, 0, 0, 6, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P61[12] = {6, 3, 0, 0, 0, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P62[3] = {6, 9, 1};
-static const casadi_int P63[30] = {6, 9, 0, 0, 0, 0, 6, 12, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P70[12] = {6, 3, 0, 6, 6, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P71[12] = {6, 3, 0, 0, 6, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P72[12] = {6, 3, 0, 0, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P73[3] = {6, 9, 1};
+static const casadi_int P74[30] = {6, 9, 0, 0, 0, 0, 6, 12, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P64[3] = {9, 3, 1};
-static const casadi_int P65[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P75[3] = {9, 3, 1};
+static const casadi_int P76[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P66[18] = {9, 9, 0, 0, 0, 0, 2, 4, 6, 6, 6, 6, 3, 6, 4, 7, 5, 8};
-static const casadi_int P67[60] = {9, 6, 0, 9, 18, 24, 33, 42, 51, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6,
+static const casadi_int P77[18] = {9, 9, 0, 0, 0, 0, 2, 4, 6, 6, 6, 6, 3, 6, 4, 7, 5, 8};
+static const casadi_int P78[60] = {9, 6, 0, 9, 18, 24, 33, 42, 51, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6,
     7, 8, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P68[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
+static const casadi_int P79[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5,
     6, 7, 8};
-static const casadi_int P69[21] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 9, 9, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P70[3] = {9, 6, 1};
-static const casadi_int P71[3] = {9, 9, 1};
-static const casadi_int P72[15] = {9, 9, 0, 0, 0, 0, 1, 2, 3, 3, 3, 3, 6, 7, 8};
-static const casadi_int P73[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
-static const casadi_int P74[63] = {6, 9, 0, 5, 10, 15, 21, 27, 33, 39, 45, 51, 0, 1, 3, 4, 5, 0, 1, 3, 4, 5, 0, 1,
+static const casadi_int P80[21] = {9, 9, 0, 0, 0, 0, 3, 6, 9, 9, 9, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
+static const casadi_int P81[3] = {9, 6, 1};
+static const casadi_int P82[15] = {9, 9, 0, 0, 0, 0, 1, 2, 3, 3, 3, 3, 6, 7, 8};
+static const casadi_int P83[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
+static const casadi_int P84[63] = {6, 9, 0, 5, 10, 15, 21, 27, 33, 39, 45, 51, 0, 1, 3, 4, 5, 0, 1, 3, 4, 5, 0, 1,
     3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4,
     5};
-static const casadi_int P75[15] = {3, 9, 0, 0, 0, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
-static const casadi_int P76[3] = {1, 3, 1};
-static const casadi_int P77[3] = {3, 2, 1};
-static const casadi_int P78[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P79[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8,
+static const casadi_int P85[15] = {3, 9, 0, 0, 0, 0, 1, 2, 3, 3, 3, 3, 0, 1, 2};
+static const casadi_int P86[3] = {1, 3, 1};
+static const casadi_int P87[3] = {3, 2, 1};
+static const casadi_int P88[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P89[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8,
     3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P80[21] = {9, 3, 0, 6, 12, 15, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8};
-static const casadi_int P81[24] = {9, 3, 0, 6, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P82[27] = {9, 3, 0, 7, 14, 21, 0, 3, 4, 5, 6, 7, 8, 1, 3, 4, 5, 6, 7, 8, 2, 3, 4, 5, 6, 7,
+static const casadi_int P90[21] = {9, 3, 0, 6, 12, 15, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8};
+static const casadi_int P91[24] = {9, 3, 0, 6, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P92[27] = {9, 3, 0, 7, 14, 21, 0, 3, 4, 5, 6, 7, 8, 1, 3, 4, 5, 6, 7, 8, 2, 3, 4, 5, 6, 7,
     8};
-static const casadi_int P83[4] = {9, 1, 0, 0};
-static const casadi_int P84[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P85[3] = {3, 9, 1};
-static const casadi_int P86[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P93[4] = {9, 1, 0, 0};
+static const casadi_int P94[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P95[3] = {3, 9, 1};
+static const casadi_int P96[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P87[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P97[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P88[18] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P89[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+static const casadi_int P98[18] = {9, 9, 0, 0, 0, 0, 6, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P99[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
     1, 3, 4, 6, 7};
-static const casadi_int P90[18] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P91[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0, 1,
-    3, 4, 6, 7};
-static const casadi_int P92[18] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
-static const casadi_int P93[6] = {15, 3, 0, 0, 0, 0};
-static const casadi_int P94[12] = {15, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P95[33] = {15, 9, 0, 7, 7, 7, 14, 14, 14, 21, 21, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
+static const casadi_int P100[18] = {9, 9, 0, 0, 0, 0, 0, 6, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P101[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 3, 4, 6, 7, 0, 1, 3, 4, 6, 7, 0,
+    1, 3, 4, 6, 7};
+static const casadi_int P102[18] = {9, 9, 0, 0, 0, 0, 0, 0, 6, 6, 6, 6, 0, 1, 3, 4, 6, 7};
+static const casadi_int P103[6] = {15, 3, 0, 0, 0, 0};
+static const casadi_int P104[12] = {15, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P105[33] = {15, 9, 0, 7, 7, 7, 14, 14, 14, 21, 21, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
     12, 13, 2, 3, 7, 8, 12, 13, 14};
-static const casadi_int P96[15] = {15, 9, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 3, 8, 13};
-static const casadi_int P97[33] = {15, 9, 0, 0, 7, 7, 7, 14, 14, 14, 21, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
+static const casadi_int P106[15] = {15, 9, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 3, 8, 13};
+static const casadi_int P107[33] = {15, 9, 0, 0, 7, 7, 7, 14, 14, 14, 21, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
     12, 13, 2, 3, 7, 8, 12, 13, 14};
-static const casadi_int P98[15] = {15, 9, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 8, 13};
-static const casadi_int P99[33] = {15, 9, 0, 0, 0, 7, 7, 7, 14, 14, 14, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
+static const casadi_int P108[15] = {15, 9, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 8, 13};
+static const casadi_int P109[33] = {15, 9, 0, 0, 0, 7, 7, 7, 14, 14, 14, 21, 2, 3, 4, 7, 8, 12, 13, 2, 3, 7, 8, 9,
     12, 13, 2, 3, 7, 8, 12, 13, 14};
-static const casadi_int P100[15] = {15, 9, 0, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 8, 13};
-static const casadi_int P101[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P102[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P103[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P104[3] = {2, 9, 1};
-static const casadi_int P105[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P106[3] = {1, 9, 1};
-static const casadi_int P107[15] = {1, 9, 0, 0, 0, 0, 1, 2, 3, 3, 3, 3, 0, 0, 0};
-static const casadi_int P108[6] = {1, 3, 0, 0, 0, 0};
-static const casadi_int P109[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P110[3] = {9, 1, 1};
-static const casadi_int P111[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P112[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P113[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P114[3] = {1, 2, 1};
-static const casadi_int P115[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P116[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P110[15] = {15, 9, 0, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 8, 13};
+static const casadi_int P111[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P112[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P113[3] = {2, 9, 1};
+static const casadi_int P114[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P115[3] = {1, 9, 1};
+static const casadi_int P116[15] = {1, 9, 0, 0, 0, 0, 1, 2, 3, 3, 3, 3, 0, 0, 0};
+static const casadi_int P117[6] = {1, 3, 0, 0, 0, 0};
+static const casadi_int P118[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P119[3] = {9, 1, 1};
+static const casadi_int P120[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P121[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P122[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P123[3] = {1, 2, 1};
+static const casadi_int P124[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P125[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P117[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P126[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -334,7 +361,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_end_points[] = {
-    P20, P21, P22
+    P23, P24, P25
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_Q", "jac_s_redundant"
@@ -372,7 +399,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P0, P23, P24
+    P0, P26, P27
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_Q", "jac_redundant_s"
@@ -406,7 +433,7 @@ static const krhpr_casadi_slot out_subleg_forward[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_forward[] = {
-    P25
+    P28
 };
 static const char *const names_subleg_forward[] = {
     "jac_s_theta"
@@ -443,7 +470,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 2, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P26, P27, P28
+    P29, P30, P31
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -484,7 +511,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P29, P30, P31, P32, P33, P34
+    P32, P33, P34, P35, P36, P37
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -522,7 +549,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_constraints[] = {
-    P35, P36, P37
+    P38, P39, P40
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_Q", "jac_residual_s"
@@ -569,7 +596,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 6, 9, 3, NULL, P12, P13},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P38, P39, P40, P41, P42, P43, P44, P45
+    P41, P42, P43, P44, P45, P46, P47, P48
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
@@ -618,7 +645,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 2, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P38, P39, P40, P41, P46, P47, P48, P49, P46, P47, P50, P51, P46, P47, P52, P53
+    P41, P42, P43, P44, P49, P50, P51, P52, P49, P50, P53, P54, P49, P50, P55, P56
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_Q", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -629,6 +656,59 @@ static const krhpr_casadi_function function_jacobian_blocks = {
 };
 KRHPR_CASADI_FUNCTION(NAME(jacobian_blocks), function_jacobian_blocks)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobian_blocks), function_jacobian_blocks)
+
+/* -- jacobians_n -- */
+
+static int value_jacobians_n(const double *x, double *y)
+{
+    return plain_jacobians_n(&geometry, x, x + 3, x + 12, x + 21, y, y + 81);
+}
+
+static void tangent_jacobians_n(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const Q = given + 3;
+    const krhpr_dual *const s = given + 12;
+    const krhpr_dual *const theta = given + 21;
+    krhpr_dual *const J = found;
+    krhpr_dual *const K = found + 81;
+    krhpr_dual J_lines[36];
+    krhpr_dual along[9];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[6];
+        krhpr_dual redundant_line[6];
+        krhpr_dual d[2];
+        krhpr_dual v_1[2];
+        krhpr_platform_spatial_b_rows_tangent(&geometry.platform, i, p, Q, s + 3 * i, J_lines + 12 * i, N);
+        krhpr_platform_spatial_b_redundant_line_tangent(
+            &geometry.platform, i, p, Q, s + 3 * i, along + 3 * i, redundant_line);
+        krhpr_subleg_prr_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, d, v_1);
+        krhpr_subleg_prr_transmission_tangent(&geometry.subleg, i, d, v_1, N, along + 3 * i, K + 9 * i);
+    }
+    krhpr_subleg_prr_non_redundant_tangent(J_lines, along, p, s, J);
+}
+
+static const krhpr_casadi_slot in_jacobians_n[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+};
+static const krhpr_casadi_slot out_jacobians_n[] = {
+    {"out_J", 9, 9, 1, NULL, P14, P15},
+    {"out_K", 9, 9, 3, NULL, P16, P15},
+};
+static const casadi_int *const structure_jacobians_n[] = {
+    P57, P58, P59, P60, P61, P62, P63, P64
+};
+static const char *const names_jacobians_n[] = {
+    "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
+};
+static const krhpr_casadi_function function_jacobians_n = {
+    4, in_jacobians_n, 2, out_jacobians_n, value_jacobians_n, tangent_jacobians_n, structure_jacobians_n, names_jacobians_n
+};
+KRHPR_CASADI_FUNCTION(NAME(jacobians_n), function_jacobians_n)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobians_n), function_jacobians_n)
 
 /* -- inverse -- */
 
@@ -663,7 +743,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse[] = {
-    P54, P55, P22, P56
+    P65, P66, P25, P67
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_Q", "jac_theta_redundant", "jac_theta_mode"
@@ -706,7 +786,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 2, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P57, P58, P59, P57, P58, P60, P57, P58, P61
+    P68, P69, P70, P68, P69, P71, P68, P69, P72
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_Q", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_Q", "jac_theta2_redundant",
@@ -784,7 +864,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_twist[] = {
-    P35, P62, P62, P63, P62
+    P38, P73, P73, P74, P73
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_Q", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -834,7 +914,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P64, P55, P65, P66, P67, P22
+    P75, P66, P76, P77, P78, P25
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_Q", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -904,7 +984,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P35, P62, P62, P63, P10, P62, P62
+    P38, P73, P73, P74, P10, P73, P73
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_Q", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -969,7 +1049,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P64, P68, P65, P69, P70, P22, P65, P67, P22
+    P75, P79, P76, P80, P81, P25, P76, P78, P25
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_Q", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -1034,7 +1114,7 @@ static const krhpr_casadi_slot out_inverse_statics[] = {
     {"out_actuator_forces", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse_statics[] = {
-    P64, P71, P71, P72, P70, P64
+    P75, P14, P14, P82, P81, P75
 };
 static const char *const names_inverse_statics[] = {
     "jac_actuator_forces_p", "jac_actuator_forces_Q", "jac_actuator_forces_s", "jac_actuator_forces_theta",
@@ -1088,7 +1168,7 @@ static const krhpr_casadi_slot out_forward_statics[] = {
     {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_statics[] = {
-    P73, P13, P62, P63, P74, P1, P23, P24, P75, P24
+    P83, P13, P73, P74, P84, P1, P26, P27, P85, P27
 };
 static const char *const names_forward_statics[] = {
     "jac_wrench_p", "jac_wrench_Q", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
@@ -1130,11 +1210,11 @@ static const krhpr_casadi_slot in_opening[] = {
 };
 static const krhpr_casadi_slot out_opening[] = {
     {"out_opening", 1, 1, 1, NULL, P2, P3},
-    {"out_centre", 2, 1, 1, NULL, P14, P15},
+    {"out_centre", 2, 1, 1, NULL, P17, P18},
     {"out_shares", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_opening[] = {
-    P76, P76, P6, P6, P1, P1
+    P86, P86, P6, P6, P1, P1
 };
 static const char *const names_opening[] = {
     "jac_opening_redundant", "jac_opening_jaws", "jac_centre_redundant", "jac_centre_jaws", "jac_shares_redundant",
@@ -1167,14 +1247,14 @@ static void tangent_redundant_of_opening(const krhpr_dual *given, krhpr_dual *fo
 
 static const krhpr_casadi_slot in_redundant_of_opening[] = {
     {"out_opening", 1, 1, 1, NULL, P2, P3},
-    {"out_centre", 2, 1, 1, NULL, P14, P15},
+    {"out_centre", 2, 1, 1, NULL, P17, P18},
     {"out_jaws", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_redundant_of_opening[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_of_opening[] = {
-    P4, P77, P78
+    P4, P87, P88
 };
 static const char *const names_redundant_of_opening[] = {
     "jac_redundant_opening", "jac_redundant_centre", "jac_redundant_jaws"
@@ -1231,7 +1311,7 @@ static const krhpr_casadi_slot out_grasp[] = {
     {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_grasp[] = {
-    P79, P79, P80, P81, P82, P83, P62, P62, P35, P35, P35, P9, P84, P84, P1, P1, P78, P5, P85, P85, P0, P0, P0, P4
+    P89, P89, P90, P91, P92, P93, P73, P73, P38, P38, P38, P9, P94, P94, P1, P1, P88, P5, P95, P95, P0, P0, P0, P4
 };
 static const char *const names_grasp[] = {
     "jac_contact_forces_Q", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
@@ -1290,7 +1370,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P56, P86, P87, P88, P56, P86, P89, P90, P56, P86, P91, P92, P0, P23, P24, P84
+    P67, P96, P97, P98, P67, P96, P99, P100, P67, P96, P101, P102, P0, P26, P27, P94
 };
 static const char *const names_passive_joints[] = {
     "jac_spherical1_p", "jac_spherical1_Q", "jac_spherical1_s", "jac_spherical1_theta", "jac_spherical2_p",
@@ -1334,13 +1414,13 @@ static const krhpr_casadi_slot in_link_points[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_link_points[] = {
-    {"out_points1", 5, 3, 1, NULL, P16, P17},
-    {"out_points2", 5, 3, 1, NULL, P16, P17},
-    {"out_points3", 5, 3, 1, NULL, P16, P17},
+    {"out_points1", 5, 3, 1, NULL, P19, P20},
+    {"out_points2", 5, 3, 1, NULL, P19, P20},
+    {"out_points3", 5, 3, 1, NULL, P19, P20},
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P93, P94, P95, P96, P93, P94, P97, P98, P93, P94, P99, P100, P56, P21, P101, P102
+    P103, P104, P105, P106, P103, P104, P107, P108, P103, P104, P109, P110, P67, P24, P111, P15
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1367,7 +1447,7 @@ static const krhpr_casadi_slot in_clearances[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_clearances[] = {
-    {"out_distances", 93, 1, 1, NULL, P18, P19},
+    {"out_distances", 93, 1, 1, NULL, P21, P22},
 };
 static const krhpr_casadi_function function_clearances = {
     4, in_clearances, 1, out_clearances, value_clearances, NULL, NULL, NULL
@@ -1415,11 +1495,11 @@ static const krhpr_casadi_slot in_singularity[] = {
 static const krhpr_casadi_slot out_singularity[] = {
     {"out_type_1", 3, 1, 1, NULL, P4, P5},
     {"out_factors", 3, 1, 1, NULL, P4, P5},
-    {"out_type_2", 2, 1, 1, NULL, P14, P15},
-    {"out_margins", 2, 1, 1, NULL, P14, P15},
+    {"out_type_2", 2, 1, 1, NULL, P17, P18},
+    {"out_margins", 2, 1, 1, NULL, P17, P18},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P84, P24, P75, P1, P84, P24, P75, P6, P103, P104, P105, P6, P103, P104, P105
+    P1, P94, P27, P85, P1, P94, P27, P85, P6, P112, P113, P114, P6, P112, P113, P114
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1458,8 +1538,8 @@ static const krhpr_casadi_slot in_type_2_of_redundant[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_type_2_of_redundant[] = {
-    {"out_type_2", 2, 1, 1, NULL, P14, P15},
-    {"out_margins", 2, 1, 1, NULL, P14, P15},
+    {"out_type_2", 2, 1, 1, NULL, P17, P18},
+    {"out_margins", 2, 1, 1, NULL, P17, P18},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
     P6, P6
@@ -1559,7 +1639,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P76, P106, P106, P107, P2, P76, P106, P106, P107, P2, P108, P109, P106, P107, P2
+    P86, P115, P115, P116, P2, P86, P115, P115, P116, P2, P117, P118, P115, P116, P2
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_Q", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_1_characteristic_length", "jac_eta_2_p",
@@ -1611,11 +1691,11 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_Q1", 3, 3, 1, NULL, P0, P1},
     {"out_Q2", 3, 3, 1, NULL, P0, P1},
     {"out_redundant", 2, 3, 1, NULL, P6, P7},
-    {"out_det_J", 2, 1, 1, NULL, P14, P15},
+    {"out_det_J", 2, 1, 1, NULL, P17, P18},
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P62, P8, P71, P110, P71, P110, P62, P8, P104, P14, P109, P3
+    P73, P8, P14, P119, P14, P119, P73, P8, P113, P17, P118, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1672,7 +1752,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P85, P4, P71, P111, P85, P4, P109, P3, P109, P3
+    P95, P4, P14, P120, P95, P4, P118, P3, P118, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_side", "jac_Q_theta", "jac_Q_side", "jac_redundant_theta", "jac_redundant_side",
@@ -1721,7 +1801,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
 
 static const krhpr_casadi_slot in_forward_encoders_2[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
-    {"out_measured", 2, 1, 1, NULL, P14, P15},
+    {"out_measured", 2, 1, 1, NULL, P17, P18},
     {"out_tolerance", 1, 1, 1, NULL, P2, P3},
 };
 static const krhpr_casadi_slot out_forward_encoders_2[] = {
@@ -1731,7 +1811,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P85, P77, P5, P71, P112, P83, P71, P112, P83, P113, P114, P3
+    P95, P87, P5, P14, P121, P93, P14, P121, P93, P122, P123, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1790,7 +1870,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P85, P0, P5, P71, P115, P83, P71, P115, P83, P116, P117, P5
+    P95, P0, P5, P14, P124, P93, P14, P124, P93, P125, P126, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

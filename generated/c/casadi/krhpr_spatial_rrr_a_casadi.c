@@ -33,6 +33,7 @@
 #define krhpr_spatial_rrr_a_constraints plain_constraints
 #define krhpr_spatial_rrr_a_jacobians plain_jacobians
 #define krhpr_spatial_rrr_a_jacobian_blocks plain_jacobian_blocks
+#define krhpr_spatial_rrr_a_jacobians_n plain_jacobians_n
 #define krhpr_spatial_rrr_a_inverse plain_inverse
 #define krhpr_spatial_rrr_a_inverse_all plain_inverse_all
 #define krhpr_spatial_rrr_a_inverse_status plain_inverse_status
@@ -62,6 +63,7 @@
 #undef krhpr_spatial_rrr_a_constraints
 #undef krhpr_spatial_rrr_a_jacobians
 #undef krhpr_spatial_rrr_a_jacobian_blocks
+#undef krhpr_spatial_rrr_a_jacobians_n
 #undef krhpr_spatial_rrr_a_inverse
 #undef krhpr_spatial_rrr_a_inverse_all
 #undef krhpr_spatial_rrr_a_inverse_status
@@ -137,144 +139,179 @@ static const casadi_int P12[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1
 static const casadi_int P13[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P14[3] = {2, 3, 1};
 static const casadi_int P15[6] = {2, 3, 0, 0, 0, 0};
-static const casadi_int P16[3] = {3, 2, 1};
-static const casadi_int P17[5] = {3, 2, 0, 0, 0};
-static const casadi_int P18[3] = {87, 1, 1};
-static const casadi_int P19[4] = {87, 1, 0, 0};
-static const casadi_int P20[3] = {2, 1, 1};
-static const casadi_int P21[4] = {2, 1, 0, 0};
-static const casadi_int P22[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P23[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P16[3] = {9, 9, 1};
+static const casadi_int P17[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P18[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 1, 2, 0, 1, 2, 0, 1, 2, 3, 4, 5, 3,
+    4, 5, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
+static const casadi_int P19[3] = {3, 2, 1};
+static const casadi_int P20[5] = {3, 2, 0, 0, 0};
+static const casadi_int P21[3] = {87, 1, 1};
+static const casadi_int P22[4] = {87, 1, 0, 0};
+static const casadi_int P23[3] = {2, 1, 1};
+static const casadi_int P24[4] = {2, 1, 0, 0};
+static const casadi_int P25[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P26[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P24[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P25[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
+static const casadi_int P27[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
+static const casadi_int P28[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
     1, 2, 0, 1, 2};
-static const casadi_int P26[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P27[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P29[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P30[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P28[48] = {12, 9, 0, 12, 12, 12, 24, 24, 24, 36, 36, 36, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P31[48] = {12, 9, 0, 12, 12, 12, 24, 24, 24, 36, 36, 36, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P29[48] = {12, 9, 0, 0, 12, 12, 12, 24, 24, 24, 36, 36, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P32[48] = {12, 9, 0, 0, 12, 12, 12, 24, 24, 24, 36, 36, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P30[48] = {12, 9, 0, 0, 0, 12, 12, 12, 24, 24, 24, 36, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
+static const casadi_int P33[48] = {12, 9, 0, 0, 0, 12, 12, 12, 24, 24, 24, 36, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
     0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P31[39] = {9, 9, 0, 9, 9, 9, 18, 18, 18, 27, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P34[39] = {9, 9, 0, 9, 9, 9, 18, 18, 18, 27, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P32[24] = {9, 9, 0, 9, 9, 9, 12, 12, 12, 12, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8};
-static const casadi_int P33[39] = {9, 9, 0, 0, 9, 9, 9, 18, 18, 18, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P35[24] = {9, 9, 0, 9, 9, 9, 12, 12, 12, 12, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8};
+static const casadi_int P36[39] = {9, 9, 0, 0, 9, 9, 9, 18, 18, 18, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P34[24] = {9, 9, 0, 0, 9, 9, 9, 12, 12, 12, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8};
-static const casadi_int P35[39] = {9, 9, 0, 0, 0, 9, 9, 9, 18, 18, 18, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4,
+static const casadi_int P37[24] = {9, 9, 0, 0, 9, 9, 9, 12, 12, 12, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8};
+static const casadi_int P38[39] = {9, 9, 0, 0, 0, 9, 9, 9, 18, 18, 18, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4,
     5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P36[24] = {9, 9, 0, 0, 0, 9, 9, 9, 12, 12, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8};
-static const casadi_int P37[3] = {6, 3, 1};
-static const casadi_int P38[57] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P39[24] = {9, 9, 0, 0, 0, 9, 9, 9, 12, 12, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8};
+static const casadi_int P40[3] = {6, 3, 1};
+static const casadi_int P41[57] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 1, 3, 5, 1, 3, 5, 1, 3, 5};
-static const casadi_int P39[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P42[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P40[51] = {36, 3, 0, 15, 30, 45, 0, 2, 4, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 6,
+static const casadi_int P43[51] = {36, 3, 0, 15, 30, 45, 0, 2, 4, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 6,
     8, 10, 18, 19, 20, 21, 22, 23, 30, 31, 32, 33, 34, 35, 12, 14, 16, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29};
-static const casadi_int P41[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
+static const casadi_int P44[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
     8, 10, 18, 20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6, 8, 10, 18,
     20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 1, 3, 5, 25, 27, 29, 31, 33, 35, 7, 9, 11, 19, 21, 23, 31,
     33, 35, 13, 15, 17, 19, 21, 23, 25, 27, 29};
-static const casadi_int P42[57] = {36, 9, 0, 5, 10, 15, 20, 25, 30, 35, 40, 45, 0, 24, 25, 30, 31, 2, 26, 27, 32,
+static const casadi_int P45[57] = {36, 9, 0, 5, 10, 15, 20, 25, 30, 35, 40, 45, 0, 24, 25, 30, 31, 2, 26, 27, 32,
     33, 4, 28, 29, 34, 35, 6, 18, 19, 30, 31, 8, 20, 21, 32, 33, 10, 22, 23, 34, 35, 12, 18, 19, 24, 25, 14, 20, 21, 26,
     27, 16, 22, 23, 28, 29};
-static const casadi_int P43[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P44[33] = {54, 3, 0, 9, 18, 27, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40,
+static const casadi_int P46[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P47[33] = {54, 3, 0, 9, 18, 27, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40,
     46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52};
-static const casadi_int P45[93] = {54, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
+static const casadi_int P48[93] = {54, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
     6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26,
     32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 1, 7, 13, 21, 27, 33, 41, 47, 53, 1, 7, 13, 21, 27, 33, 41, 47,
     53, 1, 7, 13, 21, 27, 33, 41, 47, 53};
-static const casadi_int P46[66] = {54, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27,
+static const casadi_int P49[66] = {54, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27,
     32, 33, 40, 41, 46, 47, 52, 53, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27, 32, 33, 40, 41, 46, 47, 52, 53, 0, 1, 6, 7, 12,
     13, 20, 21, 26, 27, 32, 33, 40, 41, 46, 47, 52, 53};
-static const casadi_int P47[36] = {54, 9, 0, 6, 12, 18, 20, 22, 24, 24, 24, 24, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27,
+static const casadi_int P50[36] = {54, 9, 0, 6, 12, 18, 20, 22, 24, 24, 24, 24, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27,
     32, 33, 40, 41, 46, 47, 52, 53, 12, 13, 32, 33, 52, 53};
-static const casadi_int P48[15] = {6, 3, 0, 3, 6, 9, 0, 2, 4, 0, 2, 4, 0, 2, 4};
-static const casadi_int P49[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
+static const casadi_int P51[15] = {6, 3, 0, 3, 6, 9, 0, 2, 4, 0, 2, 4, 0, 2, 4};
+static const casadi_int P52[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
     2, 4, 0, 2, 4, 1, 3, 5, 1, 3, 5, 1, 3, 5};
-static const casadi_int P50[30] = {6, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P53[30] = {6, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P51[20] = {6, 9, 0, 6, 6, 6, 8, 8, 8, 8, 8, 8, 0, 1, 2, 3, 4, 5, 4, 5};
-static const casadi_int P52[30] = {6, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P54[20] = {6, 9, 0, 6, 6, 6, 8, 8, 8, 8, 8, 8, 0, 1, 2, 3, 4, 5, 4, 5};
+static const casadi_int P55[30] = {6, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P53[20] = {6, 9, 0, 0, 6, 6, 6, 8, 8, 8, 8, 8, 0, 1, 2, 3, 4, 5, 4, 5};
-static const casadi_int P54[30] = {6, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1,
+static const casadi_int P56[20] = {6, 9, 0, 0, 6, 6, 6, 8, 8, 8, 8, 8, 0, 1, 2, 3, 4, 5, 4, 5};
+static const casadi_int P57[30] = {6, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1,
     2, 3, 4, 5};
-static const casadi_int P55[20] = {6, 9, 0, 0, 0, 6, 6, 6, 8, 8, 8, 8, 0, 1, 2, 3, 4, 5, 4, 5};
-static const casadi_int P56[3] = {9, 3, 1};
-static const casadi_int P57[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
+static const casadi_int P58[20] = {6, 9, 0, 0, 0, 6, 6, 6, 8, 8, 8, 8, 0, 1, 2, 3, 4, 5, 4, 5};
+static const casadi_int P59[96] = {81, 3, 0, 30, 60, 90, 0, 3, 6, 11, 14, 17, 20, 23, 26, 29, 32, 35, 36, 37, 38,
+    39, 40, 41, 42, 43, 44, 45, 46, 47, 48, 49, 50, 51, 52, 53, 2, 5, 8, 9, 12, 15, 20, 23, 26, 27, 28, 29, 30, 31, 32,
+    33, 34, 35, 38, 41, 44, 45, 46, 47, 48, 49, 50, 51, 52, 53, 2, 5, 8, 11, 14, 17, 18, 21, 24, 27, 28, 29, 30, 31, 32,
+    33, 34, 35, 36, 37, 38, 39, 40, 41, 42, 43, 44, 47, 50, 53};
+static const casadi_int P60[228] = {81, 9, 0, 24, 48, 72, 96, 120, 144, 168, 192, 216, 0, 3, 6, 11, 14, 17, 20, 23,
+    26, 29, 32, 35, 36, 38, 39, 41, 42, 44, 45, 47, 48, 50, 51, 53, 2, 5, 8, 9, 12, 15, 20, 23, 26, 27, 29, 30, 32, 33,
+    35, 38, 41, 44, 45, 47, 48, 50, 51, 53, 2, 5, 8, 11, 14, 17, 18, 21, 24, 27, 29, 30, 32, 33, 35, 36, 38, 39, 41, 42,
+    44, 47, 50, 53, 0, 3, 6, 11, 14, 17, 20, 23, 26, 29, 32, 35, 36, 38, 39, 41, 42, 44, 45, 47, 48, 50, 51, 53, 2, 5,
+    8, 9, 12, 15, 20, 23, 26, 27, 29, 30, 32, 33, 35, 38, 41, 44, 45, 47, 48, 50, 51, 53, 2, 5, 8, 11, 14, 17, 18, 21,
+    24, 27, 29, 30, 32, 33, 35, 36, 38, 39, 41, 42, 44, 47, 50, 53, 1, 4, 7, 11, 14, 17, 20, 23, 26, 29, 32, 35, 37, 38,
+    40, 41, 43, 44, 46, 47, 49, 50, 52, 53, 2, 5, 8, 10, 13, 16, 20, 23, 26, 28, 29, 31, 32, 34, 35, 38, 41, 44, 46, 47,
+    49, 50, 52, 53, 2, 5, 8, 11, 14, 17, 19, 22, 25, 28, 29, 31, 32, 34, 35, 37, 38, 40, 41, 43, 44, 47, 50, 53};
+static const casadi_int P61[102] = {81, 9, 0, 10, 20, 30, 40, 50, 60, 70, 80, 90, 0, 11, 20, 29, 36, 37, 38, 45, 46,
+    47, 3, 14, 23, 32, 39, 40, 41, 48, 49, 50, 6, 17, 26, 35, 42, 43, 44, 51, 52, 53, 2, 9, 20, 27, 28, 29, 38, 45, 46,
+    47, 5, 12, 23, 30, 31, 32, 41, 48, 49, 50, 8, 15, 26, 33, 34, 35, 44, 51, 52, 53, 2, 11, 18, 27, 28, 29, 36, 37, 38,
+    47, 5, 14, 21, 30, 31, 32, 39, 40, 41, 50, 8, 17, 24, 33, 34, 35, 42, 43, 44, 53};
+static const casadi_int P62[12] = {81, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P63[60] = {81, 3, 0, 18, 36, 54, 0, 2, 9, 11, 18, 20, 30, 32, 39, 41, 48, 50, 60, 62, 69,
+    71, 78, 80, 0, 2, 9, 11, 18, 20, 30, 32, 39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 0, 2, 9, 11, 18, 20, 30, 32, 39,
+    41, 48, 50, 60, 62, 69, 71, 78, 80};
+static const casadi_int P64[174] = {81, 9, 0, 18, 36, 54, 72, 90, 108, 126, 144, 162, 0, 2, 9, 11, 18, 20, 30, 32,
+    39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 0, 2, 9, 11, 18, 20, 30, 32, 39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 0, 2,
+    9, 11, 18, 20, 30, 32, 39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 0, 2, 9, 11, 18, 20, 30, 32, 39, 41, 48, 50, 60, 62,
+    69, 71, 78, 80, 0, 2, 9, 11, 18, 20, 30, 32, 39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 0, 2, 9, 11, 18, 20, 30, 32,
+    39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 1, 2, 10, 11, 19, 20, 31, 32, 40, 41, 49, 50, 61, 62, 70, 71, 79, 80, 1, 2,
+    10, 11, 19, 20, 31, 32, 40, 41, 49, 50, 61, 62, 70, 71, 79, 80, 1, 2, 10, 11, 19, 20, 31, 32, 40, 41, 49, 50, 61,
+    62, 70, 71, 79, 80};
+static const casadi_int P65[93] = {81, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 1, 2, 9, 10, 11, 18, 19, 20, 30,
+    31, 32, 39, 40, 41, 48, 49, 50, 60, 61, 62, 69, 70, 71, 78, 79, 80, 0, 1, 2, 9, 10, 11, 18, 19, 20, 30, 31, 32, 39,
+    40, 41, 48, 49, 50, 60, 61, 62, 69, 70, 71, 78, 79, 80, 0, 1, 2, 9, 10, 11, 18, 19, 20, 30, 31, 32, 39, 40, 41, 48,
+    49, 50, 60, 61, 62, 69, 70, 71, 78, 79, 80};
+static const casadi_int P66[48] = {81, 9, 0, 9, 18, 27, 30, 33, 36, 36, 36, 36, 0, 1, 2, 9, 10, 11, 18, 19, 20, 30,
+    31, 32, 39, 40, 41, 48, 49, 50, 60, 61, 62, 69, 70, 71, 78, 79, 80, 18, 19, 20, 48, 49, 50, 78, 79, 80};
+static const casadi_int P67[3] = {9, 3, 1};
+static const casadi_int P68[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5,
     6, 7, 8};
-static const casadi_int P58[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P59[3] = {12, 3, 1};
-static const casadi_int P60[84] = {12, 9, 0, 12, 24, 36, 48, 60, 72, 72, 72, 72, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P69[9] = {9, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P70[3] = {12, 3, 1};
+static const casadi_int P71[84] = {12, 9, 0, 12, 24, 36, 48, 60, 72, 72, 72, 72, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P61[18] = {12, 3, 0, 12, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P62[18] = {12, 3, 0, 0, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P63[18] = {12, 3, 0, 0, 0, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P64[3] = {6, 9, 1};
-static const casadi_int P65[48] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 36, 36, 36, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P72[18] = {12, 3, 0, 12, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static const casadi_int P73[18] = {12, 3, 0, 0, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static const casadi_int P74[18] = {12, 3, 0, 0, 0, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static const casadi_int P75[3] = {6, 9, 1};
+static const casadi_int P76[48] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 36, 36, 36, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P66[3] = {9, 9, 1};
-static const casadi_int P67[27] = {9, 9, 0, 3, 6, 9, 11, 13, 15, 15, 15, 15, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7,
+static const casadi_int P77[27] = {9, 9, 0, 3, 6, 9, 11, 13, 15, 15, 15, 15, 0, 3, 6, 1, 4, 7, 2, 5, 8, 3, 6, 4, 7,
     5, 8};
-static const casadi_int P68[3] = {9, 6, 1};
-static const casadi_int P69[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P78[3] = {9, 6, 1};
+static const casadi_int P79[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8};
-static const casadi_int P70[24] = {9, 9, 0, 3, 6, 9, 10, 11, 12, 12, 12, 12, 0, 3, 6, 1, 4, 7, 2, 5, 8, 6, 7, 8};
-static const casadi_int P71[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
-static const casadi_int P72[3] = {3, 9, 1};
-static const casadi_int P73[18] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P74[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P75[66] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P80[24] = {9, 9, 0, 3, 6, 9, 10, 11, 12, 12, 12, 12, 0, 3, 6, 1, 4, 7, 2, 5, 8, 6, 7, 8};
+static const casadi_int P81[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
+static const casadi_int P82[3] = {3, 9, 1};
+static const casadi_int P83[18] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P84[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P85[66] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5,
     6, 7, 8};
-static const casadi_int P76[36] = {9, 9, 0, 8, 8, 8, 16, 16, 16, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
+static const casadi_int P86[36] = {9, 9, 0, 8, 8, 8, 16, 16, 16, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
     5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P77[27] = {9, 9, 0, 9, 9, 9, 15, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
+static const casadi_int P87[27] = {9, 9, 0, 9, 9, 9, 15, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
     6, 7};
-static const casadi_int P78[36] = {9, 9, 0, 0, 8, 8, 8, 16, 16, 16, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
+static const casadi_int P88[36] = {9, 9, 0, 0, 8, 8, 8, 16, 16, 16, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
     5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P79[27] = {9, 9, 0, 0, 9, 9, 9, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
+static const casadi_int P89[27] = {9, 9, 0, 0, 9, 9, 9, 15, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4,
     6, 7};
-static const casadi_int P80[36] = {9, 9, 0, 0, 0, 8, 8, 8, 16, 16, 16, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5,
+static const casadi_int P90[36] = {9, 9, 0, 0, 0, 8, 8, 8, 16, 16, 16, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5,
     6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P81[27] = {9, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4, 6,
+static const casadi_int P91[27] = {9, 9, 0, 0, 0, 9, 9, 9, 15, 15, 15, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 3, 4, 6,
     7};
-static const casadi_int P82[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P83[6] = {12, 3, 0, 0, 0, 0};
-static const casadi_int P84[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P85[24] = {12, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
-static const casadi_int P86[18] = {12, 9, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
-static const casadi_int P87[24] = {12, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
-static const casadi_int P88[18] = {12, 9, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
-static const casadi_int P89[24] = {12, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
-static const casadi_int P90[18] = {12, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
-static const casadi_int P91[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P92[6] = {6, 3, 0, 0, 0, 0};
-static const casadi_int P93[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5, 0,
+static const casadi_int P92[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P93[6] = {12, 3, 0, 0, 0, 0};
+static const casadi_int P94[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P95[24] = {12, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P96[18] = {12, 9, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P97[24] = {12, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P98[18] = {12, 9, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P99[24] = {12, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P100[18] = {12, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P101[6] = {6, 3, 0, 0, 0, 0};
+static const casadi_int P102[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 3, 1, 4, 2, 5, 0, 3, 1, 4, 2, 5, 0,
     3, 1, 4, 2, 5};
-static const casadi_int P94[21] = {6, 9, 0, 2, 4, 6, 7, 8, 9, 9, 9, 9, 0, 3, 1, 4, 2, 5, 3, 4, 5};
-static const casadi_int P95[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P96[3] = {2, 9, 1};
-static const casadi_int P97[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P98[3] = {1, 3, 1};
-static const casadi_int P99[3] = {1, 9, 1};
-static const casadi_int P100[18] = {1, 9, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P101[6] = {1, 3, 0, 0, 0, 0};
-static const casadi_int P102[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P103[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P104[4] = {9, 1, 0, 0};
-static const casadi_int P105[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P106[3] = {1, 2, 1};
-static const casadi_int P107[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P103[21] = {6, 9, 0, 2, 4, 6, 7, 8, 9, 9, 9, 9, 0, 3, 1, 4, 2, 5, 3, 4, 5};
+static const casadi_int P104[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P105[3] = {2, 9, 1};
+static const casadi_int P106[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P107[3] = {1, 3, 1};
+static const casadi_int P108[3] = {1, 9, 1};
+static const casadi_int P109[18] = {1, 9, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P110[6] = {1, 3, 0, 0, 0, 0};
+static const casadi_int P111[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P112[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P113[4] = {9, 1, 0, 0};
+static const casadi_int P114[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P115[3] = {1, 2, 1};
+static const casadi_int P116[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P108[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P117[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -321,7 +358,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_end_points[] = {
-    P22, P23, P24
+    P25, P26, P27
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_Q", "jac_s_redundant"
@@ -359,7 +396,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P0, P25, P26
+    P0, P28, P29
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_Q", "jac_redundant_s"
@@ -393,7 +430,7 @@ static const krhpr_casadi_slot out_subleg_forward[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_forward[] = {
-    P27
+    P30
 };
 static const char *const names_subleg_forward[] = {
     "jac_s_theta"
@@ -430,7 +467,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 4, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P28, P29, P30
+    P31, P32, P33
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -473,7 +510,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P31, P32, P33, P34, P35, P36
+    P34, P35, P36, P37, P38, P39
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -511,7 +548,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_constraints[] = {
-    P37, P38, P39
+    P40, P41, P42
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_Q", "jac_residual_s"
@@ -560,7 +597,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 6, 9, 3, NULL, P12, P13},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P40, P41, P42, P43, P44, P45, P46, P47
+    P43, P44, P45, P46, P47, P48, P49, P50
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
@@ -611,7 +648,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 2, 3, 1, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P40, P41, P42, P43, P48, P49, P50, P51, P48, P49, P52, P53, P48, P49, P54, P55
+    P43, P44, P45, P46, P51, P52, P53, P54, P51, P52, P55, P56, P51, P52, P57, P58
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_Q", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -622,6 +659,62 @@ static const krhpr_casadi_function function_jacobian_blocks = {
 };
 KRHPR_CASADI_FUNCTION(NAME(jacobian_blocks), function_jacobian_blocks)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobian_blocks), function_jacobian_blocks)
+
+/* -- jacobians_n -- */
+
+static int value_jacobians_n(const double *x, double *y)
+{
+    return plain_jacobians_n(&geometry, x, x + 3, x + 12, x + 21, y, y + 81);
+}
+
+static void tangent_jacobians_n(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const Q = given + 3;
+    const krhpr_dual *const s = given + 12;
+    const krhpr_dual *const theta = given + 21;
+    krhpr_dual *const J = found;
+    krhpr_dual *const K = found + 81;
+    krhpr_dual J_lines[36];
+    krhpr_dual along[9];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[6];
+        krhpr_dual redundant_line[6];
+        krhpr_dual x[3];
+        krhpr_dual e_2[3];
+        krhpr_dual d[2];
+        krhpr_dual v_1[2];
+        krhpr_platform_spatial_a_rows_tangent(&geometry.platform, i, p, Q, s + 3 * i, J_lines + 12 * i, N);
+        krhpr_platform_spatial_a_redundant_line_tangent(
+            &geometry.platform, i, p, Q, s + 3 * i, along + 3 * i, redundant_line);
+        krhpr_subleg_rrr_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, x, e_2, d, v_1);
+        krhpr_subleg_rrr_transmission_tangent(
+            &geometry.subleg, i, x, e_2, d, v_1, N, along + 3 * i, K + 9 * i);
+    }
+    krhpr_subleg_rrr_non_redundant_tangent(J_lines, along, p, s, J);
+}
+
+static const krhpr_casadi_slot in_jacobians_n[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+};
+static const krhpr_casadi_slot out_jacobians_n[] = {
+    {"out_J", 9, 9, 1, NULL, P16, P17},
+    {"out_K", 9, 9, 3, NULL, P18, P17},
+};
+static const casadi_int *const structure_jacobians_n[] = {
+    P59, P60, P61, P62, P63, P64, P65, P66
+};
+static const char *const names_jacobians_n[] = {
+    "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
+};
+static const krhpr_casadi_function function_jacobians_n = {
+    4, in_jacobians_n, 2, out_jacobians_n, value_jacobians_n, tangent_jacobians_n, structure_jacobians_n, names_jacobians_n
+};
+KRHPR_CASADI_FUNCTION(NAME(jacobians_n), function_jacobians_n)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobians_n), function_jacobians_n)
 
 /* -- inverse -- */
 
@@ -650,13 +743,13 @@ static const krhpr_casadi_slot in_inverse[] = {
     {"out_p", 3, 1, 1, NULL, P4, P5},
     {"out_Q", 3, 3, 1, NULL, P0, P1},
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
-    {"out_mode", 3, 2, 1, mode_default, P16, P17},
+    {"out_mode", 3, 2, 1, mode_default, P19, P20},
 };
 static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse[] = {
-    P56, P57, P24, P58
+    P67, P68, P27, P69
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_Q", "jac_theta_redundant", "jac_theta_mode"
@@ -699,7 +792,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 4, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P59, P60, P61, P59, P60, P62, P59, P60, P63
+    P70, P71, P72, P70, P71, P73, P70, P71, P74
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_Q", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_Q", "jac_theta2_redundant",
@@ -722,7 +815,7 @@ static const krhpr_casadi_slot in_inverse_status[] = {
     {"out_p", 3, 1, 1, NULL, P4, P5},
     {"out_Q", 3, 3, 1, NULL, P0, P1},
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
-    {"out_mode", 3, 2, 1, mode_default, P16, P17},
+    {"out_mode", 3, 2, 1, mode_default, P19, P20},
 };
 static const krhpr_casadi_slot out_inverse_status[] = {
     {"out_excess", 3, 1, 1, NULL, P4, P5},
@@ -779,7 +872,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_twist[] = {
-    P37, P64, P64, P65, P64
+    P40, P75, P75, P76, P75
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_Q", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -831,7 +924,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P56, P66, P27, P67, P68, P24
+    P67, P16, P30, P77, P78, P27
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_Q", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -903,7 +996,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P37, P64, P64, P65, P10, P64, P64
+    P40, P75, P75, P76, P10, P75, P75
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_Q", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -970,7 +1063,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P56, P66, P27, P69, P68, P24, P27, P68, P24
+    P67, P16, P30, P79, P78, P27, P30, P78, P27
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_Q", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -1037,7 +1130,7 @@ static const krhpr_casadi_slot out_inverse_statics[] = {
     {"out_actuator_forces", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse_statics[] = {
-    P56, P66, P66, P70, P68, P56
+    P67, P16, P16, P80, P78, P67
 };
 static const char *const names_inverse_statics[] = {
     "jac_actuator_forces_p", "jac_actuator_forces_Q", "jac_actuator_forces_s", "jac_actuator_forces_theta",
@@ -1093,7 +1186,7 @@ static const krhpr_casadi_slot out_forward_statics[] = {
     {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_statics[] = {
-    P71, P13, P64, P65, P64, P0, P72, P26, P73, P26
+    P81, P13, P75, P76, P75, P0, P82, P29, P83, P29
 };
 static const char *const names_forward_statics[] = {
     "jac_wrench_p", "jac_wrench_Q", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
@@ -1149,7 +1242,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P74, P75, P76, P77, P74, P75, P78, P79, P74, P75, P80, P81, P0, P25, P26, P82
+    P84, P85, P86, P87, P84, P85, P88, P89, P84, P85, P90, P91, P0, P28, P29, P92
 };
 static const char *const names_passive_joints[] = {
     "jac_spherical1_p", "jac_spherical1_Q", "jac_spherical1_s", "jac_spherical1_theta", "jac_spherical2_p",
@@ -1202,7 +1295,7 @@ static const krhpr_casadi_slot out_link_points[] = {
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P83, P84, P85, P86, P83, P84, P87, P88, P83, P84, P89, P90, P22, P23, P91, P91
+    P93, P94, P95, P96, P93, P94, P97, P98, P93, P94, P99, P100, P25, P26, P17, P17
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1229,7 +1322,7 @@ static const krhpr_casadi_slot in_clearances[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_clearances[] = {
-    {"out_distances", 87, 1, 1, NULL, P18, P19},
+    {"out_distances", 87, 1, 1, NULL, P21, P22},
 };
 static const krhpr_casadi_function function_clearances = {
     4, in_clearances, 1, out_clearances, value_clearances, NULL, NULL, NULL
@@ -1278,12 +1371,12 @@ static const krhpr_casadi_slot in_singularity[] = {
 };
 static const krhpr_casadi_slot out_singularity[] = {
     {"out_type_1", 3, 1, 1, NULL, P4, P5},
-    {"out_factors", 3, 2, 1, NULL, P16, P17},
-    {"out_type_2", 2, 1, 1, NULL, P20, P21},
-    {"out_margins", 2, 1, 1, NULL, P20, P21},
+    {"out_factors", 3, 2, 1, NULL, P19, P20},
+    {"out_type_2", 2, 1, 1, NULL, P23, P24},
+    {"out_margins", 2, 1, 1, NULL, P23, P24},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P82, P26, P73, P92, P13, P93, P94, P14, P95, P96, P97, P14, P95, P96, P97
+    P1, P92, P29, P83, P101, P13, P102, P103, P14, P104, P105, P106, P14, P104, P105, P106
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1322,8 +1415,8 @@ static const krhpr_casadi_slot in_type_2_of_redundant[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_type_2_of_redundant[] = {
-    {"out_type_2", 2, 1, 1, NULL, P20, P21},
-    {"out_margins", 2, 1, 1, NULL, P20, P21},
+    {"out_type_2", 2, 1, 1, NULL, P23, P24},
+    {"out_margins", 2, 1, 1, NULL, P23, P24},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
     P14, P14
@@ -1422,7 +1515,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P98, P99, P99, P100, P98, P99, P99, P100, P101, P102, P99, P100
+    P107, P108, P108, P109, P107, P108, P108, P109, P110, P111, P108, P109
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_Q", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_2_p", "jac_eta_2_Q", "jac_eta_2_s",
@@ -1450,7 +1543,7 @@ static const krhpr_casadi_slot out_forward_encoders_1[] = {
     {"out_p", 2, 3, 1, NULL, P14, P15},
     {"out_Q1", 3, 3, 1, NULL, P0, P1},
     {"out_Q2", 3, 3, 1, NULL, P0, P1},
-    {"out_mismatch", 2, 1, 1, NULL, P20, P21},
+    {"out_mismatch", 2, 1, 1, NULL, P23, P24},
 };
 static const krhpr_casadi_function function_forward_encoders_1 = {
     3, in_forward_encoders_1, 4, out_forward_encoders_1, value_forward_encoders_1, NULL, NULL, NULL
@@ -1496,7 +1589,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
 
 static const krhpr_casadi_slot in_forward_encoders_2[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
-    {"out_measured", 2, 1, 1, NULL, P20, P21},
+    {"out_measured", 2, 1, 1, NULL, P23, P24},
     {"out_tolerance", 1, 1, 1, NULL, P2, P3},
 };
 static const krhpr_casadi_slot out_forward_encoders_2[] = {
@@ -1506,7 +1599,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P72, P16, P5, P66, P103, P104, P66, P103, P104, P105, P106, P3
+    P82, P19, P5, P16, P112, P113, P16, P112, P113, P114, P115, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1567,7 +1660,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P72, P0, P5, P66, P74, P104, P66, P74, P104, P107, P108, P5
+    P82, P0, P5, P16, P84, P113, P16, P84, P113, P116, P117, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

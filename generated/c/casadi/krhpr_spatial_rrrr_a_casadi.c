@@ -34,6 +34,7 @@
 #define krhpr_spatial_rrrr_a_constraints plain_constraints
 #define krhpr_spatial_rrrr_a_jacobians plain_jacobians
 #define krhpr_spatial_rrrr_a_jacobian_blocks plain_jacobian_blocks
+#define krhpr_spatial_rrrr_a_jacobians_n plain_jacobians_n
 #define krhpr_spatial_rrrr_a_inverse plain_inverse
 #define krhpr_spatial_rrrr_a_inverse_all plain_inverse_all
 #define krhpr_spatial_rrrr_a_inverse_status plain_inverse_status
@@ -64,6 +65,7 @@
 #undef krhpr_spatial_rrrr_a_constraints
 #undef krhpr_spatial_rrrr_a_jacobians
 #undef krhpr_spatial_rrrr_a_jacobian_blocks
+#undef krhpr_spatial_rrrr_a_jacobians_n
 #undef krhpr_spatial_rrrr_a_inverse
 #undef krhpr_spatial_rrrr_a_inverse_all
 #undef krhpr_spatial_rrrr_a_inverse_status
@@ -141,177 +143,223 @@ static const casadi_int P14[39] = {6, 12, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20,
 static const casadi_int P15[15] = {6, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P16[3] = {2, 4, 1};
 static const casadi_int P17[7] = {2, 4, 0, 0, 0, 0, 0};
-static const casadi_int P18[3] = {3, 2, 1};
-static const casadi_int P19[5] = {3, 2, 0, 0, 0};
-static const casadi_int P20[3] = {4, 3, 1};
-static const casadi_int P21[6] = {4, 3, 0, 0, 0, 0};
-static const casadi_int P22[3] = {87, 1, 1};
-static const casadi_int P23[4] = {87, 1, 0, 0};
-static const casadi_int P24[3] = {2, 1, 1};
-static const casadi_int P25[4] = {2, 1, 0, 0};
-static const casadi_int P26[3] = {2, 3, 1};
-static const casadi_int P27[6] = {2, 3, 0, 0, 0, 0};
-static const casadi_int P28[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P29[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P18[3] = {12, 12, 1};
+static const casadi_int P19[15] = {12, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P20[63] = {12, 12, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44, 48, 0, 1, 2, 3, 0, 1, 2, 3,
+    0, 1, 2, 3, 0, 1, 2, 3, 4, 5, 6, 7, 4, 5, 6, 7, 4, 5, 6, 7, 4, 5, 6, 7, 8, 9, 10, 11, 8, 9, 10, 11, 8, 9, 10, 11, 8,
+    9, 10, 11};
+static const casadi_int P21[3] = {3, 2, 1};
+static const casadi_int P22[5] = {3, 2, 0, 0, 0};
+static const casadi_int P23[3] = {4, 3, 1};
+static const casadi_int P24[6] = {4, 3, 0, 0, 0, 0};
+static const casadi_int P25[3] = {87, 1, 1};
+static const casadi_int P26[4] = {87, 1, 0, 0};
+static const casadi_int P27[3] = {2, 1, 1};
+static const casadi_int P28[4] = {2, 1, 0, 0};
+static const casadi_int P29[3] = {2, 3, 1};
+static const casadi_int P30[6] = {2, 3, 0, 0, 0, 0};
+static const casadi_int P31[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P32[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P30[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P31[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
+static const casadi_int P33[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
+static const casadi_int P34[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
     1, 2, 0, 1, 2};
-static const casadi_int P32[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P33[51] = {9, 12, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 30, 33, 36, 0, 3, 6, 1, 4, 7, 2, 5, 8,
+static const casadi_int P35[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P36[51] = {9, 12, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 30, 33, 36, 0, 3, 6, 1, 4, 7, 2, 5, 8,
     0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P34[60] = {16, 9, 0, 16, 16, 16, 32, 32, 32, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P37[60] = {16, 9, 0, 16, 16, 16, 32, 32, 32, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12,
     13, 14, 15};
-static const casadi_int P35[18] = {16, 3, 0, 12, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P36[60] = {16, 9, 0, 0, 16, 16, 16, 32, 32, 32, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P38[18] = {16, 3, 0, 12, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static const casadi_int P39[60] = {16, 9, 0, 0, 16, 16, 16, 32, 32, 32, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12,
     13, 14, 15};
-static const casadi_int P37[18] = {16, 3, 0, 0, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P38[60] = {16, 9, 0, 0, 0, 16, 16, 16, 32, 32, 32, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
+static const casadi_int P40[18] = {16, 3, 0, 0, 12, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static const casadi_int P41[60] = {16, 9, 0, 0, 0, 16, 16, 16, 32, 32, 32, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
     12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13,
     14, 15};
-static const casadi_int P39[18] = {16, 3, 0, 0, 0, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P40[21] = {3, 12, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 6, 6, 6, 0, 1, 2, 0, 1, 2};
-static const casadi_int P41[48] = {12, 9, 0, 12, 12, 12, 24, 24, 24, 36, 36, 36, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P42[18] = {16, 3, 0, 0, 0, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+static const casadi_int P43[21] = {3, 12, 0, 1, 2, 3, 4, 5, 6, 6, 6, 6, 6, 6, 6, 0, 1, 2, 0, 1, 2};
+static const casadi_int P44[48] = {12, 9, 0, 12, 12, 12, 24, 24, 24, 36, 36, 36, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P42[36] = {12, 12, 0, 12, 12, 12, 18, 18, 18, 21, 21, 21, 21, 21, 21, 0, 1, 2, 3, 4, 5, 6,
+static const casadi_int P45[36] = {12, 12, 0, 12, 12, 12, 18, 18, 18, 21, 21, 21, 21, 21, 21, 0, 1, 2, 3, 4, 5, 6,
     7, 8, 9, 10, 11, 6, 7, 8, 9, 10, 11, 9, 10, 11};
-static const casadi_int P43[48] = {12, 9, 0, 0, 12, 12, 12, 24, 24, 24, 36, 36, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P46[48] = {12, 9, 0, 0, 12, 12, 12, 24, 24, 24, 36, 36, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P44[36] = {12, 12, 0, 0, 12, 12, 12, 18, 18, 18, 21, 21, 21, 21, 21, 0, 1, 2, 3, 4, 5, 6, 7,
+static const casadi_int P47[36] = {12, 12, 0, 0, 12, 12, 12, 18, 18, 18, 21, 21, 21, 21, 21, 0, 1, 2, 3, 4, 5, 6, 7,
     8, 9, 10, 11, 6, 7, 8, 9, 10, 11, 9, 10, 11};
-static const casadi_int P45[48] = {12, 9, 0, 0, 0, 12, 12, 12, 24, 24, 24, 36, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
+static const casadi_int P48[48] = {12, 9, 0, 0, 0, 12, 12, 12, 24, 24, 24, 36, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11,
     0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P46[36] = {12, 12, 0, 0, 0, 12, 12, 12, 18, 18, 18, 21, 21, 21, 21, 0, 1, 2, 3, 4, 5, 6, 7,
+static const casadi_int P49[36] = {12, 12, 0, 0, 0, 12, 12, 12, 18, 18, 18, 21, 21, 21, 21, 0, 1, 2, 3, 4, 5, 6, 7,
     8, 9, 10, 11, 6, 7, 8, 9, 10, 11, 9, 10, 11};
-static const casadi_int P47[3] = {6, 3, 1};
-static const casadi_int P48[57] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P50[3] = {6, 3, 1};
+static const casadi_int P51[57] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 1, 3, 5, 1, 3, 5, 1, 3, 5};
-static const casadi_int P49[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P52[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P50[51] = {36, 3, 0, 15, 30, 45, 0, 2, 4, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 6,
+static const casadi_int P53[51] = {36, 3, 0, 15, 30, 45, 0, 2, 4, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 6,
     8, 10, 18, 19, 20, 21, 22, 23, 30, 31, 32, 33, 34, 35, 12, 14, 16, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29};
-static const casadi_int P51[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
+static const casadi_int P54[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
     8, 10, 18, 20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6, 8, 10, 18,
     20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 1, 3, 5, 25, 27, 29, 31, 33, 35, 7, 9, 11, 19, 21, 23, 31,
     33, 35, 13, 15, 17, 19, 21, 23, 25, 27, 29};
-static const casadi_int P52[57] = {36, 9, 0, 5, 10, 15, 20, 25, 30, 35, 40, 45, 0, 24, 25, 30, 31, 2, 26, 27, 32,
+static const casadi_int P55[57] = {36, 9, 0, 5, 10, 15, 20, 25, 30, 35, 40, 45, 0, 24, 25, 30, 31, 2, 26, 27, 32,
     33, 4, 28, 29, 34, 35, 6, 18, 19, 30, 31, 8, 20, 21, 32, 33, 10, 22, 23, 34, 35, 12, 18, 19, 24, 25, 14, 20, 21, 26,
     27, 16, 22, 23, 28, 29};
-static const casadi_int P53[15] = {36, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P54[42] = {72, 3, 0, 12, 24, 36, 0, 6, 12, 18, 26, 32, 38, 44, 52, 58, 64, 70, 0, 6, 12, 18,
+static const casadi_int P56[15] = {36, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P57[42] = {72, 3, 0, 12, 24, 36, 0, 6, 12, 18, 26, 32, 38, 44, 52, 58, 64, 70, 0, 6, 12, 18,
     26, 32, 38, 44, 52, 58, 64, 70, 0, 6, 12, 18, 26, 32, 38, 44, 52, 58, 64, 70};
-static const casadi_int P55[120] = {72, 9, 0, 12, 24, 36, 48, 60, 72, 84, 96, 108, 0, 6, 12, 18, 26, 32, 38, 44, 52,
+static const casadi_int P58[120] = {72, 9, 0, 12, 24, 36, 48, 60, 72, 84, 96, 108, 0, 6, 12, 18, 26, 32, 38, 44, 52,
     58, 64, 70, 0, 6, 12, 18, 26, 32, 38, 44, 52, 58, 64, 70, 0, 6, 12, 18, 26, 32, 38, 44, 52, 58, 64, 70, 0, 6, 12,
     18, 26, 32, 38, 44, 52, 58, 64, 70, 0, 6, 12, 18, 26, 32, 38, 44, 52, 58, 64, 70, 0, 6, 12, 18, 26, 32, 38, 44, 52,
     58, 64, 70, 1, 7, 13, 19, 27, 33, 39, 45, 53, 59, 65, 71, 1, 7, 13, 19, 27, 33, 39, 45, 53, 59, 65, 71, 1, 7, 13,
     19, 27, 33, 39, 45, 53, 59, 65, 71};
-static const casadi_int P56[84] = {72, 9, 0, 8, 16, 24, 32, 40, 48, 56, 64, 72, 0, 1, 6, 7, 12, 13, 18, 19, 26, 27,
+static const casadi_int P59[84] = {72, 9, 0, 8, 16, 24, 32, 40, 48, 56, 64, 72, 0, 1, 6, 7, 12, 13, 18, 19, 26, 27,
     32, 33, 38, 39, 44, 45, 52, 53, 58, 59, 64, 65, 70, 71, 0, 1, 6, 7, 12, 13, 18, 19, 26, 27, 32, 33, 38, 39, 44, 45,
     52, 53, 58, 59, 64, 65, 70, 71, 0, 1, 6, 7, 12, 13, 18, 19, 26, 27, 32, 33, 38, 39, 44, 45, 52, 53, 58, 59, 64, 65,
     70, 71};
-static const casadi_int P57[57] = {72, 12, 0, 8, 16, 24, 28, 32, 36, 38, 40, 42, 42, 42, 42, 0, 1, 6, 7, 12, 13, 18,
+static const casadi_int P60[57] = {72, 12, 0, 8, 16, 24, 28, 32, 36, 38, 40, 42, 42, 42, 42, 0, 1, 6, 7, 12, 13, 18,
     19, 26, 27, 32, 33, 38, 39, 44, 45, 52, 53, 58, 59, 64, 65, 70, 71, 12, 13, 18, 19, 38, 39, 44, 45, 64, 65, 70, 71,
     18, 19, 44, 45, 70, 71};
-static const casadi_int P58[18] = {8, 3, 0, 4, 8, 12, 0, 2, 4, 6, 0, 2, 4, 6, 0, 2, 4, 6};
-static const casadi_int P59[48] = {8, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 0, 2, 4, 6, 0, 2, 4, 6, 0, 2, 4, 6, 0,
+static const casadi_int P61[18] = {8, 3, 0, 4, 8, 12, 0, 2, 4, 6, 0, 2, 4, 6, 0, 2, 4, 6};
+static const casadi_int P62[48] = {8, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 0, 2, 4, 6, 0, 2, 4, 6, 0, 2, 4, 6, 0,
     2, 4, 6, 0, 2, 4, 6, 0, 2, 4, 6, 1, 3, 5, 7, 1, 3, 5, 7, 1, 3, 5, 7};
-static const casadi_int P60[36] = {8, 9, 0, 8, 8, 8, 16, 16, 16, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
+static const casadi_int P63[36] = {8, 9, 0, 8, 8, 8, 16, 16, 16, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
     5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P61[29] = {8, 12, 0, 8, 8, 8, 12, 12, 12, 14, 14, 14, 14, 14, 14, 0, 1, 2, 3, 4, 5, 6, 7, 4,
+static const casadi_int P64[29] = {8, 12, 0, 8, 8, 8, 12, 12, 12, 14, 14, 14, 14, 14, 14, 0, 1, 2, 3, 4, 5, 6, 7, 4,
     5, 6, 7, 6, 7};
-static const casadi_int P62[36] = {8, 9, 0, 0, 8, 8, 8, 16, 16, 16, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
+static const casadi_int P65[36] = {8, 9, 0, 0, 8, 8, 8, 16, 16, 16, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
     5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P63[29] = {8, 12, 0, 0, 8, 8, 8, 12, 12, 12, 14, 14, 14, 14, 14, 0, 1, 2, 3, 4, 5, 6, 7, 4,
+static const casadi_int P66[29] = {8, 12, 0, 0, 8, 8, 8, 12, 12, 12, 14, 14, 14, 14, 14, 0, 1, 2, 3, 4, 5, 6, 7, 4,
     5, 6, 7, 6, 7};
-static const casadi_int P64[36] = {8, 9, 0, 0, 0, 8, 8, 8, 16, 16, 16, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5,
+static const casadi_int P67[36] = {8, 9, 0, 0, 0, 8, 8, 8, 16, 16, 16, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5,
     6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P65[29] = {8, 12, 0, 0, 0, 8, 8, 8, 12, 12, 12, 14, 14, 14, 14, 0, 1, 2, 3, 4, 5, 6, 7, 4,
+static const casadi_int P68[29] = {8, 12, 0, 0, 0, 8, 8, 8, 12, 12, 12, 14, 14, 14, 14, 0, 1, 2, 3, 4, 5, 6, 7, 4,
     5, 6, 7, 6, 7};
-static const casadi_int P66[3] = {12, 3, 1};
-static const casadi_int P67[84] = {12, 9, 0, 12, 24, 36, 48, 60, 72, 72, 72, 72, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P69[96] = {144, 3, 0, 30, 60, 90, 0, 4, 8, 14, 18, 22, 26, 30, 34, 38, 42, 46, 48, 49, 50,
+    52, 53, 54, 56, 57, 58, 60, 61, 62, 64, 65, 66, 68, 69, 70, 2, 6, 10, 12, 16, 20, 26, 30, 34, 36, 37, 38, 40, 41,
+    42, 44, 45, 46, 50, 54, 58, 60, 61, 62, 64, 65, 66, 68, 69, 70, 2, 6, 10, 14, 18, 22, 24, 28, 32, 36, 37, 38, 40,
+    41, 42, 44, 45, 46, 48, 49, 50, 52, 53, 54, 56, 57, 58, 62, 66, 70};
+static const casadi_int P70[228] = {144, 9, 0, 24, 48, 72, 96, 120, 144, 168, 192, 216, 0, 4, 8, 14, 18, 22, 26, 30,
+    34, 38, 42, 46, 48, 50, 52, 54, 56, 58, 60, 62, 64, 66, 68, 70, 2, 6, 10, 12, 16, 20, 26, 30, 34, 36, 38, 40, 42,
+    44, 46, 50, 54, 58, 60, 62, 64, 66, 68, 70, 2, 6, 10, 14, 18, 22, 24, 28, 32, 36, 38, 40, 42, 44, 46, 48, 50, 52,
+    54, 56, 58, 62, 66, 70, 0, 4, 8, 14, 18, 22, 26, 30, 34, 38, 42, 46, 48, 50, 52, 54, 56, 58, 60, 62, 64, 66, 68, 70,
+    2, 6, 10, 12, 16, 20, 26, 30, 34, 36, 38, 40, 42, 44, 46, 50, 54, 58, 60, 62, 64, 66, 68, 70, 2, 6, 10, 14, 18, 22,
+    24, 28, 32, 36, 38, 40, 42, 44, 46, 48, 50, 52, 54, 56, 58, 62, 66, 70, 1, 5, 9, 14, 18, 22, 26, 30, 34, 38, 42, 46,
+    49, 50, 53, 54, 57, 58, 61, 62, 65, 66, 69, 70, 2, 6, 10, 13, 17, 21, 26, 30, 34, 37, 38, 41, 42, 45, 46, 50, 54,
+    58, 61, 62, 65, 66, 69, 70, 2, 6, 10, 14, 18, 22, 25, 29, 33, 37, 38, 41, 42, 45, 46, 49, 50, 53, 54, 57, 58, 62,
+    66, 70};
+static const casadi_int P71[102] = {144, 9, 0, 10, 20, 30, 40, 50, 60, 70, 80, 90, 0, 14, 26, 38, 48, 49, 50, 60,
+    61, 62, 4, 18, 30, 42, 52, 53, 54, 64, 65, 66, 8, 22, 34, 46, 56, 57, 58, 68, 69, 70, 2, 12, 26, 36, 37, 38, 50, 60,
+    61, 62, 6, 16, 30, 40, 41, 42, 54, 64, 65, 66, 10, 20, 34, 44, 45, 46, 58, 68, 69, 70, 2, 14, 24, 36, 37, 38, 48,
+    49, 50, 62, 6, 18, 28, 40, 41, 42, 52, 53, 54, 66, 10, 22, 32, 44, 45, 46, 56, 57, 58, 70};
+static const casadi_int P72[15] = {144, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P73[78] = {144, 3, 0, 24, 48, 72, 0, 2, 12, 14, 24, 26, 36, 38, 52, 54, 64, 66, 76, 78, 88,
+    90, 104, 106, 116, 118, 128, 130, 140, 142, 0, 2, 12, 14, 24, 26, 36, 38, 52, 54, 64, 66, 76, 78, 88, 90, 104, 106,
+    116, 118, 128, 130, 140, 142, 0, 2, 12, 14, 24, 26, 36, 38, 52, 54, 64, 66, 76, 78, 88, 90, 104, 106, 116, 118, 128,
+    130, 140, 142};
+static const casadi_int P74[228] = {144, 9, 0, 24, 48, 72, 96, 120, 144, 168, 192, 216, 0, 2, 12, 14, 24, 26, 36,
+    38, 52, 54, 64, 66, 76, 78, 88, 90, 104, 106, 116, 118, 128, 130, 140, 142, 0, 2, 12, 14, 24, 26, 36, 38, 52, 54,
+    64, 66, 76, 78, 88, 90, 104, 106, 116, 118, 128, 130, 140, 142, 0, 2, 12, 14, 24, 26, 36, 38, 52, 54, 64, 66, 76,
+    78, 88, 90, 104, 106, 116, 118, 128, 130, 140, 142, 0, 2, 12, 14, 24, 26, 36, 38, 52, 54, 64, 66, 76, 78, 88, 90,
+    104, 106, 116, 118, 128, 130, 140, 142, 0, 2, 12, 14, 24, 26, 36, 38, 52, 54, 64, 66, 76, 78, 88, 90, 104, 106, 116,
+    118, 128, 130, 140, 142, 0, 2, 12, 14, 24, 26, 36, 38, 52, 54, 64, 66, 76, 78, 88, 90, 104, 106, 116, 118, 128, 130,
+    140, 142, 1, 2, 13, 14, 25, 26, 37, 38, 53, 54, 65, 66, 77, 78, 89, 90, 105, 106, 117, 118, 129, 130, 141, 142, 1,
+    2, 13, 14, 25, 26, 37, 38, 53, 54, 65, 66, 77, 78, 89, 90, 105, 106, 117, 118, 129, 130, 141, 142, 1, 2, 13, 14, 25,
+    26, 37, 38, 53, 54, 65, 66, 77, 78, 89, 90, 105, 106, 117, 118, 129, 130, 141, 142};
+static const casadi_int P75[147] = {144, 9, 0, 15, 30, 45, 60, 75, 90, 105, 120, 135, 0, 1, 2, 12, 13, 14, 15, 24,
+    25, 26, 27, 36, 37, 38, 39, 52, 53, 54, 64, 65, 66, 67, 76, 77, 78, 79, 88, 89, 90, 91, 104, 105, 106, 116, 117,
+    118, 119, 128, 129, 130, 131, 140, 141, 142, 143, 0, 1, 2, 12, 13, 14, 15, 24, 25, 26, 27, 36, 37, 38, 39, 52, 53,
+    54, 64, 65, 66, 67, 76, 77, 78, 79, 88, 89, 90, 91, 104, 105, 106, 116, 117, 118, 119, 128, 129, 130, 131, 140, 141,
+    142, 143, 0, 1, 2, 12, 13, 14, 15, 24, 25, 26, 27, 36, 37, 38, 39, 52, 53, 54, 64, 65, 66, 67, 76, 77, 78, 79, 88,
+    89, 90, 91, 104, 105, 106, 116, 117, 118, 119, 128, 129, 130, 131, 140, 141, 142, 143};
+static const casadi_int P76[96] = {144, 12, 0, 15, 30, 45, 53, 61, 69, 73, 77, 81, 81, 81, 81, 0, 1, 2, 12, 13, 14,
+    15, 24, 25, 26, 27, 36, 37, 38, 39, 52, 53, 54, 64, 65, 66, 67, 76, 77, 78, 79, 88, 89, 90, 91, 104, 105, 106, 116,
+    117, 118, 119, 128, 129, 130, 131, 140, 141, 142, 143, 24, 25, 26, 27, 36, 37, 38, 39, 76, 77, 78, 79, 88, 89, 90,
+    91, 128, 129, 130, 131, 140, 141, 142, 143, 36, 37, 38, 39, 88, 89, 90, 91, 140, 141, 142, 143};
+static const casadi_int P77[3] = {12, 3, 1};
+static const casadi_int P78[84] = {12, 9, 0, 12, 24, 36, 48, 60, 72, 72, 72, 72, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-static const casadi_int P68[18] = {12, 3, 0, 4, 8, 12, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11};
-static const casadi_int P69[9] = {12, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P70[15] = {12, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P71[3] = {16, 3, 1};
-static const casadi_int P72[108] = {16, 9, 0, 16, 32, 48, 64, 80, 96, 96, 96, 96, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
+static const casadi_int P79[18] = {12, 3, 0, 4, 8, 12, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11};
+static const casadi_int P80[9] = {12, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P81[15] = {12, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
+static const casadi_int P82[3] = {16, 3, 1};
+static const casadi_int P83[108] = {16, 9, 0, 16, 32, 48, 64, 80, 96, 96, 96, 96, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,
     11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12,
     13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14,
     15, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-static const casadi_int P73[22] = {16, 3, 0, 16, 16, 16, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-static const casadi_int P74[22] = {16, 3, 0, 0, 16, 16, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-static const casadi_int P75[22] = {16, 3, 0, 0, 0, 16, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-static const casadi_int P76[3] = {6, 9, 1};
-static const casadi_int P77[69] = {6, 12, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 0, 1,
+static const casadi_int P84[22] = {16, 3, 0, 16, 16, 16, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+static const casadi_int P85[22] = {16, 3, 0, 0, 16, 16, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+static const casadi_int P86[22] = {16, 3, 0, 0, 0, 16, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+static const casadi_int P87[3] = {6, 9, 1};
+static const casadi_int P88[69] = {6, 12, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 0, 1,
     2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4,
     5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P78[3] = {6, 12, 1};
-static const casadi_int P79[3] = {12, 9, 1};
-static const casadi_int P80[48] = {12, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11,
+static const casadi_int P89[3] = {6, 12, 1};
+static const casadi_int P90[3] = {12, 9, 1};
+static const casadi_int P91[48] = {12, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11,
     0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11};
-static const casadi_int P81[51] = {12, 12, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 36, 36, 36, 0, 3, 6, 9, 1, 4, 7, 10,
+static const casadi_int P92[51] = {12, 12, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 36, 36, 36, 0, 3, 6, 9, 1, 4, 7, 10,
     2, 5, 8, 11, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11};
-static const casadi_int P82[3] = {12, 6, 1};
-static const casadi_int P83[63] = {12, 12, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44, 48, 0, 3, 6, 9, 1, 4, 7, 10,
+static const casadi_int P93[3] = {12, 6, 1};
+static const casadi_int P94[63] = {12, 12, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44, 48, 0, 3, 6, 9, 1, 4, 7, 10,
     2, 5, 8, 11, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11, 0, 3, 6, 9, 1, 4, 7, 10, 2,
     5, 8, 11};
-static const casadi_int P84[36] = {12, 12, 0, 4, 8, 12, 14, 16, 18, 19, 20, 21, 21, 21, 21, 0, 3, 6, 9, 1, 4, 7, 10,
+static const casadi_int P95[36] = {12, 12, 0, 4, 8, 12, 14, 16, 18, 19, 20, 21, 21, 21, 21, 0, 3, 6, 9, 1, 4, 7, 10,
     2, 5, 8, 11, 6, 9, 7, 10, 8, 11, 9, 10, 11};
-static const casadi_int P85[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
-static const casadi_int P86[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P87[3] = {3, 9, 1};
-static const casadi_int P88[24] = {3, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P89[27] = {3, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1,
-    2};
-static const casadi_int P90[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P91[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P92[66] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P96[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
+static const casadi_int P97[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P98[3] = {3, 9, 1};
+static const casadi_int P99[24] = {3, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P100[27] = {3, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
+    1, 2};
+static const casadi_int P101[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P102[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P103[66] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5,
     6, 7, 8};
-static const casadi_int P93[36] = {9, 9, 0, 8, 8, 8, 16, 16, 16, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
+static const casadi_int P104[36] = {9, 9, 0, 8, 8, 8, 16, 16, 16, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
     5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P94[39] = {9, 12, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
-    0, 1, 2, 3, 4, 5, 6, 7, 8, 1, 2, 4, 5, 7, 8};
-static const casadi_int P95[36] = {9, 9, 0, 0, 8, 8, 8, 16, 16, 16, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
+static const casadi_int P105[39] = {9, 12, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7,
+    8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 1, 2, 4, 5, 7, 8};
+static const casadi_int P106[36] = {9, 9, 0, 0, 8, 8, 8, 16, 16, 16, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
     5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P96[39] = {9, 12, 0, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
+static const casadi_int P107[39] = {9, 12, 0, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
     0, 1, 2, 3, 4, 5, 6, 7, 8, 1, 2, 4, 5, 7, 8};
-static const casadi_int P97[36] = {9, 9, 0, 0, 0, 8, 8, 8, 16, 16, 16, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5,
-    6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
-static const casadi_int P98[39] = {9, 12, 0, 0, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
+static const casadi_int P108[36] = {9, 9, 0, 0, 0, 8, 8, 8, 16, 16, 16, 24, 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4,
+    5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
+static const casadi_int P109[39] = {9, 12, 0, 0, 0, 9, 9, 9, 18, 18, 18, 24, 24, 24, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8,
     0, 1, 2, 3, 4, 5, 6, 7, 8, 1, 2, 4, 5, 7, 8};
-static const casadi_int P99[15] = {3, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P100[6] = {12, 3, 0, 0, 0, 0};
-static const casadi_int P101[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P102[24] = {12, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
-static const casadi_int P103[21] = {12, 12, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
-static const casadi_int P104[24] = {12, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
-static const casadi_int P105[21] = {12, 12, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
-static const casadi_int P106[24] = {12, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
-static const casadi_int P107[21] = {12, 12, 0, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
-static const casadi_int P108[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P109[15] = {9, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P110[36] = {12, 12, 0, 4, 8, 12, 14, 16, 18, 19, 20, 21, 21, 21, 21, 0, 3, 6, 9, 1, 4, 7,
+static const casadi_int P110[15] = {3, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P111[6] = {12, 3, 0, 0, 0, 0};
+static const casadi_int P112[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P113[24] = {12, 9, 0, 4, 4, 4, 8, 8, 8, 12, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P114[21] = {12, 12, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P115[24] = {12, 9, 0, 0, 4, 4, 4, 8, 8, 8, 12, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P116[21] = {12, 12, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P117[24] = {12, 9, 0, 0, 0, 4, 4, 4, 8, 8, 8, 12, 2, 3, 6, 10, 2, 6, 7, 10, 2, 6, 10, 11};
+static const casadi_int P118[21] = {12, 12, 0, 0, 0, 3, 3, 3, 6, 6, 6, 6, 6, 6, 6, 2, 6, 10, 2, 6, 10};
+static const casadi_int P119[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P120[15] = {9, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P121[36] = {12, 12, 0, 4, 8, 12, 14, 16, 18, 19, 20, 21, 21, 21, 21, 0, 3, 6, 9, 1, 4, 7,
     10, 2, 5, 8, 11, 0, 3, 1, 4, 2, 5, 3, 4, 5};
-static const casadi_int P111[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P112[3] = {2, 9, 1};
-static const casadi_int P113[15] = {2, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P114[3] = {1, 3, 1};
-static const casadi_int P115[3] = {1, 9, 1};
-static const casadi_int P116[24] = {1, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P117[6] = {1, 3, 0, 0, 0, 0};
-static const casadi_int P118[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P119[3] = {9, 9, 1};
-static const casadi_int P120[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P121[4] = {9, 1, 0, 0};
-static const casadi_int P122[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P123[3] = {1, 2, 1};
-static const casadi_int P124[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P122[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P123[3] = {2, 9, 1};
+static const casadi_int P124[15] = {2, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P125[3] = {1, 3, 1};
+static const casadi_int P126[3] = {1, 9, 1};
+static const casadi_int P127[24] = {1, 12, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 9, 9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P128[6] = {1, 3, 0, 0, 0, 0};
+static const casadi_int P129[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P130[3] = {9, 9, 1};
+static const casadi_int P131[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P132[4] = {9, 1, 0, 0};
+static const casadi_int P133[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P134[3] = {1, 2, 1};
+static const casadi_int P135[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P125[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P136[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -358,7 +406,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_end_points[] = {
-    P28, P29, P30
+    P31, P32, P33
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_Q", "jac_s_redundant"
@@ -396,7 +444,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P0, P31, P32
+    P0, P34, P35
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_Q", "jac_redundant_s"
@@ -430,7 +478,7 @@ static const krhpr_casadi_slot out_subleg_forward[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_forward[] = {
-    P33
+    P36
 };
 static const char *const names_subleg_forward[] = {
     "jac_s_theta"
@@ -470,7 +518,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 4, 4, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P34, P35, P36, P37, P38, P39
+    P37, P38, P39, P40, P41, P42
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta1_swivel", "jac_theta2_s", "jac_theta2_swivel", "jac_theta3_s", "jac_theta3_swivel"
@@ -512,7 +560,7 @@ static const krhpr_casadi_slot out_swivel[] = {
     {"out_swivel", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_swivel[] = {
-    P32, P40
+    P35, P43
 };
 static const char *const names_swivel[] = {
     "jac_swivel_s", "jac_swivel_theta"
@@ -556,7 +604,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 3, 4, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P41, P42, P43, P44, P45, P46
+    P44, P45, P46, P47, P48, P49
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -594,7 +642,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_constraints[] = {
-    P47, P48, P49
+    P50, P51, P52
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_Q", "jac_residual_s"
@@ -644,7 +692,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 6, 12, 3, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P50, P51, P52, P53, P54, P55, P56, P57
+    P53, P54, P55, P56, P57, P58, P59, P60
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
@@ -696,7 +744,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 2, 4, 1, NULL, P16, P17},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P50, P51, P52, P53, P58, P59, P60, P61, P58, P59, P62, P63, P58, P59, P64, P65
+    P53, P54, P55, P56, P61, P62, P63, P64, P61, P62, P65, P66, P61, P62, P67, P68
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_Q", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -707,6 +755,63 @@ static const krhpr_casadi_function function_jacobian_blocks = {
 };
 KRHPR_CASADI_FUNCTION(NAME(jacobian_blocks), function_jacobian_blocks)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobian_blocks), function_jacobian_blocks)
+
+/* -- jacobians_n -- */
+
+static int value_jacobians_n(const double *x, double *y)
+{
+    return plain_jacobians_n(&geometry, x, x + 3, x + 12, x + 21, y, y + 144);
+}
+
+static void tangent_jacobians_n(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const Q = given + 3;
+    const krhpr_dual *const s = given + 12;
+    const krhpr_dual *const theta = given + 21;
+    krhpr_dual *const J = found;
+    krhpr_dual *const K = found + 144;
+    krhpr_dual J_lines[36];
+    krhpr_dual along[9];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[6];
+        krhpr_dual redundant_line[6];
+        krhpr_dual x[3];
+        krhpr_dual e_2[3];
+        krhpr_dual d[3];
+        krhpr_dual v[3];
+        krhpr_dual e_4[3];
+        krhpr_platform_spatial_a_rows_tangent(&geometry.platform, i, p, Q, s + 3 * i, J_lines + 12 * i, N);
+        krhpr_platform_spatial_a_redundant_line_tangent(
+            &geometry.platform, i, p, Q, s + 3 * i, along + 3 * i, redundant_line);
+        krhpr_subleg_rrrr_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 4 * i, x, e_2, d, v, e_4);
+        krhpr_subleg_rrrr_transmission_tangent(
+            &geometry.subleg, i, x, e_2, d, v, e_4, N, along + 3 * i, K + 16 * i);
+    }
+    krhpr_subleg_rrrr_non_redundant_tangent(J_lines, along, p, s, J);
+}
+
+static const krhpr_casadi_slot in_jacobians_n[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 4, 1, NULL, P6, P7},
+};
+static const krhpr_casadi_slot out_jacobians_n[] = {
+    {"out_J", 12, 12, 1, NULL, P18, P19},
+    {"out_K", 12, 12, 3, NULL, P20, P19},
+};
+static const casadi_int *const structure_jacobians_n[] = {
+    P69, P70, P71, P72, P73, P74, P75, P76
+};
+static const char *const names_jacobians_n[] = {
+    "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
+};
+static const krhpr_casadi_function function_jacobians_n = {
+    4, in_jacobians_n, 2, out_jacobians_n, value_jacobians_n, tangent_jacobians_n, structure_jacobians_n, names_jacobians_n
+};
+KRHPR_CASADI_FUNCTION(NAME(jacobians_n), function_jacobians_n)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobians_n), function_jacobians_n)
 
 /* -- inverse -- */
 
@@ -737,14 +842,14 @@ static const krhpr_casadi_slot in_inverse[] = {
     {"out_p", 3, 1, 1, NULL, P4, P5},
     {"out_Q", 3, 3, 1, NULL, P0, P1},
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
-    {"out_mode", 3, 2, 1, mode_default, P18, P19},
+    {"out_mode", 3, 2, 1, mode_default, P21, P22},
     {"out_swivel", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 4, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse[] = {
-    P66, P67, P68, P69, P70
+    P77, P78, P79, P80, P81
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_Q", "jac_theta_redundant", "jac_theta_mode", "jac_theta_swivel"
@@ -789,7 +894,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 4, 4, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P71, P72, P73, P35, P71, P72, P74, P37, P71, P72, P75, P39
+    P82, P83, P84, P38, P82, P83, P85, P40, P82, P83, P86, P42
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_Q", "jac_theta1_redundant", "jac_theta1_swivel", "jac_theta2_p", "jac_theta2_Q",
@@ -813,7 +918,7 @@ static const krhpr_casadi_slot in_inverse_status[] = {
     {"out_p", 3, 1, 1, NULL, P4, P5},
     {"out_Q", 3, 3, 1, NULL, P0, P1},
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
-    {"out_mode", 3, 2, 1, mode_default, P18, P19},
+    {"out_mode", 3, 2, 1, mode_default, P21, P22},
     {"out_swivel", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_inverse_status[] = {
@@ -872,7 +977,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_twist[] = {
-    P47, P76, P76, P77, P78
+    P50, P87, P87, P88, P89
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_Q", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -928,7 +1033,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 4, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P66, P79, P80, P81, P82, P68, P70
+    P77, P90, P91, P92, P93, P79, P81
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_Q", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -1002,7 +1107,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P47, P76, P76, P77, P12, P78, P78
+    P50, P87, P87, P88, P12, P89, P89
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_Q", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -1076,7 +1181,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 4, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P66, P79, P80, P81, P82, P68, P83, P82, P68, P70
+    P77, P90, P91, P92, P93, P79, P94, P93, P79, P81
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_Q", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -1147,7 +1252,7 @@ static const krhpr_casadi_slot out_inverse_statics[] = {
     {"out_actuator_forces", 3, 4, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse_statics[] = {
-    P66, P79, P79, P84, P82, P66, P68
+    P77, P90, P90, P95, P93, P77, P79
 };
 static const char *const names_inverse_statics[] = {
     "jac_actuator_forces_p", "jac_actuator_forces_Q", "jac_actuator_forces_s", "jac_actuator_forces_theta",
@@ -1207,7 +1312,7 @@ static const krhpr_casadi_slot out_forward_statics[] = {
     {"out_swivel_forces", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_statics[] = {
-    P85, P86, P76, P77, P78, P0, P87, P32, P88, P89, P1, P90, P32, P40, P88
+    P96, P97, P87, P88, P89, P0, P98, P35, P99, P100, P1, P101, P35, P43, P99
 };
 static const char *const names_forward_statics[] = {
     "jac_wrench_p", "jac_wrench_Q", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
@@ -1265,7 +1370,7 @@ static const krhpr_casadi_slot out_passive_joints[] = {
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P91, P92, P93, P94, P91, P92, P95, P96, P91, P92, P97, P98, P0, P31, P32, P99
+    P102, P103, P104, P105, P102, P103, P106, P107, P102, P103, P108, P109, P0, P34, P35, P110
 };
 static const char *const names_passive_joints[] = {
     "jac_spherical1_p", "jac_spherical1_Q", "jac_spherical1_s", "jac_spherical1_theta", "jac_spherical2_p",
@@ -1313,13 +1418,13 @@ static const krhpr_casadi_slot in_link_points[] = {
     {"out_theta", 3, 4, 1, NULL, P6, P7},
 };
 static const krhpr_casadi_slot out_link_points[] = {
-    {"out_points1", 4, 3, 1, NULL, P20, P21},
-    {"out_points2", 4, 3, 1, NULL, P20, P21},
-    {"out_points3", 4, 3, 1, NULL, P20, P21},
+    {"out_points1", 4, 3, 1, NULL, P23, P24},
+    {"out_points2", 4, 3, 1, NULL, P23, P24},
+    {"out_points3", 4, 3, 1, NULL, P23, P24},
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P100, P101, P102, P103, P100, P101, P104, P105, P100, P101, P106, P107, P28, P29, P108, P109
+    P111, P112, P113, P114, P111, P112, P115, P116, P111, P112, P117, P118, P31, P32, P119, P120
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1346,7 +1451,7 @@ static const krhpr_casadi_slot in_clearances[] = {
     {"out_theta", 3, 4, 1, NULL, P6, P7},
 };
 static const krhpr_casadi_slot out_clearances[] = {
-    {"out_distances", 87, 1, 1, NULL, P22, P23},
+    {"out_distances", 87, 1, 1, NULL, P25, P26},
 };
 static const krhpr_casadi_function function_clearances = {
     4, in_clearances, 1, out_clearances, value_clearances, NULL, NULL, NULL
@@ -1397,11 +1502,11 @@ static const krhpr_casadi_slot in_singularity[] = {
 static const krhpr_casadi_slot out_singularity[] = {
     {"out_type_1", 3, 1, 1, NULL, P4, P5},
     {"out_factors", 3, 4, 1, NULL, P6, P7},
-    {"out_type_2", 2, 1, 1, NULL, P24, P25},
-    {"out_margins", 2, 1, 1, NULL, P24, P25},
+    {"out_type_2", 2, 1, 1, NULL, P27, P28},
+    {"out_margins", 2, 1, 1, NULL, P27, P28},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P90, P32, P88, P100, P101, P80, P110, P26, P111, P112, P113, P26, P111, P112, P113
+    P1, P101, P35, P99, P111, P112, P91, P121, P29, P122, P123, P124, P29, P122, P123, P124
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1440,11 +1545,11 @@ static const krhpr_casadi_slot in_type_2_of_redundant[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_type_2_of_redundant[] = {
-    {"out_type_2", 2, 1, 1, NULL, P24, P25},
-    {"out_margins", 2, 1, 1, NULL, P24, P25},
+    {"out_type_2", 2, 1, 1, NULL, P27, P28},
+    {"out_margins", 2, 1, 1, NULL, P27, P28},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
-    P26, P26
+    P29, P29
 };
 static const char *const names_type_2_of_redundant[] = {
     "jac_type_2_redundant", "jac_margins_redundant"
@@ -1541,7 +1646,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P114, P115, P115, P116, P114, P115, P115, P116, P117, P118, P115, P116
+    P125, P126, P126, P127, P125, P126, P126, P127, P128, P129, P126, P127
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_Q", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_2_p", "jac_eta_2_Q", "jac_eta_2_s",
@@ -1566,10 +1671,10 @@ static const krhpr_casadi_slot in_forward_encoders_1[] = {
     {"out_tolerance", 1, 1, 1, NULL, P2, P3},
 };
 static const krhpr_casadi_slot out_forward_encoders_1[] = {
-    {"out_p", 2, 3, 1, NULL, P26, P27},
+    {"out_p", 2, 3, 1, NULL, P29, P30},
     {"out_Q1", 3, 3, 1, NULL, P0, P1},
     {"out_Q2", 3, 3, 1, NULL, P0, P1},
-    {"out_mismatch", 2, 1, 1, NULL, P24, P25},
+    {"out_mismatch", 2, 1, 1, NULL, P27, P28},
 };
 static const krhpr_casadi_function function_forward_encoders_1 = {
     3, in_forward_encoders_1, 4, out_forward_encoders_1, value_forward_encoders_1, NULL, NULL, NULL
@@ -1615,7 +1720,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
 
 static const krhpr_casadi_slot in_forward_encoders_2[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
-    {"out_measured", 2, 1, 1, NULL, P24, P25},
+    {"out_measured", 2, 1, 1, NULL, P27, P28},
     {"out_tolerance", 1, 1, 1, NULL, P2, P3},
 };
 static const krhpr_casadi_slot out_forward_encoders_2[] = {
@@ -1625,7 +1730,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P87, P18, P5, P119, P120, P121, P119, P120, P121, P122, P123, P3
+    P98, P21, P5, P130, P131, P132, P130, P131, P132, P133, P134, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1686,7 +1791,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P87, P0, P5, P119, P91, P121, P119, P91, P121, P124, P125, P5
+    P98, P0, P5, P130, P102, P132, P130, P102, P132, P135, P136, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

@@ -33,6 +33,7 @@
 #define krhpr_spatial_tripteron_a_constraints plain_constraints
 #define krhpr_spatial_tripteron_a_jacobians plain_jacobians
 #define krhpr_spatial_tripteron_a_jacobian_blocks plain_jacobian_blocks
+#define krhpr_spatial_tripteron_a_jacobians_n plain_jacobians_n
 #define krhpr_spatial_tripteron_a_inverse plain_inverse
 #define krhpr_spatial_tripteron_a_inverse_all plain_inverse_all
 #define krhpr_spatial_tripteron_a_inverse_status plain_inverse_status
@@ -62,6 +63,7 @@
 #undef krhpr_spatial_tripteron_a_constraints
 #undef krhpr_spatial_tripteron_a_jacobians
 #undef krhpr_spatial_tripteron_a_jacobian_blocks
+#undef krhpr_spatial_tripteron_a_jacobians_n
 #undef krhpr_spatial_tripteron_a_inverse
 #undef krhpr_spatial_tripteron_a_inverse_all
 #undef krhpr_spatial_tripteron_a_inverse_status
@@ -137,123 +139,154 @@ static const casadi_int P12[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1
 static const casadi_int P13[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P14[3] = {2, 3, 1};
 static const casadi_int P15[6] = {2, 3, 0, 0, 0, 0};
-static const casadi_int P16[3] = {3, 6, 1};
-static const casadi_int P17[9] = {3, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P18[3] = {8, 3, 1};
-static const casadi_int P19[6] = {8, 3, 0, 0, 0, 0};
-static const casadi_int P20[3] = {474, 1, 1};
-static const casadi_int P21[4] = {474, 1, 0, 0};
-static const casadi_int P22[3] = {2, 1, 1};
-static const casadi_int P23[4] = {2, 1, 0, 0};
-static const casadi_int P24[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P25[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P16[3] = {9, 9, 1};
+static const casadi_int P17[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P18[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 1, 2, 0, 1, 2, 0, 1, 2, 3, 4, 5, 3,
+    4, 5, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
+static const casadi_int P19[3] = {3, 6, 1};
+static const casadi_int P20[9] = {3, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P21[3] = {8, 3, 1};
+static const casadi_int P22[6] = {8, 3, 0, 0, 0, 0};
+static const casadi_int P23[3] = {474, 1, 1};
+static const casadi_int P24[4] = {474, 1, 0, 0};
+static const casadi_int P25[3] = {2, 1, 1};
+static const casadi_int P26[4] = {2, 1, 0, 0};
+static const casadi_int P27[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P28[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P26[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P27[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
+static const casadi_int P29[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
+static const casadi_int P30[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
     1, 2, 0, 1, 2};
-static const casadi_int P28[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P29[36] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 20, 22, 24, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P31[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P32[36] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 20, 22, 24, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 1, 4, 2, 5};
-static const casadi_int P30[20] = {3, 9, 0, 3, 3, 3, 6, 6, 6, 8, 8, 8, 0, 1, 2, 0, 1, 2, 0, 1};
-static const casadi_int P31[20] = {3, 9, 0, 0, 3, 3, 3, 6, 6, 6, 8, 8, 0, 1, 2, 0, 1, 2, 0, 1};
-static const casadi_int P32[20] = {3, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 8, 0, 1, 2, 0, 1, 2, 0, 1};
-static const casadi_int P33[3] = {6, 3, 1};
-static const casadi_int P34[57] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P33[20] = {3, 9, 0, 3, 3, 3, 6, 6, 6, 8, 8, 8, 0, 1, 2, 0, 1, 2, 0, 1};
+static const casadi_int P34[20] = {3, 9, 0, 0, 3, 3, 3, 6, 6, 6, 8, 8, 0, 1, 2, 0, 1, 2, 0, 1};
+static const casadi_int P35[20] = {3, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 8, 0, 1, 2, 0, 1, 2, 0, 1};
+static const casadi_int P36[3] = {6, 3, 1};
+static const casadi_int P37[57] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 1, 3, 5, 1, 3, 5, 1, 3, 5};
-static const casadi_int P35[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P38[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P36[51] = {36, 3, 0, 15, 30, 45, 0, 2, 4, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 6,
+static const casadi_int P39[51] = {36, 3, 0, 15, 30, 45, 0, 2, 4, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 6,
     8, 10, 18, 19, 20, 21, 22, 23, 30, 31, 32, 33, 34, 35, 12, 14, 16, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29};
-static const casadi_int P37[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
+static const casadi_int P40[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
     8, 10, 18, 20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6, 8, 10, 18,
     20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 1, 3, 5, 25, 27, 29, 31, 33, 35, 7, 9, 11, 19, 21, 23, 31,
     33, 35, 13, 15, 17, 19, 21, 23, 25, 27, 29};
-static const casadi_int P38[57] = {36, 9, 0, 5, 10, 15, 20, 25, 30, 35, 40, 45, 0, 24, 25, 30, 31, 2, 26, 27, 32,
+static const casadi_int P41[57] = {36, 9, 0, 5, 10, 15, 20, 25, 30, 35, 40, 45, 0, 24, 25, 30, 31, 2, 26, 27, 32,
     33, 4, 28, 29, 34, 35, 6, 18, 19, 30, 31, 8, 20, 21, 32, 33, 10, 22, 23, 34, 35, 12, 18, 19, 24, 25, 14, 20, 21, 26,
     27, 16, 22, 23, 28, 29};
-static const casadi_int P39[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P40[30] = {54, 3, 0, 9, 18, 24, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40,
+static const casadi_int P42[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P43[30] = {54, 3, 0, 9, 18, 24, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40,
     46, 52, 0, 6, 20, 26, 40, 46};
-static const casadi_int P41[84] = {54, 9, 0, 9, 18, 24, 33, 42, 48, 57, 66, 72, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
+static const casadi_int P44[84] = {54, 9, 0, 9, 18, 24, 33, 42, 48, 57, 66, 72, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
     6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 20, 26, 40, 46, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46,
     52, 0, 6, 20, 26, 40, 46, 1, 7, 13, 21, 27, 33, 41, 47, 53, 1, 7, 13, 21, 27, 33, 41, 47, 53, 1, 7, 21, 27, 41, 47};
-static const casadi_int P42[36] = {54, 9, 0, 3, 6, 9, 12, 15, 18, 20, 22, 24, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
+static const casadi_int P45[36] = {54, 9, 0, 3, 6, 9, 12, 15, 18, 20, 22, 24, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
     6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 20, 26, 40, 46};
-static const casadi_int P43[12] = {54, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P44[14] = {6, 3, 0, 3, 6, 8, 0, 2, 4, 0, 2, 4, 0, 2};
-static const casadi_int P45[36] = {6, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 2, 4, 0, 2, 4, 0, 2, 0, 2, 4, 0, 2,
+static const casadi_int P46[12] = {54, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P47[14] = {6, 3, 0, 3, 6, 8, 0, 2, 4, 0, 2, 4, 0, 2};
+static const casadi_int P48[36] = {6, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 2, 4, 0, 2, 4, 0, 2, 0, 2, 4, 0, 2,
     4, 0, 2, 1, 3, 5, 1, 3, 5, 1, 3};
-static const casadi_int P46[20] = {6, 9, 0, 3, 3, 3, 6, 6, 6, 8, 8, 8, 0, 2, 4, 0, 2, 4, 0, 2};
-static const casadi_int P47[20] = {6, 9, 0, 0, 3, 3, 3, 6, 6, 6, 8, 8, 0, 2, 4, 0, 2, 4, 0, 2};
-static const casadi_int P48[20] = {6, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 8, 0, 2, 4, 0, 2, 4, 0, 2};
-static const casadi_int P49[30] = {9, 3, 0, 9, 18, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1,
+static const casadi_int P49[20] = {6, 9, 0, 3, 3, 3, 6, 6, 6, 8, 8, 8, 0, 2, 4, 0, 2, 4, 0, 2};
+static const casadi_int P50[20] = {6, 9, 0, 0, 3, 3, 3, 6, 6, 6, 8, 8, 0, 2, 4, 0, 2, 4, 0, 2};
+static const casadi_int P51[20] = {6, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 8, 0, 2, 4, 0, 2, 4, 0, 2};
+static const casadi_int P52[96] = {81, 3, 0, 30, 60, 90, 0, 3, 6, 11, 14, 17, 20, 23, 26, 29, 32, 35, 36, 37, 38,
+    39, 40, 41, 42, 43, 44, 45, 46, 47, 48, 49, 50, 51, 52, 53, 2, 5, 8, 9, 12, 15, 20, 23, 26, 27, 28, 29, 30, 31, 32,
+    33, 34, 35, 38, 41, 44, 45, 46, 47, 48, 49, 50, 51, 52, 53, 2, 5, 8, 11, 14, 17, 18, 21, 24, 27, 28, 29, 30, 31, 32,
+    33, 34, 35, 36, 37, 38, 39, 40, 41, 42, 43, 44, 47, 50, 53};
+static const casadi_int P53[228] = {81, 9, 0, 24, 48, 72, 96, 120, 144, 168, 192, 216, 0, 3, 6, 11, 14, 17, 20, 23,
+    26, 29, 32, 35, 36, 38, 39, 41, 42, 44, 45, 47, 48, 50, 51, 53, 2, 5, 8, 9, 12, 15, 20, 23, 26, 27, 29, 30, 32, 33,
+    35, 38, 41, 44, 45, 47, 48, 50, 51, 53, 2, 5, 8, 11, 14, 17, 18, 21, 24, 27, 29, 30, 32, 33, 35, 36, 38, 39, 41, 42,
+    44, 47, 50, 53, 0, 3, 6, 11, 14, 17, 20, 23, 26, 29, 32, 35, 36, 38, 39, 41, 42, 44, 45, 47, 48, 50, 51, 53, 2, 5,
+    8, 9, 12, 15, 20, 23, 26, 27, 29, 30, 32, 33, 35, 38, 41, 44, 45, 47, 48, 50, 51, 53, 2, 5, 8, 11, 14, 17, 18, 21,
+    24, 27, 29, 30, 32, 33, 35, 36, 38, 39, 41, 42, 44, 47, 50, 53, 1, 4, 7, 11, 14, 17, 20, 23, 26, 29, 32, 35, 37, 38,
+    40, 41, 43, 44, 46, 47, 49, 50, 52, 53, 2, 5, 8, 10, 13, 16, 20, 23, 26, 28, 29, 31, 32, 34, 35, 38, 41, 44, 46, 47,
+    49, 50, 52, 53, 2, 5, 8, 11, 14, 17, 19, 22, 25, 28, 29, 31, 32, 34, 35, 37, 38, 40, 41, 43, 44, 47, 50, 53};
+static const casadi_int P54[102] = {81, 9, 0, 10, 20, 30, 40, 50, 60, 70, 80, 90, 0, 11, 20, 29, 36, 37, 38, 45, 46,
+    47, 3, 14, 23, 32, 39, 40, 41, 48, 49, 50, 6, 17, 26, 35, 42, 43, 44, 51, 52, 53, 2, 9, 20, 27, 28, 29, 38, 45, 46,
+    47, 5, 12, 23, 30, 31, 32, 41, 48, 49, 50, 8, 15, 26, 33, 34, 35, 44, 51, 52, 53, 2, 11, 18, 27, 28, 29, 36, 37, 38,
+    47, 5, 14, 21, 30, 31, 32, 39, 40, 41, 50, 8, 17, 24, 33, 34, 35, 42, 43, 44, 53};
+static const casadi_int P55[12] = {81, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P56[57] = {81, 3, 0, 18, 36, 51, 0, 2, 9, 11, 18, 20, 30, 32, 39, 41, 48, 50, 60, 62, 69,
+    71, 78, 80, 0, 2, 9, 11, 18, 20, 30, 32, 39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 0, 2, 9, 11, 20, 30, 32, 39, 41,
+    50, 60, 62, 69, 71, 80};
+static const casadi_int P57[165] = {81, 9, 0, 18, 36, 51, 69, 87, 102, 120, 138, 153, 0, 2, 9, 11, 18, 20, 30, 32,
+    39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 0, 2, 9, 11, 18, 20, 30, 32, 39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 0, 2,
+    9, 11, 20, 30, 32, 39, 41, 50, 60, 62, 69, 71, 80, 0, 2, 9, 11, 18, 20, 30, 32, 39, 41, 48, 50, 60, 62, 69, 71, 78,
+    80, 0, 2, 9, 11, 18, 20, 30, 32, 39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 0, 2, 9, 11, 20, 30, 32, 39, 41, 50, 60,
+    62, 69, 71, 80, 1, 2, 10, 11, 19, 20, 31, 32, 40, 41, 49, 50, 61, 62, 70, 71, 79, 80, 1, 2, 10, 11, 19, 20, 31, 32,
+    40, 41, 49, 50, 61, 62, 70, 71, 79, 80, 1, 2, 10, 11, 20, 31, 32, 40, 41, 50, 61, 62, 70, 71, 80};
+static const casadi_int P58[63] = {81, 9, 0, 6, 12, 18, 24, 30, 36, 41, 46, 51, 0, 2, 9, 11, 18, 20, 30, 32, 39, 41,
+    48, 50, 60, 62, 69, 71, 78, 80, 0, 2, 9, 11, 18, 20, 30, 32, 39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 0, 2, 9, 11,
+    20, 30, 32, 39, 41, 50, 60, 62, 69, 71, 80};
+static const casadi_int P59[30] = {9, 3, 0, 9, 18, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1,
     2, 3, 4, 5};
-static const casadi_int P50[60] = {9, 9, 0, 9, 18, 24, 33, 42, 48, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
+static const casadi_int P60[60] = {9, 9, 0, 9, 18, 24, 33, 42, 48, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5};
-static const casadi_int P51[14] = {3, 3, 0, 3, 6, 8, 0, 1, 2, 0, 1, 2, 0, 1};
-static const casadi_int P52[28] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 16, 16, 16, 0, 1, 2, 0, 1, 2, 0, 1, 0, 1, 2, 0, 1,
+static const casadi_int P61[14] = {3, 3, 0, 3, 6, 8, 0, 1, 2, 0, 1, 2, 0, 1};
+static const casadi_int P62[28] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 16, 16, 16, 0, 1, 2, 0, 1, 2, 0, 1, 0, 1, 2, 0, 1,
     2, 0, 1};
-static const casadi_int P53[9] = {3, 3, 0, 3, 3, 3, 0, 1, 2};
-static const casadi_int P54[9] = {3, 3, 0, 0, 3, 3, 0, 1, 2};
-static const casadi_int P55[9] = {3, 3, 0, 0, 0, 3, 0, 1, 2};
-static const casadi_int P56[3] = {6, 9, 1};
-static const casadi_int P57[3] = {9, 3, 1};
-static const casadi_int P58[3] = {9, 9, 1};
-static const casadi_int P59[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P63[9] = {3, 3, 0, 3, 3, 3, 0, 1, 2};
+static const casadi_int P64[9] = {3, 3, 0, 0, 3, 3, 0, 1, 2};
+static const casadi_int P65[9] = {3, 3, 0, 0, 0, 3, 0, 1, 2};
+static const casadi_int P66[3] = {6, 9, 1};
+static const casadi_int P67[3] = {9, 3, 1};
+static const casadi_int P68[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P60[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P61[60] = {9, 6, 0, 9, 18, 24, 33, 42, 51, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6,
+static const casadi_int P69[60] = {9, 6, 0, 9, 18, 24, 33, 42, 51, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6,
     7, 8, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P62[3] = {9, 6, 1};
-static const casadi_int P63[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
-static const casadi_int P64[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 4, 5, 4, 5, 4, 5, 3, 5, 3, 5, 3, 5, 3,
+static const casadi_int P70[3] = {9, 6, 1};
+static const casadi_int P71[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
+static const casadi_int P72[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 4, 5, 4, 5, 4, 5, 3, 5, 3, 5, 3, 5, 3,
     4, 3, 4, 3, 4};
-static const casadi_int P65[63] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 41, 46, 51, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P73[63] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 41, 46, 51, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 3, 4, 5, 0, 1, 3, 4, 5, 0, 1, 3, 4,
     5};
-static const casadi_int P66[3] = {3, 9, 1};
-static const casadi_int P67[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P68[6] = {18, 3, 0, 0, 0, 0};
-static const casadi_int P69[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P70[48] = {18, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 6, 9, 12, 15, 7, 10, 13, 16, 8, 11,
+static const casadi_int P74[3] = {3, 9, 1};
+static const casadi_int P75[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P76[6] = {18, 3, 0, 0, 0, 0};
+static const casadi_int P77[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P78[48] = {18, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 6, 9, 12, 15, 7, 10, 13, 16, 8, 11,
     14, 17, 0, 3, 12, 15, 1, 4, 13, 16, 2, 5, 14, 17, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11};
-static const casadi_int P71[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P72[66] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P79[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P80[66] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5,
     6, 7, 8};
-static const casadi_int P73[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P81[30] = {9, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P74[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P82[30] = {9, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P75[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1,
+static const casadi_int P83[30] = {9, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1,
     2, 3, 4, 5};
-static const casadi_int P76[6] = {24, 3, 0, 0, 0, 0};
-static const casadi_int P77[12] = {24, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P78[15] = {24, 9, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 7, 15, 23};
-static const casadi_int P79[46] = {24, 9, 0, 12, 12, 12, 24, 24, 24, 34, 34, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
+static const casadi_int P84[6] = {24, 3, 0, 0, 0, 0};
+static const casadi_int P85[12] = {24, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P86[15] = {24, 9, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 7, 15, 23};
+static const casadi_int P87[46] = {24, 9, 0, 12, 12, 12, 24, 24, 24, 34, 34, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
     20, 22, 2, 3, 4, 6, 10, 11, 12, 14, 18, 19, 20, 22, 2, 4, 5, 6, 10, 12, 13, 14, 18, 20};
-static const casadi_int P80[15] = {24, 9, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 7, 15, 23};
-static const casadi_int P81[46] = {24, 9, 0, 0, 12, 12, 12, 24, 24, 24, 34, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
+static const casadi_int P88[15] = {24, 9, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 7, 15, 23};
+static const casadi_int P89[46] = {24, 9, 0, 0, 12, 12, 12, 24, 24, 24, 34, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
     20, 22, 2, 3, 4, 6, 10, 11, 12, 14, 18, 19, 20, 22, 2, 4, 5, 6, 10, 12, 13, 14, 18, 20};
-static const casadi_int P82[15] = {24, 9, 0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 7, 15, 23};
-static const casadi_int P83[46] = {24, 9, 0, 0, 0, 12, 12, 12, 24, 24, 24, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
+static const casadi_int P90[15] = {24, 9, 0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 7, 15, 23};
+static const casadi_int P91[46] = {24, 9, 0, 0, 0, 12, 12, 12, 24, 24, 24, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
     20, 22, 2, 3, 4, 6, 10, 11, 12, 14, 18, 19, 20, 22, 2, 4, 5, 6, 10, 12, 13, 14, 18, 20};
-static const casadi_int P84[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P85[30] = {9, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 3, 6, 4, 7, 5, 8, 0, 6, 1, 7, 2, 8, 0,
+static const casadi_int P92[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P93[30] = {9, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 3, 6, 4, 7, 5, 8, 0, 6, 1, 7, 2, 8, 0,
     3, 1, 4, 2, 5};
-static const casadi_int P86[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P87[3] = {2, 9, 1};
-static const casadi_int P88[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P89[3] = {1, 9, 1};
-static const casadi_int P90[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P91[3] = {3, 2, 1};
-static const casadi_int P92[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P93[4] = {9, 1, 0, 0};
-static const casadi_int P94[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P95[3] = {1, 2, 1};
-static const casadi_int P96[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P94[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P95[3] = {2, 9, 1};
+static const casadi_int P96[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P97[3] = {1, 9, 1};
+static const casadi_int P98[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P99[3] = {3, 2, 1};
+static const casadi_int P100[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P101[4] = {9, 1, 0, 0};
+static const casadi_int P102[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P103[3] = {1, 2, 1};
+static const casadi_int P104[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P97[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P105[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -300,7 +333,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_end_points[] = {
-    P24, P25, P26
+    P27, P28, P29
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_Q", "jac_s_redundant"
@@ -338,7 +371,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P0, P27, P28
+    P0, P30, P31
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_Q", "jac_redundant_s"
@@ -372,7 +405,7 @@ static const krhpr_casadi_slot out_subleg_forward[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_forward[] = {
-    P29
+    P32
 };
 static const char *const names_subleg_forward[] = {
     "jac_s_theta"
@@ -408,7 +441,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 1, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P30, P31, P32
+    P33, P34, P35
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -467,7 +500,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_constraints[] = {
-    P33, P34, P35
+    P36, P37, P38
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_Q", "jac_residual_s"
@@ -510,7 +543,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 6, 9, 3, NULL, P12, P13},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P36, P37, P38, P39, P40, P41, P42, P43
+    P39, P40, P41, P42, P43, P44, P45, P46
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
@@ -555,7 +588,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 2, 3, 1, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P36, P37, P38, P39, P44, P45, P46, P13, P44, P45, P47, P13, P44, P45, P48, P13
+    P39, P40, P41, P42, P47, P48, P49, P13, P47, P48, P50, P13, P47, P48, P51, P13
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_Q", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -566,6 +599,55 @@ static const krhpr_casadi_function function_jacobian_blocks = {
 };
 KRHPR_CASADI_FUNCTION(NAME(jacobian_blocks), function_jacobian_blocks)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobian_blocks), function_jacobian_blocks)
+
+/* -- jacobians_n -- */
+
+static int value_jacobians_n(const double *x, double *y)
+{
+    return plain_jacobians_n(&geometry, x, x + 3, x + 12, x + 21, y, y + 81);
+}
+
+static void tangent_jacobians_n(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const Q = given + 3;
+    const krhpr_dual *const s = given + 12;
+    krhpr_dual *const J = found;
+    krhpr_dual *const K = found + 81;
+    krhpr_dual J_lines[36];
+    krhpr_dual along[9];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[6];
+        krhpr_dual redundant_line[6];
+        krhpr_platform_spatial_a_rows_tangent(&geometry.platform, i, p, Q, s + 3 * i, J_lines + 12 * i, N);
+        krhpr_platform_spatial_a_redundant_line_tangent(
+            &geometry.platform, i, p, Q, s + 3 * i, along + 3 * i, redundant_line);
+        krhpr_subleg_tripteron_transmission_tangent(&geometry.subleg, i, N, along + 3 * i, K + 9 * i);
+    }
+    krhpr_subleg_tripteron_non_redundant_tangent(J_lines, along, p, s, J);
+}
+
+static const krhpr_casadi_slot in_jacobians_n[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+};
+static const krhpr_casadi_slot out_jacobians_n[] = {
+    {"out_J", 9, 9, 1, NULL, P16, P17},
+    {"out_K", 9, 9, 3, NULL, P18, P17},
+};
+static const casadi_int *const structure_jacobians_n[] = {
+    P52, P53, P54, P55, P56, P57, P58, P55
+};
+static const char *const names_jacobians_n[] = {
+    "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
+};
+static const krhpr_casadi_function function_jacobians_n = {
+    4, in_jacobians_n, 2, out_jacobians_n, value_jacobians_n, tangent_jacobians_n, structure_jacobians_n, names_jacobians_n
+};
+KRHPR_CASADI_FUNCTION(NAME(jacobians_n), function_jacobians_n)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobians_n), function_jacobians_n)
 
 /* -- inverse -- */
 
@@ -596,7 +678,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse[] = {
-    P49, P50, P26
+    P59, P60, P29
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_Q", "jac_theta_redundant"
@@ -638,7 +720,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 1, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P51, P52, P53, P51, P52, P54, P51, P52, P55
+    P61, P62, P63, P61, P62, P64, P61, P62, P65
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_Q", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_Q", "jac_theta2_redundant",
@@ -711,7 +793,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_twist[] = {
-    P33, P56, P56, P13, P56
+    P36, P66, P66, P13, P66
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_Q", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -757,7 +839,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P57, P58, P59, P60, P61, P26
+    P67, P16, P68, P17, P69, P29
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_Q", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -824,7 +906,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P33, P56, P56, P13, P10, P56, P56
+    P36, P66, P66, P13, P10, P66, P66
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_Q", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -886,7 +968,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P57, P58, P59, P60, P62, P26, P60, P61, P26
+    P67, P16, P68, P17, P70, P29, P17, P69, P29
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_Q", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -947,7 +1029,7 @@ static const krhpr_casadi_slot out_inverse_statics[] = {
     {"out_actuator_forces", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse_statics[] = {
-    P57, P58, P58, P60, P62, P57
+    P67, P16, P16, P17, P70, P67
 };
 static const char *const names_inverse_statics[] = {
     "jac_actuator_forces_p", "jac_actuator_forces_Q", "jac_actuator_forces_s", "jac_actuator_forces_theta",
@@ -997,7 +1079,7 @@ static const krhpr_casadi_slot out_forward_statics[] = {
     {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_statics[] = {
-    P63, P13, P64, P13, P65, P0, P66, P28, P67, P28
+    P71, P13, P72, P13, P73, P0, P74, P31, P75, P31
 };
 static const char *const names_forward_statics[] = {
     "jac_wrench_p", "jac_wrench_Q", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
@@ -1045,14 +1127,14 @@ static const krhpr_casadi_slot in_passive_joints[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_passive_joints[] = {
-    {"out_passive", 3, 6, 1, NULL, P16, P17},
+    {"out_passive", 3, 6, 1, NULL, P19, P20},
     {"out_spherical1", 3, 3, 1, NULL, P0, P1},
     {"out_spherical2", 3, 3, 1, NULL, P0, P1},
     {"out_spherical3", 3, 3, 1, NULL, P0, P1},
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P68, P69, P69, P70, P71, P72, P73, P60, P71, P72, P74, P60, P71, P72, P75, P60, P0, P27, P28, P67
+    P76, P77, P77, P78, P79, P80, P81, P17, P79, P80, P82, P17, P79, P80, P83, P17, P0, P30, P31, P75
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -1096,13 +1178,13 @@ static const krhpr_casadi_slot in_link_points[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_link_points[] = {
-    {"out_points1", 8, 3, 1, NULL, P18, P19},
-    {"out_points2", 8, 3, 1, NULL, P18, P19},
-    {"out_points3", 8, 3, 1, NULL, P18, P19},
+    {"out_points1", 8, 3, 1, NULL, P21, P22},
+    {"out_points2", 8, 3, 1, NULL, P21, P22},
+    {"out_points3", 8, 3, 1, NULL, P21, P22},
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P76, P77, P78, P79, P76, P77, P80, P81, P76, P77, P82, P83, P24, P25, P60, P60
+    P84, P85, P86, P87, P84, P85, P88, P89, P84, P85, P90, P91, P27, P28, P17, P17
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1129,7 +1211,7 @@ static const krhpr_casadi_slot in_clearances[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_clearances[] = {
-    {"out_distances", 474, 1, 1, NULL, P20, P21},
+    {"out_distances", 474, 1, 1, NULL, P23, P24},
 };
 static const krhpr_casadi_function function_clearances = {
     4, in_clearances, 1, out_clearances, value_clearances, NULL, NULL, NULL
@@ -1176,11 +1258,11 @@ static const krhpr_casadi_slot in_singularity[] = {
 static const krhpr_casadi_slot out_singularity[] = {
     {"out_type_1", 3, 1, 1, NULL, P4, P5},
     {"out_factors", 3, 3, 1, NULL, P0, P1},
-    {"out_type_2", 2, 1, 1, NULL, P22, P23},
-    {"out_margins", 2, 1, 1, NULL, P22, P23},
+    {"out_type_2", 2, 1, 1, NULL, P25, P26},
+    {"out_margins", 2, 1, 1, NULL, P25, P26},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P67, P67, P67, P84, P60, P60, P85, P14, P86, P87, P88, P14, P86, P87, P88
+    P1, P75, P75, P75, P92, P17, P17, P93, P14, P94, P95, P96, P14, P94, P95, P96
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1219,8 +1301,8 @@ static const krhpr_casadi_slot in_type_2_of_redundant[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_type_2_of_redundant[] = {
-    {"out_type_2", 2, 1, 1, NULL, P22, P23},
-    {"out_margins", 2, 1, 1, NULL, P22, P23},
+    {"out_type_2", 2, 1, 1, NULL, P25, P26},
+    {"out_margins", 2, 1, 1, NULL, P25, P26},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
     P14, P14
@@ -1316,7 +1398,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P6, P89, P89, P90, P2, P6, P89, P89, P90, P2, P7, P90, P90, P90, P2
+    P6, P97, P97, P98, P2, P6, P97, P97, P98, P2, P7, P98, P98, P98, P2
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_Q", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_1_characteristic_length", "jac_eta_2_p",
@@ -1345,7 +1427,7 @@ static const krhpr_casadi_slot out_forward_encoders_1[] = {
     {"out_p", 2, 3, 1, NULL, P14, P15},
     {"out_Q1", 3, 3, 1, NULL, P0, P1},
     {"out_Q2", 3, 3, 1, NULL, P0, P1},
-    {"out_mismatch", 2, 1, 1, NULL, P22, P23},
+    {"out_mismatch", 2, 1, 1, NULL, P25, P26},
 };
 static const krhpr_casadi_function function_forward_encoders_1 = {
     3, in_forward_encoders_1, 4, out_forward_encoders_1, value_forward_encoders_1, NULL, NULL, NULL
@@ -1391,7 +1473,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
 
 static const krhpr_casadi_slot in_forward_encoders_2[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
-    {"out_measured", 2, 1, 1, NULL, P22, P23},
+    {"out_measured", 2, 1, 1, NULL, P25, P26},
     {"out_tolerance", 1, 1, 1, NULL, P2, P3},
 };
 static const krhpr_casadi_slot out_forward_encoders_2[] = {
@@ -1401,7 +1483,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P66, P91, P5, P58, P92, P93, P58, P92, P93, P94, P95, P3
+    P74, P99, P5, P16, P100, P101, P16, P100, P101, P102, P103, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1462,7 +1544,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P66, P0, P5, P58, P71, P93, P58, P71, P93, P96, P97, P5
+    P74, P0, P5, P16, P79, P101, P16, P79, P101, P104, P105, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

@@ -33,6 +33,7 @@
 #define krhpr_spatial_tripteron_b_constraints plain_constraints
 #define krhpr_spatial_tripteron_b_jacobians plain_jacobians
 #define krhpr_spatial_tripteron_b_jacobian_blocks plain_jacobian_blocks
+#define krhpr_spatial_tripteron_b_jacobians_n plain_jacobians_n
 #define krhpr_spatial_tripteron_b_inverse plain_inverse
 #define krhpr_spatial_tripteron_b_inverse_all plain_inverse_all
 #define krhpr_spatial_tripteron_b_inverse_status plain_inverse_status
@@ -66,6 +67,7 @@
 #undef krhpr_spatial_tripteron_b_constraints
 #undef krhpr_spatial_tripteron_b_jacobians
 #undef krhpr_spatial_tripteron_b_jacobian_blocks
+#undef krhpr_spatial_tripteron_b_jacobians_n
 #undef krhpr_spatial_tripteron_b_inverse
 #undef krhpr_spatial_tripteron_b_inverse_all
 #undef krhpr_spatial_tripteron_b_inverse_status
@@ -145,122 +147,143 @@ static const casadi_int P12[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1
 static const casadi_int P13[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P14[3] = {2, 3, 1};
 static const casadi_int P15[6] = {2, 3, 0, 0, 0, 0};
-static const casadi_int P16[3] = {2, 1, 1};
-static const casadi_int P17[4] = {2, 1, 0, 0};
-static const casadi_int P18[3] = {3, 6, 1};
-static const casadi_int P19[9] = {3, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P20[3] = {8, 3, 1};
-static const casadi_int P21[6] = {8, 3, 0, 0, 0, 0};
-static const casadi_int P22[3] = {390, 1, 1};
-static const casadi_int P23[4] = {390, 1, 0, 0};
-static const casadi_int P24[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P25[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P16[3] = {9, 9, 1};
+static const casadi_int P17[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P18[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 1, 2, 0, 1, 2, 0, 1, 2, 3, 4, 5, 3,
+    4, 5, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
+static const casadi_int P19[3] = {2, 1, 1};
+static const casadi_int P20[4] = {2, 1, 0, 0};
+static const casadi_int P21[3] = {3, 6, 1};
+static const casadi_int P22[9] = {3, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P23[3] = {8, 3, 1};
+static const casadi_int P24[6] = {8, 3, 0, 0, 0, 0};
+static const casadi_int P25[3] = {390, 1, 1};
+static const casadi_int P26[4] = {390, 1, 0, 0};
+static const casadi_int P27[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P28[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P26[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P27[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
+static const casadi_int P29[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
+static const casadi_int P30[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
     1, 2, 0, 1, 2};
-static const casadi_int P28[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P29[36] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 20, 22, 24, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P31[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P32[36] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 20, 22, 24, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 1, 4, 2, 5};
-static const casadi_int P30[20] = {3, 9, 0, 3, 3, 3, 6, 6, 6, 8, 8, 8, 0, 1, 2, 0, 1, 2, 0, 1};
-static const casadi_int P31[20] = {3, 9, 0, 0, 3, 3, 3, 6, 6, 6, 8, 8, 0, 1, 2, 0, 1, 2, 0, 1};
-static const casadi_int P32[20] = {3, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 8, 0, 1, 2, 0, 1, 2, 0, 1};
-static const casadi_int P33[3] = {6, 3, 1};
-static const casadi_int P34[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
+static const casadi_int P33[20] = {3, 9, 0, 3, 3, 3, 6, 6, 6, 8, 8, 8, 0, 1, 2, 0, 1, 2, 0, 1};
+static const casadi_int P34[20] = {3, 9, 0, 0, 3, 3, 3, 6, 6, 6, 8, 8, 0, 1, 2, 0, 1, 2, 0, 1};
+static const casadi_int P35[20] = {3, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 8, 0, 1, 2, 0, 1, 2, 0, 1};
+static const casadi_int P36[3] = {6, 3, 1};
+static const casadi_int P37[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
     2, 4, 0, 2, 4, 1, 3, 5, 1, 3, 5, 1, 3, 5};
-static const casadi_int P35[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P38[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P36[42] = {36, 3, 0, 12, 24, 36, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 18, 19, 20,
+static const casadi_int P39[42] = {36, 3, 0, 12, 24, 36, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 18, 19, 20,
     21, 22, 23, 30, 31, 32, 33, 34, 35, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29};
-static const casadi_int P37[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
+static const casadi_int P40[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
     8, 10, 18, 20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6, 8, 10, 18,
     20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 1, 3, 5, 25, 27, 29, 31, 33, 35, 7, 9, 11, 19, 21, 23, 31,
     33, 35, 13, 15, 17, 19, 21, 23, 25, 27, 29};
-static const casadi_int P38[48] = {36, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 24, 25, 30, 31, 26, 27, 32, 33, 28,
+static const casadi_int P41[48] = {36, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 24, 25, 30, 31, 26, 27, 32, 33, 28,
     29, 34, 35, 18, 19, 30, 31, 20, 21, 32, 33, 22, 23, 34, 35, 18, 19, 24, 25, 20, 21, 26, 27, 22, 23, 28, 29};
-static const casadi_int P39[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P40[6] = {54, 3, 0, 0, 0, 0};
-static const casadi_int P41[84] = {54, 9, 0, 9, 18, 24, 33, 42, 48, 57, 66, 72, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
+static const casadi_int P42[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P43[6] = {54, 3, 0, 0, 0, 0};
+static const casadi_int P44[84] = {54, 9, 0, 9, 18, 24, 33, 42, 48, 57, 66, 72, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
     6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 20, 26, 40, 46, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46,
     52, 0, 6, 20, 26, 40, 46, 1, 7, 13, 21, 27, 33, 41, 47, 53, 1, 7, 13, 21, 27, 33, 41, 47, 53, 1, 7, 21, 27, 41, 47};
-static const casadi_int P42[12] = {54, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P43[6] = {6, 3, 0, 0, 0, 0};
-static const casadi_int P44[36] = {6, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 2, 4, 0, 2, 4, 0, 2, 0, 2, 4, 0, 2,
+static const casadi_int P45[12] = {54, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P46[6] = {6, 3, 0, 0, 0, 0};
+static const casadi_int P47[36] = {6, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 2, 4, 0, 2, 4, 0, 2, 0, 2, 4, 0, 2,
     4, 0, 2, 1, 3, 5, 1, 3, 5, 1, 3};
-static const casadi_int P45[30] = {9, 3, 0, 9, 18, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1,
+static const casadi_int P48[60] = {81, 3, 0, 18, 36, 54, 36, 37, 38, 39, 40, 41, 42, 43, 44, 45, 46, 47, 48, 49, 50,
+    51, 52, 53, 27, 28, 29, 30, 31, 32, 33, 34, 35, 45, 46, 47, 48, 49, 50, 51, 52, 53, 27, 28, 29, 30, 31, 32, 33, 34,
+    35, 36, 37, 38, 39, 40, 41, 42, 43, 44};
+static const casadi_int P49[147] = {81, 9, 0, 18, 36, 54, 72, 90, 108, 117, 126, 135, 0, 2, 3, 5, 6, 8, 36, 38, 39,
+    41, 42, 44, 45, 47, 48, 50, 51, 53, 9, 11, 12, 14, 15, 17, 27, 29, 30, 32, 33, 35, 45, 47, 48, 50, 51, 53, 18, 20,
+    21, 23, 24, 26, 27, 29, 30, 32, 33, 35, 36, 38, 39, 41, 42, 44, 0, 2, 3, 5, 6, 8, 36, 38, 39, 41, 42, 44, 45, 47,
+    48, 50, 51, 53, 9, 11, 12, 14, 15, 17, 27, 29, 30, 32, 33, 35, 45, 47, 48, 50, 51, 53, 18, 20, 21, 23, 24, 26, 27,
+    29, 30, 32, 33, 35, 36, 38, 39, 41, 42, 44, 1, 4, 7, 37, 40, 43, 46, 49, 52, 10, 13, 16, 28, 31, 34, 46, 49, 52, 19,
+    22, 25, 28, 31, 34, 37, 40, 43};
+static const casadi_int P50[66] = {81, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 36, 37, 38, 45, 46, 47, 39, 40, 41,
+    48, 49, 50, 42, 43, 44, 51, 52, 53, 27, 28, 29, 45, 46, 47, 30, 31, 32, 48, 49, 50, 33, 34, 35, 51, 52, 53, 27, 28,
+    29, 36, 37, 38, 30, 31, 32, 39, 40, 41, 33, 34, 35, 42, 43, 44};
+static const casadi_int P51[12] = {81, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P52[6] = {81, 3, 0, 0, 0, 0};
+static const casadi_int P53[132] = {81, 9, 0, 18, 36, 48, 66, 84, 96, 105, 114, 120, 0, 2, 9, 11, 18, 20, 30, 32,
+    39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 0, 2, 9, 11, 18, 20, 30, 32, 39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 0, 2,
+    9, 11, 30, 32, 39, 41, 60, 62, 69, 71, 0, 2, 9, 11, 18, 20, 30, 32, 39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 0, 2, 9,
+    11, 18, 20, 30, 32, 39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 0, 2, 9, 11, 30, 32, 39, 41, 60, 62, 69, 71, 1, 10, 19,
+    31, 40, 49, 61, 70, 79, 1, 10, 19, 31, 40, 49, 61, 70, 79, 1, 10, 31, 40, 61, 70};
+static const casadi_int P54[30] = {9, 3, 0, 9, 18, 24, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1,
     2, 3, 4, 5};
-static const casadi_int P46[60] = {9, 9, 0, 9, 18, 24, 33, 42, 48, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
+static const casadi_int P55[60] = {9, 9, 0, 9, 18, 24, 33, 42, 48, 48, 48, 48, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5};
-static const casadi_int P47[14] = {3, 3, 0, 3, 6, 8, 0, 1, 2, 0, 1, 2, 0, 1};
-static const casadi_int P48[28] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 16, 16, 16, 0, 1, 2, 0, 1, 2, 0, 1, 0, 1, 2, 0, 1,
+static const casadi_int P56[14] = {3, 3, 0, 3, 6, 8, 0, 1, 2, 0, 1, 2, 0, 1};
+static const casadi_int P57[28] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 16, 16, 16, 0, 1, 2, 0, 1, 2, 0, 1, 0, 1, 2, 0, 1,
     2, 0, 1};
-static const casadi_int P49[9] = {3, 3, 0, 3, 3, 3, 0, 1, 2};
-static const casadi_int P50[9] = {3, 3, 0, 0, 3, 3, 0, 1, 2};
-static const casadi_int P51[9] = {3, 3, 0, 0, 0, 3, 0, 1, 2};
-static const casadi_int P52[3] = {6, 9, 1};
-static const casadi_int P53[3] = {9, 3, 1};
-static const casadi_int P54[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P58[9] = {3, 3, 0, 3, 3, 3, 0, 1, 2};
+static const casadi_int P59[9] = {3, 3, 0, 0, 3, 3, 0, 1, 2};
+static const casadi_int P60[9] = {3, 3, 0, 0, 0, 3, 0, 1, 2};
+static const casadi_int P61[3] = {6, 9, 1};
+static const casadi_int P62[3] = {9, 3, 1};
+static const casadi_int P63[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P55[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P56[60] = {9, 6, 0, 9, 18, 24, 33, 42, 51, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6,
+static const casadi_int P64[60] = {9, 6, 0, 9, 18, 24, 33, 42, 51, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6,
     7, 8, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P57[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
+static const casadi_int P65[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5,
     6, 7, 8};
-static const casadi_int P58[3] = {9, 6, 1};
-static const casadi_int P59[3] = {9, 9, 1};
-static const casadi_int P60[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
-static const casadi_int P61[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 4, 5, 4, 5, 4, 5, 3, 5, 3, 5, 3, 5, 3,
+static const casadi_int P66[3] = {9, 6, 1};
+static const casadi_int P67[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
+static const casadi_int P68[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 4, 5, 4, 5, 4, 5, 3, 5, 3, 5, 3, 5, 3,
     4, 3, 4, 3, 4};
-static const casadi_int P62[63] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 41, 46, 51, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P69[63] = {6, 9, 0, 6, 12, 18, 24, 30, 36, 41, 46, 51, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 3, 4, 5, 0, 1, 3, 4, 5, 0, 1, 3, 4,
     5};
-static const casadi_int P63[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P64[3] = {3, 2, 1};
-static const casadi_int P65[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P66[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8,
+static const casadi_int P70[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P71[3] = {3, 2, 1};
+static const casadi_int P72[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P73[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8,
     3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P67[21] = {9, 3, 0, 6, 12, 15, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8};
-static const casadi_int P68[24] = {9, 3, 0, 6, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P69[27] = {9, 3, 0, 7, 14, 21, 0, 3, 4, 5, 6, 7, 8, 1, 3, 4, 5, 6, 7, 8, 2, 3, 4, 5, 6, 7,
+static const casadi_int P74[21] = {9, 3, 0, 6, 12, 15, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8};
+static const casadi_int P75[24] = {9, 3, 0, 6, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P76[27] = {9, 3, 0, 7, 14, 21, 0, 3, 4, 5, 6, 7, 8, 1, 3, 4, 5, 6, 7, 8, 2, 3, 4, 5, 6, 7,
     8};
-static const casadi_int P70[4] = {9, 1, 0, 0};
-static const casadi_int P71[3] = {3, 9, 1};
-static const casadi_int P72[6] = {18, 3, 0, 0, 0, 0};
-static const casadi_int P73[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P74[48] = {18, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 6, 9, 12, 15, 7, 10, 13, 16, 8, 11,
+static const casadi_int P77[4] = {9, 1, 0, 0};
+static const casadi_int P78[3] = {3, 9, 1};
+static const casadi_int P79[6] = {18, 3, 0, 0, 0, 0};
+static const casadi_int P80[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P81[48] = {18, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 6, 9, 12, 15, 7, 10, 13, 16, 8, 11,
     14, 17, 0, 3, 12, 15, 1, 4, 13, 16, 2, 5, 14, 17, 0, 3, 6, 9, 1, 4, 7, 10, 2, 5, 8, 11};
-static const casadi_int P75[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P76[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P82[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P83[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P77[6] = {24, 3, 0, 0, 0, 0};
-static const casadi_int P78[12] = {24, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P79[15] = {24, 9, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 7, 15, 23};
-static const casadi_int P80[46] = {24, 9, 0, 12, 12, 12, 24, 24, 24, 34, 34, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
+static const casadi_int P84[6] = {24, 3, 0, 0, 0, 0};
+static const casadi_int P85[12] = {24, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P86[15] = {24, 9, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 7, 15, 23};
+static const casadi_int P87[46] = {24, 9, 0, 12, 12, 12, 24, 24, 24, 34, 34, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
     20, 22, 2, 3, 4, 6, 10, 11, 12, 14, 18, 19, 20, 22, 2, 4, 5, 6, 10, 12, 13, 14, 18, 20};
-static const casadi_int P81[15] = {24, 9, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 7, 15, 23};
-static const casadi_int P82[46] = {24, 9, 0, 0, 12, 12, 12, 24, 24, 24, 34, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
+static const casadi_int P88[15] = {24, 9, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 7, 15, 23};
+static const casadi_int P89[46] = {24, 9, 0, 0, 12, 12, 12, 24, 24, 24, 34, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
     20, 22, 2, 3, 4, 6, 10, 11, 12, 14, 18, 19, 20, 22, 2, 4, 5, 6, 10, 12, 13, 14, 18, 20};
-static const casadi_int P83[15] = {24, 9, 0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 7, 15, 23};
-static const casadi_int P84[46] = {24, 9, 0, 0, 0, 12, 12, 12, 24, 24, 24, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
+static const casadi_int P90[15] = {24, 9, 0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 7, 15, 23};
+static const casadi_int P91[46] = {24, 9, 0, 0, 0, 12, 12, 12, 24, 24, 24, 34, 1, 2, 4, 6, 9, 10, 12, 14, 17, 18,
     20, 22, 2, 3, 4, 6, 10, 11, 12, 14, 18, 19, 20, 22, 2, 4, 5, 6, 10, 12, 13, 14, 18, 20};
-static const casadi_int P85[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P86[30] = {9, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 3, 6, 4, 7, 5, 8, 0, 6, 1, 7, 2, 8, 0,
+static const casadi_int P92[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P93[30] = {9, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 3, 6, 4, 7, 5, 8, 0, 6, 1, 7, 2, 8, 0,
     3, 1, 4, 2, 5};
-static const casadi_int P87[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P88[3] = {2, 9, 1};
-static const casadi_int P89[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P90[3] = {1, 9, 1};
-static const casadi_int P91[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P92[3] = {9, 1, 1};
-static const casadi_int P93[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P94[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P95[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P96[3] = {1, 2, 1};
-static const casadi_int P97[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P98[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P94[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P95[3] = {2, 9, 1};
+static const casadi_int P96[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P97[3] = {1, 9, 1};
+static const casadi_int P98[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P99[3] = {9, 1, 1};
+static const casadi_int P100[10] = {9, 1, 0, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P101[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P102[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P103[3] = {1, 2, 1};
+static const casadi_int P104[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P105[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P99[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P106[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -307,7 +330,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_end_points[] = {
-    P24, P25, P26
+    P27, P28, P29
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_Q", "jac_s_redundant"
@@ -345,7 +368,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P0, P27, P28
+    P0, P30, P31
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_Q", "jac_redundant_s"
@@ -379,7 +402,7 @@ static const krhpr_casadi_slot out_subleg_forward[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_forward[] = {
-    P29
+    P32
 };
 static const char *const names_subleg_forward[] = {
     "jac_s_theta"
@@ -415,7 +438,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 1, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P30, P31, P32
+    P33, P34, P35
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -474,7 +497,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_constraints[] = {
-    P33, P34, P35
+    P36, P37, P38
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_Q", "jac_residual_s"
@@ -517,7 +540,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 6, 9, 3, NULL, P12, P13},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P36, P37, P38, P39, P40, P41, P42, P42
+    P39, P40, P41, P42, P43, P44, P45, P45
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
@@ -562,7 +585,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 2, 3, 1, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P36, P37, P38, P39, P43, P44, P13, P13, P43, P44, P13, P13, P43, P44, P13, P13
+    P39, P40, P41, P42, P46, P47, P13, P13, P46, P47, P13, P13, P46, P47, P13, P13
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_Q", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -573,6 +596,55 @@ static const krhpr_casadi_function function_jacobian_blocks = {
 };
 KRHPR_CASADI_FUNCTION(NAME(jacobian_blocks), function_jacobian_blocks)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobian_blocks), function_jacobian_blocks)
+
+/* -- jacobians_n -- */
+
+static int value_jacobians_n(const double *x, double *y)
+{
+    return plain_jacobians_n(&geometry, x, x + 3, x + 12, x + 21, y, y + 81);
+}
+
+static void tangent_jacobians_n(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const Q = given + 3;
+    const krhpr_dual *const s = given + 12;
+    krhpr_dual *const J = found;
+    krhpr_dual *const K = found + 81;
+    krhpr_dual J_lines[36];
+    krhpr_dual along[9];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[6];
+        krhpr_dual redundant_line[6];
+        krhpr_platform_spatial_b_rows_tangent(&geometry.platform, i, p, Q, s + 3 * i, J_lines + 12 * i, N);
+        krhpr_platform_spatial_b_redundant_line_tangent(
+            &geometry.platform, i, p, Q, s + 3 * i, along + 3 * i, redundant_line);
+        krhpr_subleg_tripteron_transmission_tangent(&geometry.subleg, i, N, along + 3 * i, K + 9 * i);
+    }
+    krhpr_subleg_tripteron_non_redundant_tangent(J_lines, along, p, s, J);
+}
+
+static const krhpr_casadi_slot in_jacobians_n[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+};
+static const krhpr_casadi_slot out_jacobians_n[] = {
+    {"out_J", 9, 9, 1, NULL, P16, P17},
+    {"out_K", 9, 9, 3, NULL, P18, P17},
+};
+static const casadi_int *const structure_jacobians_n[] = {
+    P48, P49, P50, P51, P52, P53, P51, P51
+};
+static const char *const names_jacobians_n[] = {
+    "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
+};
+static const krhpr_casadi_function function_jacobians_n = {
+    4, in_jacobians_n, 2, out_jacobians_n, value_jacobians_n, tangent_jacobians_n, structure_jacobians_n, names_jacobians_n
+};
+KRHPR_CASADI_FUNCTION(NAME(jacobians_n), function_jacobians_n)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobians_n), function_jacobians_n)
 
 /* -- inverse -- */
 
@@ -603,7 +675,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse[] = {
-    P45, P46, P26
+    P54, P55, P29
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_Q", "jac_theta_redundant"
@@ -645,7 +717,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 1, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P47, P48, P49, P47, P48, P50, P47, P48, P51
+    P56, P57, P58, P56, P57, P59, P56, P57, P60
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_Q", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_Q", "jac_theta2_redundant",
@@ -718,7 +790,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_twist[] = {
-    P33, P52, P52, P13, P52
+    P36, P61, P61, P13, P61
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_Q", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -764,7 +836,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P53, P46, P54, P55, P56, P26
+    P62, P55, P63, P17, P64, P29
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_Q", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -831,7 +903,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 6, 1, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P33, P52, P52, P13, P10, P52, P52
+    P36, P61, P61, P13, P10, P61, P61
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_Q", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -893,7 +965,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P53, P57, P54, P55, P58, P26, P55, P56, P26
+    P62, P65, P63, P17, P66, P29, P17, P64, P29
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_Q", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -954,7 +1026,7 @@ static const krhpr_casadi_slot out_inverse_statics[] = {
     {"out_actuator_forces", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse_statics[] = {
-    P53, P59, P59, P55, P58, P53
+    P62, P16, P16, P17, P66, P62
 };
 static const char *const names_inverse_statics[] = {
     "jac_actuator_forces_p", "jac_actuator_forces_Q", "jac_actuator_forces_s", "jac_actuator_forces_theta",
@@ -1004,7 +1076,7 @@ static const krhpr_casadi_slot out_forward_statics[] = {
     {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_statics[] = {
-    P60, P13, P61, P13, P62, P1, P27, P63, P63, P28
+    P67, P13, P68, P13, P69, P1, P30, P70, P70, P31
 };
 static const char *const names_forward_statics[] = {
     "jac_wrench_p", "jac_wrench_Q", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
@@ -1046,7 +1118,7 @@ static const krhpr_casadi_slot in_opening[] = {
 };
 static const krhpr_casadi_slot out_opening[] = {
     {"out_opening", 1, 1, 1, NULL, P2, P3},
-    {"out_centre", 2, 1, 1, NULL, P16, P17},
+    {"out_centre", 2, 1, 1, NULL, P19, P20},
     {"out_shares", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_opening[] = {
@@ -1083,14 +1155,14 @@ static void tangent_redundant_of_opening(const krhpr_dual *given, krhpr_dual *fo
 
 static const krhpr_casadi_slot in_redundant_of_opening[] = {
     {"out_opening", 1, 1, 1, NULL, P2, P3},
-    {"out_centre", 2, 1, 1, NULL, P16, P17},
+    {"out_centre", 2, 1, 1, NULL, P19, P20},
     {"out_jaws", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_redundant_of_opening[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_of_opening[] = {
-    P4, P64, P65
+    P4, P71, P72
 };
 static const char *const names_redundant_of_opening[] = {
     "jac_redundant_opening", "jac_redundant_centre", "jac_redundant_jaws"
@@ -1147,7 +1219,7 @@ static const krhpr_casadi_slot out_grasp[] = {
     {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_grasp[] = {
-    P66, P66, P67, P68, P69, P70, P52, P52, P33, P33, P33, P9, P63, P63, P1, P1, P65, P5, P71, P71, P0, P0, P0, P4
+    P73, P73, P74, P75, P76, P77, P61, P61, P36, P36, P36, P9, P70, P70, P1, P1, P72, P5, P78, P78, P0, P0, P0, P4
 };
 static const char *const names_grasp[] = {
     "jac_contact_forces_Q", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
@@ -1200,14 +1272,14 @@ static const krhpr_casadi_slot in_passive_joints[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_passive_joints[] = {
-    {"out_passive", 3, 6, 1, NULL, P18, P19},
+    {"out_passive", 3, 6, 1, NULL, P21, P22},
     {"out_spherical1", 3, 3, 1, NULL, P0, P1},
     {"out_spherical2", 3, 3, 1, NULL, P0, P1},
     {"out_spherical3", 3, 3, 1, NULL, P0, P1},
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P72, P73, P73, P74, P75, P76, P55, P55, P75, P76, P55, P55, P75, P76, P55, P55, P0, P27, P28, P63
+    P79, P80, P80, P81, P82, P83, P17, P17, P82, P83, P17, P17, P82, P83, P17, P17, P0, P30, P31, P70
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -1250,13 +1322,13 @@ static const krhpr_casadi_slot in_link_points[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_link_points[] = {
-    {"out_points1", 8, 3, 1, NULL, P20, P21},
-    {"out_points2", 8, 3, 1, NULL, P20, P21},
-    {"out_points3", 8, 3, 1, NULL, P20, P21},
+    {"out_points1", 8, 3, 1, NULL, P23, P24},
+    {"out_points2", 8, 3, 1, NULL, P23, P24},
+    {"out_points3", 8, 3, 1, NULL, P23, P24},
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P77, P78, P79, P80, P77, P78, P81, P82, P77, P78, P83, P84, P75, P25, P85, P55
+    P84, P85, P86, P87, P84, P85, P88, P89, P84, P85, P90, P91, P82, P28, P92, P17
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1283,7 +1355,7 @@ static const krhpr_casadi_slot in_clearances[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_clearances[] = {
-    {"out_distances", 390, 1, 1, NULL, P22, P23},
+    {"out_distances", 390, 1, 1, NULL, P25, P26},
 };
 static const krhpr_casadi_function function_clearances = {
     4, in_clearances, 1, out_clearances, value_clearances, NULL, NULL, NULL
@@ -1330,11 +1402,11 @@ static const krhpr_casadi_slot in_singularity[] = {
 static const krhpr_casadi_slot out_singularity[] = {
     {"out_type_1", 3, 1, 1, NULL, P4, P5},
     {"out_factors", 3, 3, 1, NULL, P0, P1},
-    {"out_type_2", 2, 1, 1, NULL, P16, P17},
-    {"out_margins", 2, 1, 1, NULL, P16, P17},
+    {"out_type_2", 2, 1, 1, NULL, P19, P20},
+    {"out_margins", 2, 1, 1, NULL, P19, P20},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P63, P63, P63, P75, P55, P55, P86, P14, P87, P88, P89, P14, P87, P88, P89
+    P1, P70, P70, P70, P82, P17, P17, P93, P14, P94, P95, P96, P14, P94, P95, P96
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1373,8 +1445,8 @@ static const krhpr_casadi_slot in_type_2_of_redundant[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_type_2_of_redundant[] = {
-    {"out_type_2", 2, 1, 1, NULL, P16, P17},
-    {"out_margins", 2, 1, 1, NULL, P16, P17},
+    {"out_type_2", 2, 1, 1, NULL, P19, P20},
+    {"out_margins", 2, 1, 1, NULL, P19, P20},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
     P14, P14
@@ -1470,7 +1542,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P6, P90, P90, P91, P2, P6, P90, P90, P91, P2, P7, P91, P91, P91, P2
+    P6, P97, P97, P98, P2, P6, P97, P97, P98, P2, P7, P98, P98, P98, P2
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_Q", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_1_characteristic_length", "jac_eta_2_p",
@@ -1522,11 +1594,11 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_Q1", 3, 3, 1, NULL, P0, P1},
     {"out_Q2", 3, 3, 1, NULL, P0, P1},
     {"out_redundant", 2, 3, 1, NULL, P14, P15},
-    {"out_det_J", 2, 1, 1, NULL, P16, P17},
+    {"out_det_J", 2, 1, 1, NULL, P19, P20},
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P52, P8, P59, P92, P59, P92, P52, P8, P88, P16, P91, P3
+    P61, P8, P16, P99, P16, P99, P61, P8, P95, P19, P98, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1583,7 +1655,7 @@ static const krhpr_casadi_slot out_forward[] = {
     {"out_certified", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward[] = {
-    P71, P4, P59, P93, P71, P4, P91, P3, P91, P3
+    P78, P4, P16, P100, P78, P4, P98, P3, P98, P3
 };
 static const char *const names_forward[] = {
     "jac_p_theta", "jac_p_side", "jac_Q_theta", "jac_Q_side", "jac_redundant_theta", "jac_redundant_side",
@@ -1632,7 +1704,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
 
 static const krhpr_casadi_slot in_forward_encoders_2[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
-    {"out_measured", 2, 1, 1, NULL, P16, P17},
+    {"out_measured", 2, 1, 1, NULL, P19, P20},
     {"out_tolerance", 1, 1, 1, NULL, P2, P3},
 };
 static const krhpr_casadi_slot out_forward_encoders_2[] = {
@@ -1642,7 +1714,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P71, P64, P5, P59, P94, P70, P59, P94, P70, P95, P96, P3
+    P78, P71, P5, P16, P101, P77, P16, P101, P77, P102, P103, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1701,7 +1773,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P71, P0, P5, P59, P97, P70, P59, P97, P70, P98, P99, P5
+    P78, P0, P5, P16, P104, P77, P16, P104, P77, P105, P106, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

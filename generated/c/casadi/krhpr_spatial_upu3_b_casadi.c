@@ -34,6 +34,7 @@
 #define krhpr_spatial_upu3_b_constraints plain_constraints
 #define krhpr_spatial_upu3_b_jacobians plain_jacobians
 #define krhpr_spatial_upu3_b_jacobian_blocks plain_jacobian_blocks
+#define krhpr_spatial_upu3_b_jacobians_n plain_jacobians_n
 #define krhpr_spatial_upu3_b_inverse plain_inverse
 #define krhpr_spatial_upu3_b_inverse_all plain_inverse_all
 #define krhpr_spatial_upu3_b_inverse_status plain_inverse_status
@@ -68,6 +69,7 @@
 #undef krhpr_spatial_upu3_b_constraints
 #undef krhpr_spatial_upu3_b_jacobians
 #undef krhpr_spatial_upu3_b_jacobian_blocks
+#undef krhpr_spatial_upu3_b_jacobians_n
 #undef krhpr_spatial_upu3_b_inverse
 #undef krhpr_spatial_upu3_b_inverse_all
 #undef krhpr_spatial_upu3_b_inverse_status
@@ -151,128 +153,156 @@ static const casadi_int P13[9] = {6, 6, 0, 0, 0, 0, 0, 0, 0};
 static const casadi_int P14[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 0, 1, 0, 1, 2, 3, 2, 3, 2, 3, 4,
     5, 4, 5, 4, 5};
 static const casadi_int P15[12] = {6, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P16[3] = {2, 1, 1};
-static const casadi_int P17[4] = {2, 1, 0, 0};
-static const casadi_int P18[3] = {3, 6, 1};
-static const casadi_int P19[9] = {3, 6, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P20[3] = {4, 3, 1};
-static const casadi_int P21[6] = {4, 3, 0, 0, 0, 0};
-static const casadi_int P22[3] = {48, 1, 1};
-static const casadi_int P23[4] = {48, 1, 0, 0};
-static const casadi_int P24[3] = {3, 5, 1};
-static const casadi_int P25[8] = {3, 5, 0, 0, 0, 0, 0, 0};
-static const casadi_int P26[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P27[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P16[3] = {9, 9, 1};
+static const casadi_int P17[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P18[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 1, 2, 0, 1, 2, 0, 1, 2, 3, 4, 5, 3,
+    4, 5, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
+static const casadi_int P19[3] = {2, 1, 1};
+static const casadi_int P20[4] = {2, 1, 0, 0};
+static const casadi_int P21[3] = {3, 6, 1};
+static const casadi_int P22[9] = {3, 6, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P23[3] = {4, 3, 1};
+static const casadi_int P24[6] = {4, 3, 0, 0, 0, 0};
+static const casadi_int P25[3] = {48, 1, 1};
+static const casadi_int P26[4] = {48, 1, 0, 0};
+static const casadi_int P27[3] = {3, 5, 1};
+static const casadi_int P28[8] = {3, 5, 0, 0, 0, 0, 0, 0};
+static const casadi_int P29[15] = {9, 3, 0, 3, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P30[30] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8};
-static const casadi_int P28[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P29[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
+static const casadi_int P31[15] = {9, 3, 0, 3, 6, 9, 0, 3, 6, 1, 4, 7, 2, 5, 8};
+static const casadi_int P32[30] = {3, 9, 0, 3, 6, 9, 12, 15, 18, 18, 18, 18, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 0,
     1, 2, 0, 1, 2};
-static const casadi_int P30[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P31[30] = {6, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P33[21] = {3, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P34[30] = {6, 9, 0, 6, 6, 6, 12, 12, 12, 18, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P32[30] = {6, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P35[30] = {6, 9, 0, 0, 6, 6, 6, 12, 12, 12, 18, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P33[30] = {6, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1,
+static const casadi_int P36[30] = {6, 9, 0, 0, 0, 6, 6, 6, 12, 12, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1,
     2, 3, 4, 5};
-static const casadi_int P34[21] = {3, 9, 0, 3, 3, 3, 6, 6, 6, 9, 9, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P35[21] = {3, 9, 0, 0, 3, 3, 3, 6, 6, 6, 9, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P36[21] = {3, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
-static const casadi_int P37[39] = {9, 9, 0, 9, 9, 9, 18, 18, 18, 27, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P37[21] = {3, 9, 0, 3, 3, 3, 6, 6, 6, 9, 9, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P38[21] = {3, 9, 0, 0, 3, 3, 3, 6, 6, 6, 9, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P39[21] = {3, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 9, 0, 1, 2, 0, 1, 2, 0, 1, 2};
+static const casadi_int P40[39] = {9, 9, 0, 9, 9, 9, 18, 18, 18, 27, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P38[21] = {9, 9, 0, 3, 3, 3, 6, 6, 6, 9, 9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P39[39] = {9, 9, 0, 0, 9, 9, 9, 18, 18, 18, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
+static const casadi_int P41[21] = {9, 9, 0, 3, 3, 3, 6, 6, 6, 9, 9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P42[39] = {9, 9, 0, 0, 9, 9, 9, 18, 18, 18, 27, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3,
     4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P40[21] = {9, 9, 0, 0, 3, 3, 3, 6, 6, 6, 9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P41[39] = {9, 9, 0, 0, 0, 9, 9, 9, 18, 18, 18, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4,
+static const casadi_int P43[21] = {9, 9, 0, 0, 3, 3, 3, 6, 6, 6, 9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P44[39] = {9, 9, 0, 0, 0, 9, 9, 9, 18, 18, 18, 27, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4,
     5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P42[21] = {9, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P43[3] = {6, 3, 1};
-static const casadi_int P44[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
+static const casadi_int P45[21] = {9, 9, 0, 0, 0, 3, 3, 3, 6, 6, 6, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P46[3] = {6, 3, 1};
+static const casadi_int P47[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0, 2, 4, 0,
     2, 4, 0, 2, 4, 1, 3, 5, 1, 3, 5, 1, 3, 5};
-static const casadi_int P45[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
+static const casadi_int P48[30] = {6, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0,
     1, 2, 3, 4, 5};
-static const casadi_int P46[42] = {36, 3, 0, 12, 24, 36, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 18, 19, 20,
+static const casadi_int P49[42] = {36, 3, 0, 12, 24, 36, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 18, 19, 20,
     21, 22, 23, 30, 31, 32, 33, 34, 35, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29};
-static const casadi_int P47[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
+static const casadi_int P50[93] = {36, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6,
     8, 10, 18, 20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 0, 2, 4, 24, 26, 28, 30, 32, 34, 6, 8, 10, 18,
     20, 22, 30, 32, 34, 12, 14, 16, 18, 20, 22, 24, 26, 28, 1, 3, 5, 25, 27, 29, 31, 33, 35, 7, 9, 11, 19, 21, 23, 31,
     33, 35, 13, 15, 17, 19, 21, 23, 25, 27, 29};
-static const casadi_int P48[48] = {36, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 24, 25, 30, 31, 26, 27, 32, 33, 28,
+static const casadi_int P51[48] = {36, 9, 0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 24, 25, 30, 31, 26, 27, 32, 33, 28,
     29, 34, 35, 18, 19, 30, 31, 20, 21, 32, 33, 22, 23, 34, 35, 18, 19, 24, 25, 20, 21, 26, 27, 22, 23, 28, 29};
-static const casadi_int P49[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P50[6] = {54, 3, 0, 0, 0, 0};
-static const casadi_int P51[93] = {54, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
+static const casadi_int P52[12] = {36, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P53[6] = {54, 3, 0, 0, 0, 0};
+static const casadi_int P54[93] = {54, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0,
     6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 0, 6, 12, 20, 26,
     32, 40, 46, 52, 0, 6, 12, 20, 26, 32, 40, 46, 52, 1, 7, 13, 21, 27, 33, 41, 47, 53, 1, 7, 13, 21, 27, 33, 41, 47,
     53, 1, 7, 13, 21, 27, 33, 41, 47, 53};
-static const casadi_int P52[66] = {54, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27,
+static const casadi_int P55[66] = {54, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27,
     32, 33, 40, 41, 46, 47, 52, 53, 0, 1, 6, 7, 12, 13, 20, 21, 26, 27, 32, 33, 40, 41, 46, 47, 52, 53, 0, 1, 6, 7, 12,
     13, 20, 21, 26, 27, 32, 33, 40, 41, 46, 47, 52, 53};
-static const casadi_int P53[30] = {54, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 20, 21, 40, 41, 6, 7, 26, 27, 46,
+static const casadi_int P56[30] = {54, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 0, 1, 20, 21, 40, 41, 6, 7, 26, 27, 46,
     47, 12, 13, 32, 33, 52, 53};
-static const casadi_int P54[6] = {6, 3, 0, 0, 0, 0};
-static const casadi_int P55[18] = {6, 9, 0, 2, 2, 2, 4, 4, 4, 6, 6, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P56[18] = {6, 9, 0, 0, 2, 2, 2, 4, 4, 4, 6, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P57[18] = {6, 9, 0, 0, 0, 2, 2, 2, 4, 4, 4, 6, 0, 1, 2, 3, 4, 5};
-static const casadi_int P58[3] = {9, 3, 1};
-static const casadi_int P59[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
+static const casadi_int P57[6] = {6, 3, 0, 0, 0, 0};
+static const casadi_int P58[18] = {6, 9, 0, 2, 2, 2, 4, 4, 4, 6, 6, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P59[18] = {6, 9, 0, 0, 2, 2, 2, 4, 4, 4, 6, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P60[18] = {6, 9, 0, 0, 0, 2, 2, 2, 4, 4, 4, 6, 0, 1, 2, 3, 4, 5};
+static const casadi_int P61[60] = {81, 3, 0, 18, 36, 54, 36, 37, 38, 39, 40, 41, 42, 43, 44, 45, 46, 47, 48, 49, 50,
+    51, 52, 53, 27, 28, 29, 30, 31, 32, 33, 34, 35, 45, 46, 47, 48, 49, 50, 51, 52, 53, 27, 28, 29, 30, 31, 32, 33, 34,
+    35, 36, 37, 38, 39, 40, 41, 42, 43, 44};
+static const casadi_int P62[147] = {81, 9, 0, 18, 36, 54, 72, 90, 108, 117, 126, 135, 0, 2, 3, 5, 6, 8, 36, 38, 39,
+    41, 42, 44, 45, 47, 48, 50, 51, 53, 9, 11, 12, 14, 15, 17, 27, 29, 30, 32, 33, 35, 45, 47, 48, 50, 51, 53, 18, 20,
+    21, 23, 24, 26, 27, 29, 30, 32, 33, 35, 36, 38, 39, 41, 42, 44, 0, 2, 3, 5, 6, 8, 36, 38, 39, 41, 42, 44, 45, 47,
+    48, 50, 51, 53, 9, 11, 12, 14, 15, 17, 27, 29, 30, 32, 33, 35, 45, 47, 48, 50, 51, 53, 18, 20, 21, 23, 24, 26, 27,
+    29, 30, 32, 33, 35, 36, 38, 39, 41, 42, 44, 1, 4, 7, 37, 40, 43, 46, 49, 52, 10, 13, 16, 28, 31, 34, 46, 49, 52, 19,
+    22, 25, 28, 31, 34, 37, 40, 43};
+static const casadi_int P63[66] = {81, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 36, 37, 38, 45, 46, 47, 39, 40, 41,
+    48, 49, 50, 42, 43, 44, 51, 52, 53, 27, 28, 29, 45, 46, 47, 30, 31, 32, 48, 49, 50, 33, 34, 35, 51, 52, 53, 27, 28,
+    29, 36, 37, 38, 30, 31, 32, 39, 40, 41, 33, 34, 35, 42, 43, 44};
+static const casadi_int P64[12] = {81, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P65[6] = {81, 3, 0, 0, 0, 0};
+static const casadi_int P66[147] = {81, 9, 0, 18, 36, 54, 72, 90, 108, 117, 126, 135, 0, 2, 9, 11, 18, 20, 30, 32,
+    39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 0, 2, 9, 11, 18, 20, 30, 32, 39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 0, 2,
+    9, 11, 18, 20, 30, 32, 39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 0, 2, 9, 11, 18, 20, 30, 32, 39, 41, 48, 50, 60, 62,
+    69, 71, 78, 80, 0, 2, 9, 11, 18, 20, 30, 32, 39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 0, 2, 9, 11, 18, 20, 30, 32,
+    39, 41, 48, 50, 60, 62, 69, 71, 78, 80, 1, 10, 19, 31, 40, 49, 61, 70, 79, 1, 10, 19, 31, 40, 49, 61, 70, 79, 1, 10,
+    19, 31, 40, 49, 61, 70, 79};
+static const casadi_int P67[93] = {81, 9, 0, 9, 18, 27, 36, 45, 54, 63, 72, 81, 0, 1, 2, 9, 10, 11, 18, 19, 20, 30,
+    31, 32, 39, 40, 41, 48, 49, 50, 60, 61, 62, 69, 70, 71, 78, 79, 80, 0, 1, 2, 9, 10, 11, 18, 19, 20, 30, 31, 32, 39,
+    40, 41, 48, 49, 50, 60, 61, 62, 69, 70, 71, 78, 79, 80, 0, 1, 2, 9, 10, 11, 18, 19, 20, 30, 31, 32, 39, 40, 41, 48,
+    49, 50, 60, 61, 62, 69, 70, 71, 78, 79, 80};
+static const casadi_int P68[39] = {81, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 1, 2, 30, 31, 32, 60, 61, 62, 9,
+    10, 11, 39, 40, 41, 69, 70, 71, 18, 19, 20, 48, 49, 50, 78, 79, 80};
+static const casadi_int P69[3] = {9, 3, 1};
+static const casadi_int P70[66] = {9, 9, 0, 9, 18, 27, 36, 45, 54, 54, 54, 54, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2,
     3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5, 6, 7, 8, 0, 1, 2, 3, 4, 5,
     6, 7, 8};
-static const casadi_int P60[9] = {3, 3, 0, 3, 3, 3, 0, 1, 2};
-static const casadi_int P61[9] = {3, 3, 0, 0, 3, 3, 0, 1, 2};
-static const casadi_int P62[9] = {3, 3, 0, 0, 0, 3, 0, 1, 2};
-static const casadi_int P63[3] = {6, 9, 1};
-static const casadi_int P64[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
+static const casadi_int P71[9] = {3, 3, 0, 3, 3, 3, 0, 1, 2};
+static const casadi_int P72[9] = {3, 3, 0, 0, 3, 3, 0, 1, 2};
+static const casadi_int P73[9] = {3, 3, 0, 0, 0, 3, 0, 1, 2};
+static const casadi_int P74[3] = {6, 9, 1};
+static const casadi_int P75[39] = {9, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 3, 6, 1, 4, 7, 2, 5, 8, 0, 3, 6, 1,
     4, 7, 2, 5, 8, 0, 3, 6, 1, 4, 7, 2, 5, 8};
-static const casadi_int P65[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P66[3] = {9, 6, 1};
-static const casadi_int P67[3] = {9, 9, 1};
-static const casadi_int P68[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
-static const casadi_int P69[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 4, 5, 0, 4, 5, 0, 4, 5, 1, 3, 5, 1,
+static const casadi_int P76[21] = {9, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P77[3] = {9, 6, 1};
+static const casadi_int P78[12] = {6, 3, 0, 2, 4, 6, 4, 5, 3, 5, 3, 4};
+static const casadi_int P79[39] = {6, 9, 0, 3, 6, 9, 12, 15, 18, 21, 24, 27, 0, 4, 5, 0, 4, 5, 0, 4, 5, 1, 3, 5, 1,
     3, 5, 1, 3, 5, 2, 3, 4, 2, 3, 4, 2, 3, 4};
-static const casadi_int P70[3] = {3, 2, 1};
-static const casadi_int P71[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
-static const casadi_int P72[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8,
+static const casadi_int P80[3] = {3, 2, 1};
+static const casadi_int P81[9] = {3, 3, 0, 1, 2, 3, 0, 1, 2};
+static const casadi_int P82[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8,
     3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P73[21] = {9, 3, 0, 6, 12, 15, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8};
-static const casadi_int P74[24] = {9, 3, 0, 6, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
-static const casadi_int P75[27] = {9, 3, 0, 7, 14, 21, 0, 3, 4, 5, 6, 7, 8, 1, 3, 4, 5, 6, 7, 8, 2, 3, 4, 5, 6, 7,
+static const casadi_int P83[21] = {9, 3, 0, 6, 12, 15, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 6, 7, 8};
+static const casadi_int P84[24] = {9, 3, 0, 6, 12, 18, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8, 3, 4, 5, 6, 7, 8};
+static const casadi_int P85[27] = {9, 3, 0, 7, 14, 21, 0, 3, 4, 5, 6, 7, 8, 1, 3, 4, 5, 6, 7, 8, 2, 3, 4, 5, 6, 7,
     8};
-static const casadi_int P76[4] = {9, 1, 0, 0};
-static const casadi_int P77[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P78[3] = {3, 9, 1};
-static const casadi_int P79[6] = {18, 3, 0, 0, 0, 0};
-static const casadi_int P80[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P81[66] = {18, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13,
+static const casadi_int P86[4] = {9, 1, 0, 0};
+static const casadi_int P87[12] = {3, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P88[3] = {3, 9, 1};
+static const casadi_int P89[6] = {18, 3, 0, 0, 0, 0};
+static const casadi_int P90[12] = {18, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P91[66] = {18, 9, 0, 6, 12, 18, 24, 30, 36, 42, 48, 54, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13,
     16, 2, 5, 8, 11, 14, 17, 0, 3, 6, 9, 12, 15, 1, 4, 7, 10, 13, 16, 2, 5, 8, 11, 14, 17, 0, 3, 6, 9, 12, 15, 1, 4, 7,
     10, 13, 16, 2, 5, 8, 11, 14, 17};
-static const casadi_int P82[6] = {9, 3, 0, 0, 0, 0};
-static const casadi_int P83[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
+static const casadi_int P92[6] = {9, 3, 0, 0, 0, 0};
+static const casadi_int P93[57] = {9, 9, 0, 6, 12, 18, 24, 30, 36, 39, 42, 45, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5,
     0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 6, 7, 8, 6, 7, 8, 6, 7, 8};
-static const casadi_int P84[12] = {9, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P85[6] = {12, 3, 0, 0, 0, 0};
-static const casadi_int P86[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P87[15] = {12, 9, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 3, 7, 11};
-static const casadi_int P88[15] = {12, 9, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 7, 11};
-static const casadi_int P89[15] = {12, 9, 0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 7, 11};
-static const casadi_int P90[6] = {15, 3, 0, 0, 0, 0};
-static const casadi_int P91[12] = {15, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P92[30] = {15, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 9, 12, 10, 13, 11, 14, 9, 12, 10, 13,
+static const casadi_int P94[6] = {12, 3, 0, 0, 0, 0};
+static const casadi_int P95[12] = {12, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P96[15] = {12, 9, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 3, 7, 11};
+static const casadi_int P97[15] = {12, 9, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 7, 11};
+static const casadi_int P98[15] = {12, 9, 0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 7, 11};
+static const casadi_int P99[6] = {15, 3, 0, 0, 0, 0};
+static const casadi_int P100[12] = {15, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P101[30] = {15, 9, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 9, 12, 10, 13, 11, 14, 9, 12, 10, 13,
     11, 14, 9, 12, 10, 13, 11, 14};
-static const casadi_int P93[21] = {15, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
-static const casadi_int P94[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
-static const casadi_int P95[3] = {2, 9, 1};
-static const casadi_int P96[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P97[3] = {1, 9, 1};
-static const casadi_int P98[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-static const casadi_int P99[3] = {9, 1, 1};
-static const casadi_int P100[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P101[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
-static const casadi_int P102[3] = {1, 2, 1};
-static const casadi_int P103[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
-static const casadi_int P104[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
+static const casadi_int P102[21] = {15, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8};
+static const casadi_int P103[24] = {2, 9, 0, 2, 4, 6, 8, 10, 12, 12, 12, 12, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1};
+static const casadi_int P104[3] = {2, 9, 1};
+static const casadi_int P105[12] = {2, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P106[3] = {1, 9, 1};
+static const casadi_int P107[12] = {1, 9, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+static const casadi_int P108[3] = {9, 1, 1};
+static const casadi_int P109[17] = {9, 2, 0, 6, 12, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P110[18] = {1, 9, 0, 1, 2, 2, 3, 4, 4, 5, 6, 6, 0, 0, 0, 0, 0, 0};
+static const casadi_int P111[3] = {1, 2, 1};
+static const casadi_int P112[24] = {9, 3, 0, 6, 12, 18, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5, 0, 1, 2, 3, 4, 5};
+static const casadi_int P113[36] = {3, 9, 0, 3, 6, 8, 11, 14, 16, 19, 22, 24, 0, 1, 2, 0, 1, 2, 1, 2, 0, 1, 2, 0, 1,
     2, 1, 2, 0, 1, 2, 0, 1, 2, 1, 2};
-static const casadi_int P105[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
+static const casadi_int P114[13] = {3, 3, 0, 3, 5, 7, 0, 1, 2, 0, 2, 1, 2};
 
 /* -- rotation_error -- */
 
@@ -319,7 +349,7 @@ static const krhpr_casadi_slot out_end_points[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_end_points[] = {
-    P26, P27, P28
+    P29, P30, P31
 };
 static const char *const names_end_points[] = {
     "jac_s_p", "jac_s_Q", "jac_s_redundant"
@@ -357,7 +387,7 @@ static const krhpr_casadi_slot out_redundant_coordinates[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_coordinates[] = {
-    P0, P29, P30
+    P0, P32, P33
 };
 static const char *const names_redundant_coordinates[] = {
     "jac_redundant_p", "jac_redundant_Q", "jac_redundant_s"
@@ -413,7 +443,7 @@ static const krhpr_casadi_slot out_subleg_forward_all[] = {
     {"out_s3", 2, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_subleg_forward_all[] = {
-    P31, P32, P33
+    P34, P35, P36
 };
 static const char *const names_subleg_forward_all[] = {
     "jac_s1_theta", "jac_s2_theta", "jac_s3_theta"
@@ -450,7 +480,7 @@ static const krhpr_casadi_slot out_subleg_inverse[] = {
     {"out_theta3", 1, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_subleg_inverse[] = {
-    P34, P35, P36
+    P37, P38, P39
 };
 static const char *const names_subleg_inverse[] = {
     "jac_theta1_s", "jac_theta2_s", "jac_theta3_s"
@@ -491,7 +521,7 @@ static const krhpr_casadi_slot out_subleg_jacobian[] = {
     {"out_M3", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_subleg_jacobian[] = {
-    P37, P38, P39, P40, P41, P42
+    P40, P41, P42, P43, P44, P45
 };
 static const char *const names_subleg_jacobian[] = {
     "jac_M1_s", "jac_M1_theta", "jac_M2_s", "jac_M2_theta", "jac_M3_s", "jac_M3_theta"
@@ -529,7 +559,7 @@ static const krhpr_casadi_slot out_constraints[] = {
     {"out_residual", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_constraints[] = {
-    P43, P44, P45
+    P46, P47, P48
 };
 static const char *const names_constraints[] = {
     "jac_residual_p", "jac_residual_Q", "jac_residual_s"
@@ -576,7 +606,7 @@ static const krhpr_casadi_slot out_jacobians[] = {
     {"out_K", 6, 9, 3, NULL, P14, P15},
 };
 static const casadi_int *const structure_jacobians[] = {
-    P46, P47, P48, P49, P50, P51, P52, P53
+    P49, P50, P51, P52, P53, P54, P55, P56
 };
 static const char *const names_jacobians[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
@@ -625,7 +655,7 @@ static const krhpr_casadi_slot out_jacobian_blocks[] = {
     {"out_K3", 2, 3, 1, NULL, P6, P7},
 };
 static const casadi_int *const structure_jacobian_blocks[] = {
-    P46, P47, P48, P49, P54, P44, P31, P55, P54, P44, P32, P56, P54, P44, P33, P57
+    P49, P50, P51, P52, P57, P47, P34, P58, P57, P47, P35, P59, P57, P47, P36, P60
 };
 static const char *const names_jacobian_blocks[] = {
     "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K1_p", "jac_K1_Q", "jac_K1_s", "jac_K1_theta", "jac_K2_p",
@@ -636,6 +666,59 @@ static const krhpr_casadi_function function_jacobian_blocks = {
 };
 KRHPR_CASADI_FUNCTION(NAME(jacobian_blocks), function_jacobian_blocks)
 KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobian_blocks), function_jacobian_blocks)
+
+/* -- jacobians_n -- */
+
+static int value_jacobians_n(const double *x, double *y)
+{
+    return plain_jacobians_n(&geometry, x, x + 3, x + 12, x + 21, y, y + 81);
+}
+
+static void tangent_jacobians_n(const krhpr_dual *given, krhpr_dual *found)
+{
+    const krhpr_dual *const p = given;
+    const krhpr_dual *const Q = given + 3;
+    const krhpr_dual *const s = given + 12;
+    const krhpr_dual *const theta = given + 21;
+    krhpr_dual *const J = found;
+    krhpr_dual *const K = found + 81;
+    krhpr_dual J_lines[36];
+    krhpr_dual along[9];
+    for (int i = 0; i < 3; ++i) {
+        krhpr_dual N[6];
+        krhpr_dual redundant_line[6];
+        krhpr_dual w[9];
+        krhpr_dual b[3];
+        krhpr_platform_spatial_b_rows_tangent(&geometry.platform, i, p, Q, s + 3 * i, J_lines + 12 * i, N);
+        krhpr_platform_spatial_b_redundant_line_tangent(
+            &geometry.platform, i, p, Q, s + 3 * i, along + 3 * i, redundant_line);
+        krhpr_subleg_upu3_posture_tangent(&geometry.subleg, i, s + 3 * i, theta + 3 * i, w, b);
+        krhpr_subleg_upu3_transmission_tangent(&geometry.subleg, i, w, b, N, along + 3 * i, K + 9 * i);
+    }
+    krhpr_subleg_upu3_non_redundant_tangent(J_lines, along, p, s, J);
+}
+
+static const krhpr_casadi_slot in_jacobians_n[] = {
+    {"out_p", 3, 1, 1, NULL, P4, P5},
+    {"out_Q", 3, 3, 1, NULL, P0, P1},
+    {"out_s", 3, 3, 1, NULL, P0, P1},
+    {"out_theta", 3, 3, 1, NULL, P0, P1},
+};
+static const krhpr_casadi_slot out_jacobians_n[] = {
+    {"out_J", 9, 9, 1, NULL, P16, P17},
+    {"out_K", 9, 9, 3, NULL, P18, P17},
+};
+static const casadi_int *const structure_jacobians_n[] = {
+    P61, P62, P63, P64, P65, P66, P67, P68
+};
+static const char *const names_jacobians_n[] = {
+    "jac_J_p", "jac_J_Q", "jac_J_s", "jac_J_theta", "jac_K_p", "jac_K_Q", "jac_K_s", "jac_K_theta"
+};
+static const krhpr_casadi_function function_jacobians_n = {
+    4, in_jacobians_n, 2, out_jacobians_n, value_jacobians_n, tangent_jacobians_n, structure_jacobians_n, names_jacobians_n
+};
+KRHPR_CASADI_FUNCTION(NAME(jacobians_n), function_jacobians_n)
+KRHPR_CASADI_JACOBIAN(JACOBIAN(jacobians_n), function_jacobians_n)
 
 /* -- inverse -- */
 
@@ -667,7 +750,7 @@ static const krhpr_casadi_slot out_inverse[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse[] = {
-    P58, P59, P28
+    P69, P70, P31
 };
 static const char *const names_inverse[] = {
     "jac_theta_p", "jac_theta_Q", "jac_theta_redundant"
@@ -710,7 +793,7 @@ static const krhpr_casadi_slot out_inverse_all[] = {
     {"out_theta3", 1, 3, 1, NULL, P8, P9},
 };
 static const casadi_int *const structure_inverse_all[] = {
-    P0, P29, P60, P0, P29, P61, P0, P29, P62
+    P0, P32, P71, P0, P32, P72, P0, P32, P73
 };
 static const char *const names_inverse_all[] = {
     "jac_theta1_p", "jac_theta1_Q", "jac_theta1_redundant", "jac_theta2_p", "jac_theta2_Q", "jac_theta2_redundant",
@@ -787,7 +870,7 @@ static const krhpr_casadi_slot out_twist[] = {
     {"out_twist", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_twist[] = {
-    P43, P63, P63, P63, P63
+    P46, P74, P74, P74, P74
 };
 static const char *const names_twist[] = {
     "jac_twist_p", "jac_twist_Q", "jac_twist_s", "jac_twist_theta", "jac_twist_theta_dot"
@@ -837,7 +920,7 @@ static const krhpr_casadi_slot out_joint_rates[] = {
     {"out_theta_dot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_rates[] = {
-    P58, P59, P64, P65, P66, P28
+    P69, P70, P75, P76, P77, P31
 };
 static const char *const names_joint_rates[] = {
     "jac_theta_dot_p", "jac_theta_dot_Q", "jac_theta_dot_s", "jac_theta_dot_theta", "jac_theta_dot_twist",
@@ -907,7 +990,7 @@ static const krhpr_casadi_slot out_platform_acceleration[] = {
     {"out_twist_rate", 6, 1, 1, NULL, P10, P11},
 };
 static const casadi_int *const structure_platform_acceleration[] = {
-    P43, P63, P63, P63, P12, P63, P63
+    P46, P74, P74, P74, P12, P74, P74
 };
 static const char *const names_platform_acceleration[] = {
     "jac_twist_rate_p", "jac_twist_rate_Q", "jac_twist_rate_s", "jac_twist_rate_theta", "jac_twist_rate_twist",
@@ -972,7 +1055,7 @@ static const krhpr_casadi_slot out_joint_accelerations[] = {
     {"out_theta_ddot", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_joint_accelerations[] = {
-    P58, P59, P64, P64, P66, P28, P64, P66, P28
+    P69, P70, P75, P75, P77, P31, P75, P77, P31
 };
 static const char *const names_joint_accelerations[] = {
     "jac_theta_ddot_p", "jac_theta_ddot_Q", "jac_theta_ddot_s", "jac_theta_ddot_theta", "jac_theta_ddot_twist",
@@ -1037,7 +1120,7 @@ static const krhpr_casadi_slot out_inverse_statics[] = {
     {"out_actuator_forces", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_inverse_statics[] = {
-    P58, P67, P67, P65, P66, P58
+    P69, P16, P16, P76, P77, P69
 };
 static const char *const names_inverse_statics[] = {
     "jac_actuator_forces_p", "jac_actuator_forces_Q", "jac_actuator_forces_s", "jac_actuator_forces_theta",
@@ -1091,7 +1174,7 @@ static const krhpr_casadi_slot out_forward_statics[] = {
     {"out_redundant_forces", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_statics[] = {
-    P68, P15, P69, P63, P63, P1, P29, P30, P30, P30
+    P78, P15, P79, P74, P74, P1, P32, P33, P33, P33
 };
 static const char *const names_forward_statics[] = {
     "jac_wrench_p", "jac_wrench_Q", "jac_wrench_s", "jac_wrench_theta", "jac_wrench_actuator_forces",
@@ -1133,7 +1216,7 @@ static const krhpr_casadi_slot in_opening[] = {
 };
 static const krhpr_casadi_slot out_opening[] = {
     {"out_opening", 1, 1, 1, NULL, P2, P3},
-    {"out_centre", 2, 1, 1, NULL, P16, P17},
+    {"out_centre", 2, 1, 1, NULL, P19, P20},
     {"out_shares", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_opening[] = {
@@ -1170,14 +1253,14 @@ static void tangent_redundant_of_opening(const krhpr_dual *given, krhpr_dual *fo
 
 static const krhpr_casadi_slot in_redundant_of_opening[] = {
     {"out_opening", 1, 1, 1, NULL, P2, P3},
-    {"out_centre", 2, 1, 1, NULL, P16, P17},
+    {"out_centre", 2, 1, 1, NULL, P19, P20},
     {"out_jaws", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_redundant_of_opening[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_redundant_of_opening[] = {
-    P4, P70, P71
+    P4, P80, P81
 };
 static const char *const names_redundant_of_opening[] = {
     "jac_redundant_opening", "jac_redundant_centre", "jac_redundant_jaws"
@@ -1234,7 +1317,7 @@ static const krhpr_casadi_slot out_grasp[] = {
     {"out_friction_margins", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_grasp[] = {
-    P72, P72, P73, P74, P75, P76, P63, P63, P43, P43, P43, P11, P77, P77, P1, P1, P71, P5, P78, P78, P0, P0, P0, P4
+    P82, P82, P83, P84, P85, P86, P74, P74, P46, P46, P46, P11, P87, P87, P1, P1, P81, P5, P88, P88, P0, P0, P0, P4
 };
 static const char *const names_grasp[] = {
     "jac_contact_forces_Q", "jac_contact_forces_contacts", "jac_contact_forces_mass_centre",
@@ -1288,14 +1371,14 @@ static const krhpr_casadi_slot in_passive_joints[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_passive_joints[] = {
-    {"out_passive", 3, 6, 1, NULL, P18, P19},
+    {"out_passive", 3, 6, 1, NULL, P21, P22},
     {"out_spherical1", 3, 3, 1, NULL, P0, P1},
     {"out_spherical2", 3, 3, 1, NULL, P0, P1},
     {"out_spherical3", 3, 3, 1, NULL, P0, P1},
     {"out_platform_joint", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_passive_joints[] = {
-    P79, P80, P81, P80, P82, P83, P84, P84, P82, P83, P84, P84, P82, P83, P84, P84, P0, P29, P30, P77
+    P89, P90, P91, P90, P92, P93, P17, P17, P92, P93, P17, P17, P92, P93, P17, P17, P0, P32, P33, P87
 };
 static const char *const names_passive_joints[] = {
     "jac_passive_p", "jac_passive_Q", "jac_passive_s", "jac_passive_theta", "jac_spherical1_p", "jac_spherical1_Q",
@@ -1335,13 +1418,13 @@ static const krhpr_casadi_slot in_link_points[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_link_points[] = {
-    {"out_points1", 4, 3, 1, NULL, P20, P21},
-    {"out_points2", 4, 3, 1, NULL, P20, P21},
-    {"out_points3", 4, 3, 1, NULL, P20, P21},
+    {"out_points1", 4, 3, 1, NULL, P23, P24},
+    {"out_points2", 4, 3, 1, NULL, P23, P24},
+    {"out_points3", 4, 3, 1, NULL, P23, P24},
     {"out_attachment", 3, 3, 1, NULL, P0, P1},
 };
 static const casadi_int *const structure_link_points[] = {
-    P85, P86, P87, P86, P85, P86, P88, P86, P85, P86, P89, P86, P82, P27, P65, P84
+    P94, P95, P96, P95, P94, P95, P97, P95, P94, P95, P98, P95, P92, P30, P76, P17
 };
 static const char *const names_link_points[] = {
     "jac_points1_p", "jac_points1_Q", "jac_points1_s", "jac_points1_theta", "jac_points2_p", "jac_points2_Q",
@@ -1368,7 +1451,7 @@ static const krhpr_casadi_slot in_clearances[] = {
     {"out_theta", 3, 3, 1, NULL, P0, P1},
 };
 static const krhpr_casadi_slot out_clearances[] = {
-    {"out_distances", 48, 1, 1, NULL, P22, P23},
+    {"out_distances", 48, 1, 1, NULL, P25, P26},
 };
 static const krhpr_casadi_function function_clearances = {
     4, in_clearances, 1, out_clearances, value_clearances, NULL, NULL, NULL
@@ -1415,12 +1498,12 @@ static const krhpr_casadi_slot in_singularity[] = {
 };
 static const krhpr_casadi_slot out_singularity[] = {
     {"out_type_1", 3, 1, 1, NULL, P4, P5},
-    {"out_factors", 3, 5, 1, NULL, P24, P25},
-    {"out_type_2", 2, 1, 1, NULL, P16, P17},
-    {"out_margins", 2, 1, 1, NULL, P16, P17},
+    {"out_factors", 3, 5, 1, NULL, P27, P28},
+    {"out_type_2", 2, 1, 1, NULL, P19, P20},
+    {"out_margins", 2, 1, 1, NULL, P19, P20},
 };
 static const casadi_int *const structure_singularity[] = {
-    P1, P77, P30, P30, P90, P91, P92, P93, P6, P94, P95, P96, P6, P94, P95, P96
+    P1, P87, P33, P33, P99, P100, P101, P102, P6, P103, P104, P105, P6, P103, P104, P105
 };
 static const char *const names_singularity[] = {
     "jac_type_1_p", "jac_type_1_Q", "jac_type_1_s", "jac_type_1_theta", "jac_factors_p", "jac_factors_Q",
@@ -1459,8 +1542,8 @@ static const krhpr_casadi_slot in_type_2_of_redundant[] = {
     {"out_redundant", 3, 1, 1, NULL, P4, P5},
 };
 static const krhpr_casadi_slot out_type_2_of_redundant[] = {
-    {"out_type_2", 2, 1, 1, NULL, P16, P17},
-    {"out_margins", 2, 1, 1, NULL, P16, P17},
+    {"out_type_2", 2, 1, 1, NULL, P19, P20},
+    {"out_margins", 2, 1, 1, NULL, P19, P20},
 };
 static const casadi_int *const structure_type_2_of_redundant[] = {
     P6, P6
@@ -1560,7 +1643,7 @@ static const krhpr_casadi_slot out_index_bounds[] = {
     {"out_eta_3", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_index_bounds[] = {
-    P8, P97, P97, P97, P2, P8, P97, P97, P97, P2, P9, P98, P97, P97, P2
+    P8, P106, P106, P106, P2, P8, P106, P106, P106, P2, P9, P107, P106, P106, P2
 };
 static const char *const names_index_bounds[] = {
     "jac_eta_1_p", "jac_eta_1_Q", "jac_eta_1_s", "jac_eta_1_theta", "jac_eta_1_characteristic_length", "jac_eta_2_p",
@@ -1612,11 +1695,11 @@ static const krhpr_casadi_slot out_forward_all[] = {
     {"out_Q1", 3, 3, 1, NULL, P0, P1},
     {"out_Q2", 3, 3, 1, NULL, P0, P1},
     {"out_redundant", 2, 3, 1, NULL, P6, P7},
-    {"out_det_J", 2, 1, 1, NULL, P16, P17},
+    {"out_det_J", 2, 1, 1, NULL, P19, P20},
     {"out_count", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_all[] = {
-    P63, P10, P67, P99, P67, P99, P63, P10, P95, P16, P98, P3
+    P74, P10, P16, P108, P16, P108, P74, P10, P104, P19, P107, P3
 };
 static const char *const names_forward_all[] = {
     "jac_p_s", "jac_p_turned", "jac_Q1_s", "jac_Q1_turned", "jac_Q2_s", "jac_Q2_turned", "jac_redundant_s",
@@ -1689,7 +1772,7 @@ static void tangent_forward_encoders_2(const krhpr_dual *given, krhpr_dual *foun
 
 static const krhpr_casadi_slot in_forward_encoders_2[] = {
     {"out_s", 3, 3, 1, NULL, P0, P1},
-    {"out_measured", 2, 1, 1, NULL, P16, P17},
+    {"out_measured", 2, 1, 1, NULL, P19, P20},
     {"out_tolerance", 1, 1, 1, NULL, P2, P3},
 };
 static const krhpr_casadi_slot out_forward_encoders_2[] = {
@@ -1699,7 +1782,7 @@ static const krhpr_casadi_slot out_forward_encoders_2[] = {
     {"out_mismatch", 1, 1, 1, NULL, P2, P3},
 };
 static const casadi_int *const structure_forward_encoders_2[] = {
-    P78, P70, P5, P67, P100, P76, P67, P100, P76, P101, P102, P3
+    P88, P80, P5, P16, P109, P86, P16, P109, P86, P110, P111, P3
 };
 static const char *const names_forward_encoders_2[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",
@@ -1758,7 +1841,7 @@ static const krhpr_casadi_slot out_forward_encoders_3[] = {
     {"out_mismatch", 3, 1, 1, NULL, P4, P5},
 };
 static const casadi_int *const structure_forward_encoders_3[] = {
-    P78, P0, P5, P67, P103, P76, P67, P103, P76, P104, P105, P5
+    P88, P0, P5, P16, P112, P86, P16, P112, P86, P113, P114, P5
 };
 static const char *const names_forward_encoders_3[] = {
     "jac_p_s", "jac_p_measured", "jac_p_tolerance", "jac_Q_s", "jac_Q_measured", "jac_Q_tolerance", "jac_raw_s",

@@ -313,6 +313,97 @@ KRHPR_STATIC void krhpr_subleg_planar_pp_transmission_tangent(
     }
 }
 
+/* `non_redundant` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.58) to
+ * (5.60).  (24 add, 18 multiply) */
+KRHPR_STATIC void krhpr_subleg_planar_pp_non_redundant_tangent(
+    const krhpr_dual *J, const krhpr_dual *along, const krhpr_dual *p, const krhpr_dual *s,
+    krhpr_dual *KRHPR_RESTRICT J_n)
+{
+    const double u_1_0 = s[0].v - p[0].v;
+    const double u_1_1 = s[1].v - p[1].v;
+    const double u_2_0 = s[2].v - p[0].v;
+    const double u_2_1 = s[3].v - p[1].v;
+    const double u_3_0 = s[4].v - p[0].v;
+    const double u_3_1 = s[5].v - p[1].v;
+    J_n[0].v = J[0].v;
+    J_n[1].v = J[1].v;
+    J_n[2].v = J[2].v;
+    J_n[3].v = 0.0;
+    J_n[4].v = 0.0;
+    J_n[5].v = 0.0;
+    J_n[6].v = along[0].v;
+    J_n[7].v = along[1].v;
+    J_n[8].v = along[1].v * u_1_0 - along[0].v * u_1_1;
+    J_n[9].v = 1.0;
+    J_n[10].v = 0.0;
+    J_n[11].v = 0.0;
+    J_n[12].v = J[3].v;
+    J_n[13].v = J[4].v;
+    J_n[14].v = J[5].v;
+    J_n[15].v = 0.0;
+    J_n[16].v = 0.0;
+    J_n[17].v = 0.0;
+    J_n[18].v = along[2].v;
+    J_n[19].v = along[3].v;
+    J_n[20].v = along[3].v * u_2_0 - along[2].v * u_2_1;
+    J_n[21].v = 0.0;
+    J_n[22].v = 1.0;
+    J_n[23].v = 0.0;
+    J_n[24].v = J[6].v;
+    J_n[25].v = J[7].v;
+    J_n[26].v = J[8].v;
+    J_n[27].v = 0.0;
+    J_n[28].v = 0.0;
+    J_n[29].v = 0.0;
+    J_n[30].v = along[4].v;
+    J_n[31].v = along[5].v;
+    J_n[32].v = along[5].v * u_3_0 - along[4].v * u_3_1;
+    J_n[33].v = 0.0;
+    J_n[34].v = 0.0;
+    J_n[35].v = 1.0;
+    for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
+        const double t1 = u_1_0 * along[1].t[k] + along[1].v * (s[0].t[k] - p[0].t[k]) - (u_1_1 * along[0].t[k] + along[0].v * (s[1].t[k] - p[1].t[k]));
+        const double t2 = u_2_0 * along[3].t[k] + along[3].v * (s[2].t[k] - p[0].t[k]) - (u_2_1 * along[2].t[k] + along[2].v * (s[3].t[k] - p[1].t[k]));
+        const double t3 = u_3_0 * along[5].t[k] + along[5].v * (s[4].t[k] - p[0].t[k]) - (u_3_1 * along[4].t[k] + along[4].v * (s[5].t[k] - p[1].t[k]));
+        J_n[0].t[k] = J[0].t[k];
+        J_n[1].t[k] = J[1].t[k];
+        J_n[2].t[k] = J[2].t[k];
+        J_n[3].t[k] = 0.0;
+        J_n[4].t[k] = 0.0;
+        J_n[5].t[k] = 0.0;
+        J_n[6].t[k] = along[0].t[k];
+        J_n[7].t[k] = along[1].t[k];
+        J_n[8].t[k] = t1;
+        J_n[9].t[k] = 0.0;
+        J_n[10].t[k] = 0.0;
+        J_n[11].t[k] = 0.0;
+        J_n[12].t[k] = J[3].t[k];
+        J_n[13].t[k] = J[4].t[k];
+        J_n[14].t[k] = J[5].t[k];
+        J_n[15].t[k] = 0.0;
+        J_n[16].t[k] = 0.0;
+        J_n[17].t[k] = 0.0;
+        J_n[18].t[k] = along[2].t[k];
+        J_n[19].t[k] = along[3].t[k];
+        J_n[20].t[k] = t2;
+        J_n[21].t[k] = 0.0;
+        J_n[22].t[k] = 0.0;
+        J_n[23].t[k] = 0.0;
+        J_n[24].t[k] = J[6].t[k];
+        J_n[25].t[k] = J[7].t[k];
+        J_n[26].t[k] = J[8].t[k];
+        J_n[27].t[k] = 0.0;
+        J_n[28].t[k] = 0.0;
+        J_n[29].t[k] = 0.0;
+        J_n[30].t[k] = along[4].t[k];
+        J_n[31].t[k] = along[5].t[k];
+        J_n[32].t[k] = t3;
+        J_n[33].t[k] = 0.0;
+        J_n[34].t[k] = 0.0;
+        J_n[35].t[k] = 0.0;
+    }
+}
+
 /* `torques` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.12), (5.44).
  * (24 add, 36 multiply) */
 KRHPR_STATIC void krhpr_subleg_planar_pp_torques_tangent(

@@ -7,6 +7,7 @@ functions of one target, at random configurations of a random geometry.
 from krhpr.validation.invariants import (
     forward,
     indices,
+    jaws,
     passive,
     position,
     singularities,
@@ -26,6 +27,7 @@ RUNNERS: dict[str, Runner] = {
     **passive.RUNNERS,
     **forward.RUNNERS,
     **symmetries.RUNNERS,
+    **jaws.RUNNERS,
     "nearest mode": nearest_modes,
 }
 """The code of each check by its name in the plan."""

@@ -7,10 +7,11 @@ import numpy as np
 from krhpr.codegen.composition import Status
 from krhpr.codegen.kernel import LEGS
 from krhpr.validation.differences import arc, call
+from krhpr.validation.evaluation import CONDITION
 from krhpr.validation.invariants.batch import close, runner
 from krhpr.validation.numeric import Floats, Numeric
 from krhpr.validation.outcome import Measured, Runner
-from krhpr.validation.sampling import CONDITION, Batch
+from krhpr.validation.sampling import Batch
 from krhpr.validation.scale import relative
 
 

@@ -7,10 +7,11 @@ import numpy as np
 from krhpr.codegen.composition import Status
 from krhpr.codegen.kernel import LEGS
 from krhpr.validation.differences import call
+from krhpr.validation.evaluation import evaluate
 from krhpr.validation.invariants.batch import close, runner
 from krhpr.validation.numeric import Floats, Numeric
 from krhpr.validation.outcome import Measured, Runner
-from krhpr.validation.sampling import Batch, evaluate, redundant_box
+from krhpr.validation.sampling import Batch, redundant_box
 from krhpr.validation.subject import Subject
 
 

@@ -40,6 +40,23 @@ def virtual_work(one: Numeric, batch: Batch, found: Measured) -> None:
     close(found, alone, wanted, "f = (J^-1 K)^T F", 2)
 
 
+def non_redundant(one: Numeric, batch: Batch, found: Measured) -> None:
+    """J_n [t, redundant rates, swivel rates] = K_n theta_dot, and f = (J_n^-1 K_n)^T F_n."""
+    result = call(one, batch, "jacobians_n")
+    rates = call(one, batch, "joint_rates")["theta_dot"].reshape(len(batch), -1)
+    names = [name for name in WORKS_ON if WORKS_ON[name] != "swivel_rates" or one.subject.subleg.redundant]
+    moving = np.concatenate([batch.values[WORKS_ON[name]] for name in names], axis=-1)
+    left = (result["J"] @ moving[..., None])[..., 0]
+    right = (result["K"] @ rates[..., None])[..., 0]
+    scale = np.abs(result["K"]).max(axis=(-2, -1)) * np.abs(rates).max(axis=-1)
+    found.worse(np.abs(left - right).max(axis=-1) / scale, "J_n t_n - K_n theta_dot")
+    acting = np.concatenate([batch.values[name] for name in names], axis=-1)
+    along = np.linalg.solve(result["J"].swapaxes(-1, -2), acting[..., None])
+    forces = call(one, batch, "inverse_statics")["actuator_forces"]
+    wanted = (result["K"].swapaxes(-1, -2) @ along).reshape(forces.shape)
+    close(found, forces, wanted, "f = (J_n^-1 K_n)^T F_n", 2)
+
+
 def there_and_back(one: Numeric, batch: Batch, found: Measured) -> None:
     """forward_statics after inverse_statics, relative to the largest of all forces."""
     forces = call(one, batch, "inverse_statics")["actuator_forces"]
@@ -119,6 +136,7 @@ def _planar_cross(a: Floats, b: Floats) -> Floats:
 
 RUNNERS: dict[str, Runner] = {
     "virtual work of actuators": runner(virtual_work),
+    "non-redundant view": runner(non_redundant),
     "statics there and back": runner(there_and_back),
     "opening": runner(opening),
     "grasp": runner(grasp),

@@ -12,10 +12,11 @@ import numpy as np
 from krhpr.codegen.composition import RobotFunction
 from krhpr.codegen.kernel import LEGS, Layout, Port, Unit
 from krhpr.validation.differences import arc, call
+from krhpr.validation.evaluation import evaluate
 from krhpr.validation.invariants.batch import runner
 from krhpr.validation.numeric import Floats, Numeric
 from krhpr.validation.outcome import Measured, Runner
-from krhpr.validation.sampling import Batch, closure_error, evaluate
+from krhpr.validation.sampling import Batch, closure_error
 from krhpr.validation.scale import relative
 from krhpr.validation.subject import Subject
 
@@ -116,8 +117,9 @@ class _Turn:
         if port.name in ("Q", "Q_near", "raw", "M"):
             return np.asarray(R @ value)
         if port.name in ("twist", "twist_rate", "wrench", "J"):
-            parts = [value[..., :d] @ R.T, value[..., d:] if d == 2 else value[..., d:] @ R.T]
-            return np.concatenate(parts, axis=-1)
+            end = 2 * d if d == 3 else d  # what is beyond is of the redundant coordinates
+            parts = [value[..., first : first + d] @ R.T for first in range(0, end, d)]
+            return np.concatenate([*parts, value[..., end:]], axis=-1)
         return value
 
 
@@ -146,6 +148,8 @@ def legs_exchanged(one: Numeric, batch: Batch, found: Measured) -> None:
                     wanted = wanted[..., _pairs_exchanged(one.subject, function, order)]
                 if port.name == "det_J" and one.subject.planar:
                     wanted = wanted * parity  # in space both factors change their sign
+                if function.name == "jacobians_n" and port.name == "J":
+                    wanted = _coordinates_exchanged(one.subject, wanted, order)
                 if function.name == "forward_all" and port.shape and parity < 0:
                     wanted = _other_way_round(one.subject, wanted, here["count"])
                 reference = _reference(one, batch, port, wanted)
@@ -153,6 +157,15 @@ def legs_exchanged(one: Numeric, batch: Batch, found: Measured) -> None:
                     reference = _exchanged(port, reference, order, parity)
                 error = relative(port, exchanged[port.name], wanted, reference)
                 found.worse(error, f"{function.name}: {port.name}, legs {order}")
+
+
+def _coordinates_exchanged(subject: Subject, J: Floats, order: tuple[int, ...]) -> Floats:
+    """J_n with rows, and the columns beyond those of the twist, of the legs in another order."""
+    freedom = subject.platform.space.degrees_of_freedom
+    columns = [*range(freedom)]
+    for first in range(freedom, J.shape[-1], LEGS):
+        columns += [first + leg for leg in order]
+    return _permuted(J[..., columns], J.ndim - 2, order)
 
 
 def _pairs_exchanged(subject: Subject, function: RobotFunction, order: tuple[int, ...]) -> list[int]:

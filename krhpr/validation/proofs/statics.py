@@ -50,6 +50,29 @@ def virtual_work(subject: Subject, here: Configuration, found: Measured) -> None
             found.equal([dot(forces, theta_dot)], [here.values[force][index]], f"{force}[{index}]")
 
 
+def non_redundant(subject: Subject, here: Configuration, found: Measured) -> None:
+    """J_n and K_n against the rates and the forces of the joints; their lines are those of J and K."""
+    result = here.call("jacobians_n")
+    coordinates = _coordinates(subject)
+    size, rows = sum(count for _, count in coordinates.values()), subject.platform.space.rows_per_leg
+    J, K = matrix(result["J"], size), matrix(result["K"], LEGS * subject.subleg.n)
+    still = {name: [Exact(0)] * count for name, (_, count) in coordinates.items()}
+    column = 0
+    for name, (_, count) in coordinates.items():
+        for index in range(count):
+            theta_dot = here.call("joint_rates", **{**still, name: unit(count, index)})["theta_dot"]
+            found.equal(apply(K, theta_dot), [row[column] for row in J], f"{name}[{index}]")
+            column += 1
+    lines = [i for i in range(len(J)) if i % (len(J) // LEGS) < rows]
+    of_twist = coordinates["twist"][1]
+    wanted = jacobians(here)
+    found.equal([x for i in lines for x in J[i][:of_twist]], [x for row in wanted[0] for x in row], "J")
+    found.equal([x for i in lines for x in K[i]], [x for row in wanted[1] for x in row], "K")
+    acting = [[x] for force, _ in coordinates.values() for x in here.values[force]]
+    along = [row[0] for row in solve(transpose(J), acting)]
+    found.equal(here.call("inverse_statics")["actuator_forces"], apply(transpose(K), along), "f")
+
+
 def transposed(subject: Subject, here: Configuration, found: Measured) -> None:
     """f = K^T J^-T F where nothing but the wrench acts."""
     J, K = jacobians(here)
@@ -165,6 +188,7 @@ def _determined(here: Configuration) -> list[Any]:
 
 
 RUNNERS: dict[str, Runner] = {
+    "non-redundant view": proof(non_redundant),
     "virtual work": proof(virtual_work),
     "(J^-1 K)^T": proof(transposed),
     "opening": proof(opening),

@@ -4,6 +4,7 @@ means.
 
 from krhpr.validation.rules.differences import DIFFERENCES
 from krhpr.validation.rules.invariants import INVARIANTS
+from krhpr.validation.rules.jaws import INVARIANTS_OF_JAWS
 from krhpr.validation.rules.known import FIRST_PRINCIPLES, THESIS_ROWS, THESIS_VELOCITY
 from krhpr.validation.rules.proofs import FEW, MANY, PLATFORM_PROOFS, ROBOT_PROOFS, SUBLEG_PROOFS, Proof
 from krhpr.validation.rules.references import REFERENCES
@@ -15,6 +16,7 @@ __all__ = [
     "FEW",
     "FIRST_PRINCIPLES",
     "INVARIANTS",
+    "INVARIANTS_OF_JAWS",
     "MANY",
     "PLATFORM_PROOFS",
     "REFERENCES",

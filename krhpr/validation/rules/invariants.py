@@ -107,6 +107,14 @@ INVARIANTS = (
         ("joint_rates", "jacobians"),
     ),
     Rule(
+        "non-redundant view",
+        "jacobians_n",
+        ROUND_TRIP,
+        BATCH,
+        "J_n [t, redundant rates, swivel rates] = K_n theta_dot, and f = (J_n^-1 K_n)^T F_n.",
+        ("joint_rates", "inverse_statics"),
+    ),
+    Rule(
         "statics there and back",
         "forward_statics",
         ROUND_TRIP,

@@ -430,6 +430,15 @@ ROBOT_PROOFS = (
         ("jacobian_blocks", "subleg_jacobian", "twist"),
     ),
     Proof(
+        "non-redundant view",
+        "jacobians_n",
+        EXACT,
+        FEW,
+        "J_n [t, redundant rates, swivel rates] = K_n theta_dot, one velocity after the other; lines are "
+        "those of J and K; f = (J_n^-1 K_n)^T F_n.",
+        ("joint_rates", "jacobians", "inverse_statics", "subleg.non_redundant"),
+    ),
+    Proof(
         "virtual work",
         "inverse_statics",
         EXACT,
