@@ -134,8 +134,10 @@ def problem_of(
 
     Raises:
         DesignError: what is varied cannot be used.
+        WorkspaceError: a robot for which there are no workspaces.
     """
     limits = workspace.WorkspaceLimits(lowest=0.0) if robot.limits else workspace.section_1_7(robot)
+    workspace.Examiner(robot, limits)  # a robot that has no workspaces has no height to vary either
     space = DesignSpace(robot, tuple(variables) or default_variables(robot))
     return Problem(space, tuple(objectives), limits, grid or Grid())
 
