@@ -96,6 +96,7 @@ def readings_of(robot: Robot) -> dict[str, WorkspaceLimits]:
         "neither": replace(limits, cone=None, edges=False),
         "both, links of 7.5 mm that may touch": replace(limits, clearance=0.0),
         "both, links without thickness": replace(limits, clearance=0.0, radius=0.0),
+        "edges are links, all 7.5 mm across": replace(limits, cone=None, radius=0.00375),
     }
 
 

@@ -35,6 +35,7 @@ def test_readings_of_the_bodies() -> None:
     assert found["edges are links, spherical joints within 150 degrees"] == (194, 144, 116)
     assert found["edges are links"][0] == 201
     assert found["neither"][0] == 263
+    assert found["edges are links, all 7.5 mm across"] == (216, 172, 140)
     spans = [span for span, _, _ in found.values()]
     assert min(spans) < 220 < max(spans)
 
