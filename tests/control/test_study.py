@@ -60,7 +60,10 @@ def test_wrong_use(short: Path, tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert main(["study", "grasp-control", "--file", str(wide), "--out", str(tmp_path)]) == 2
     assert "the object is wider than the jaws open: 427 mm" in capsys.readouterr().err
     assert main(["study", "dexterity", "--file", str(short)]) == 2
-    assert "--file belongs to grasp and grasp-control; dexterity has no such" in capsys.readouterr().err
+    assert (
+        "--file belongs to grasp, grasp-capability, grasp-control; dexterity has no such"
+        in capsys.readouterr().err
+    )
     assert main(["study", "grasp", "--control", str(CONTROL)]) == 2
     assert "--control belongs to grasp-control; grasp has no such option" in capsys.readouterr().err
     wrong = tmp_path / "control.yaml"
