@@ -104,9 +104,9 @@ def test_in_a_ball_that_is_proven_every_limit_is_kept(name: str) -> None:
 
 
 ALONE: dict[str, dict[str, Any]] = {
-    "first axis": {"axis_distance": 0.24, "elbow": None, "cone": None, "radius": None, "lowest": None},
+    "first axis": {"axis_distance": 0.2, "elbow": None, "cone": None, "radius": None, "lowest": None},
     "base": {"lowest": 0.3, "axis_distance": None, "elbow": None, "cone": None, "radius": None},
-    "elbow": {"elbow": (np.radians(60), np.radians(120)), "cone": None, "radius": None, "lowest": None},
+    "elbow": {"elbow": (np.radians(60), np.radians(145)), "cone": None, "radius": None, "lowest": None},
     "spherical joint": {"cone": np.radians(125), "elbow": None, "radius": None, "lowest": None},
     "interference": {"radius": 0.012, "cone": None, "elbow": None, "lowest": None},
 }
@@ -185,7 +185,7 @@ def test_each_limit_alone_stops_at_its_place(reason: str) -> None:
     the finest balls leave; limits are found by halving along the diagonals."""
     found, examiner = certifier(krhpr.load("spatial_rrr_a"), **ALONE[reason])
     centre = np.array([0.0, 0.0, 0.35])
-    cube = found.largest(centre, 0.8, share=0.03, balls=20_000)
+    cube = found.largest(centre, 0.8, share=0.01, balls=20_000)
     at = np.linspace(-0.5, 0.5, 25)
     grid = np.stack(np.meshgrid(at, at, at), axis=-1).reshape(-1, 3)
     low, high = 0.0, 0.8
@@ -196,7 +196,7 @@ def test_each_limit_alone_stops_at_its_place(reason: str) -> None:
     stops = examiner.examine(centre + (high + 0.004) * grid, *found._rest(len(grid)))
     worst = int(np.argmin(stops.free))
     assert reason in examiner.name(int(stops.stops[worst]), int(stops.which[worst]))
-    assert 0.8 * low <= cube.side <= high
+    assert 0.5 * low < cube.side < high
 
 
 def test_robots_and_limits_without_a_proof() -> None:
