@@ -27,7 +27,7 @@ def costs(found: Sequence[Evaluation], objectives: Sequence[Objective]) -> Float
 def non_dominated(cost: Floats) -> NDArray[np.bool_]:
     """Rows (n, k) than which no other row is smaller somewhere and nowhere larger; of equal rows the first.
     Rows with a number that is not finite do not count."""
-    kept = np.isfinite(cost).all(axis=1)
+    kept = np.asarray(np.isfinite(cost).all(axis=1))
     for row in np.flatnonzero(kept):
         others = kept.copy()
         others[row] = False
@@ -41,7 +41,7 @@ def non_dominated(cost: Floats) -> NDArray[np.bool_]:
 def front(found: Sequence[Evaluation], objectives: Sequence[Objective]) -> tuple[Evaluation, ...]:
     """The designs that no other beats, by the first objective, the best first."""
     cost = costs(found, objectives)
-    chosen = np.flatnonzero(non_dominated(cost))
+    chosen = np.flatnonzero(non_dominated(cost)).tolist()
     return tuple(found[k] for k in sorted(chosen, key=lambda k: tuple(cost[k])))
 
 

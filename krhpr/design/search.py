@@ -42,8 +42,13 @@ BEYOND = 1e3
 class Judged(Protocol):
     """What can be searched: `Problem`, or anything else with these."""
 
-    space: DesignSpace
-    objectives: tuple[Objective, ...]
+    @property
+    def space(self) -> DesignSpace:
+        """A robot and what may be changed of it."""
+
+    @property
+    def objectives(self) -> tuple[Objective, ...]:
+        """What is to be good."""
 
     def evaluate(self, values: ArrayLike) -> Evaluation:
         """What a design is worth."""
@@ -202,7 +207,7 @@ def _value(
     designs: Sequence[Evaluation], cost: Floats, ideal: Floats, nadir: Floats, weight: Floats
 ) -> Floats:
     """What is to be small in one direction; designs that do not work by how far they are from doing so."""
-    works = np.isfinite(cost).all(axis=1)
+    works = np.asarray(np.isfinite(cost).all(axis=1))
     shortfall = np.array([design.shortfall for design in designs])
     some = chebyshev(np.where(works[:, None], cost, ideal), ideal, nadir, weight)
     return np.where(works, some, BEYOND + shortfall)

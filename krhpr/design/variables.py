@@ -90,7 +90,7 @@ class DesignSpace:
         home, fields = self.robot.home, self.robot.geometry.fields
         found = {REDUNDANT: home.redundant[0], HEIGHT: home.p[-1]}
         values = np.array([found.get(one.name, fields.get(one.name, [0.0])[0]) for one in self.variables])
-        return np.clip(values, *self._bounds)
+        return np.asarray(np.clip(values, *self._bounds), dtype=float)
 
     def values(self, shares: ArrayLike) -> Floats:
         """Values from their places between the bounds, 0 to 1, rounded to a decimal place: a thousandth to a
@@ -99,7 +99,7 @@ class DesignSpace:
         places = (3 - np.floor(np.log10(high - low))).astype(int)
         exact = low + np.asarray(shares, dtype=float) * (high - low)
         rounded = [np.round(value, place) for value, place in zip(exact.T, places, strict=True)]
-        return np.clip(np.stack(rounded, axis=-1), low, high)
+        return np.asarray(np.clip(np.stack(rounded, axis=-1), low, high), dtype=float)
 
     def shares(self, values: ArrayLike) -> Floats:
         """The places of values between the bounds."""

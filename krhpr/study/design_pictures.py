@@ -186,7 +186,7 @@ def _front(
     )
     for (name, one), marker in zip(marked.items(), "*^sDvP", strict=False):
         (at,) = numbers([one])
-        style = {"s": 120 if marker == "*" else 70, "facecolors": "none", "linewidths": 1.4}
+        style: dict[str, Any] = {"s": 120 if marker == "*" else 70, "facecolors": "none", "linewidths": 1.4}
         ax.scatter(*at[:2], marker=marker, edgecolors="#b00020", label=name.replace("_", " "), **style)
     ax.set(xlabel=_label(names[0]), ylabel=_label(names[1]))
     low, high = (np.quantile(every[:, 1], q) for q in (0.0, 0.97))
