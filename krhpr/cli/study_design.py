@@ -123,9 +123,7 @@ def _print_designs(found: DesignStudy) -> None:
     if not found.own.design.works:
         print(f"the robot itself: {found.own.design.reason}")
     if not all(one.finer.proven for one in found.chosen):
-        print(
-            "cubes are checked at the nodes of the grid alone: for this sub-leg, or limits of its file, there is no proof"
-        )
+        print("cubes are checked at the nodes of the grid alone: for such legs or limits there is no proof")
     if any(one.finer.cut for one in found.chosen):
         print("a workspace reaches the end of the grid, and is larger than is counted")
 

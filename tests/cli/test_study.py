@@ -109,7 +109,7 @@ def test_the_workspace(cli: Cli, tmp_path: Path) -> None:
 
 def test_designs(cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("KRHPR_BACKEND", "auto")  # with NumPy alone it takes long
-    quick = ("--coarser", "3", "--generations", "1", "--objectives", "volume")
+    quick = ("--coarser", "6", "--generations", "1", "--objectives", "volume")
     store = ("--store", str(tmp_path / "log"), "--vary", "redundant=1.2:2.2,R_p=0.1:0.15")
     done = cli("study", "design", *quick, *store, "--out", str(tmp_path))
     assert done.code == 0, done.err
