@@ -35,6 +35,8 @@ from krhpr.workspace.margins import LENGTH
 
 Floats = NDArray[np.float64]
 
+LENGTHS = (Stop.BASE, Stop.AXIS, Stop.BODIES)
+"""Limits whose margins are in metres."""
 REFUSED = 10.0
 """The shortfall of sizes that no robot file may have; more than that of a home pose out of reach or limit."""
 
@@ -234,15 +236,15 @@ class Problem:
         what = examiner.name(int(found.stops[0]), int(found.which[0]))
         where = f"p = {p[0].round(4).tolist()}, redundant = {redundant[0].round(4).tolist()}"
         if found.stops[0] == Stop.REACH:
-            missing = float(np.nansum(robot.inverse_status(p[0], Q[0], redundant[0], mode=self.mode)[1]))
-            by = max(missing, 0.0)
+            _, excess = robot.inverse_status(p[0], Q[0], redundant[0], mode=self.mode)
+            by = float(np.nansum(np.maximum(excess, 0.0)))
             return 1.0 + by / LENGTH, f"not at home ({where}): {what}, {by:.4g} m too far"
         margins = {stop: float(value[0]) for stop, value in found.values.items()}
-        lengths = (Stop.BASE, Stop.AXIS, Stop.BODIES)
-        beyond = max(-m / LENGTH if stop in lengths else -m for stop, m in margins.items() if m < 0)
-        unit = "m" if Stop(int(found.stops[0])) in lengths else "rad"
-        least = margins[Stop(int(found.stops[0]))]
-        return min(beyond, 1.0), f"not at home ({where}): {what}, by {-least:.4g} {unit}"
+        beyond = [-m / LENGTH if stop in LENGTHS else -m for stop, m in margins.items() if m < 0]
+        stop = Stop(int(found.stops[0]))
+        unit = " m" if stop in LENGTHS else "" if stop is Stop.TYPE_2 else " rad"
+        why = f"not at home ({where}): {what}, by {-margins[stop]:.4g}{unit}"
+        return min(max(beyond, default=1.0), 1.0), why
 
     def settings(self) -> dict[str, Any]:
         """Everything that results depend on, as plain values."""

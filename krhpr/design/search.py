@@ -246,20 +246,8 @@ def _judge(problem: Judged, workers: int) -> Iterator[Evaluate]:
         yield lambda values: [problem.evaluate(row) for row in values]
         return
     # a process of its own begins afresh: compiled kernels and threads do not survive being copied everywhere
-    with ProcessPoolExecutor(workers, get_context("spawn"), _begin, (problem,)) as pool:
-        yield lambda values: list(pool.map(_judged, values))
-
-
-_PROBLEM: list[Judged] = []
-"""Of a worker."""
-
-
-def _begin(problem: Judged) -> None:
-    _PROBLEM[:] = [problem]
-
-
-def _judged(values: Floats) -> Evaluation:
-    return _PROBLEM[0].evaluate(values)
+    with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
+        yield lambda values: list(pool.map(problem.evaluate, values))
 
 
 # -- the log -------------------------------------------------------------------------------------------------
