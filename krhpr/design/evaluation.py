@@ -31,12 +31,10 @@ from krhpr.workspace import (
     steps,
     volume,
 )
-from krhpr.workspace.margins import LENGTH
+from krhpr.workspace.margins import LENGTH, LENGTHS
 
 Floats = NDArray[np.float64]
 
-LENGTHS = (Stop.BASE, Stop.AXIS, Stop.BODIES)
-"""Limits whose margins are in metres."""
 REFUSED = 10.0
 """The shortfall of sizes that no robot file may have; more than that of a home pose out of reach or limit."""
 
