@@ -49,7 +49,7 @@ def gather(keys: Sequence[str], out: Path, peer_python: Path) -> tuple[Manifest,
     """All peers' contenders for all workloads."""
     everything, missing = Manifest(), []
     for peer in PEERS:
-        theirs = [key for key in keys if peer.takes_part(WORKLOADS[key])]
+        theirs = [key for key in keys if key in peer.workloads]
         if not theirs:
             continue
         print(f"generating: {peer.name}", file=sys.stderr)
