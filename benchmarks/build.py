@@ -16,9 +16,10 @@ from benchmarks.contender import Contender
 from benchmarks.harness import harness_source
 from benchmarks.workloads import Workload
 
+NATIVE = "-march=native"
 SPEED_FLAGS = (
     "-O3",
-    "-march=native",
+    NATIVE,
     "-ffp-contract=fast",
     "-fno-math-errno",
     "-fno-tree-slp-vectorize",
@@ -34,10 +35,16 @@ class BuildError(RuntimeError):
 
 @dataclass(frozen=True)
 class Tools:
-    """Compilers in use."""
+    """Compilers in use, and the processor that they compile for."""
 
     cc: str = "gcc"
     cxx: str = "g++"
+    processor: str = "native"
+
+    @property
+    def speed_flags(self) -> list[str]:
+        """`SPEED_FLAGS` for that processor."""
+        return [f"-march={self.processor}" if flag == NATIVE else flag for flag in SPEED_FLAGS]
 
 
 @dataclass(frozen=True)
@@ -68,7 +75,12 @@ def compile_one(source: Path, target: Path, contender: Contender, tools: Tools) 
     is_c = source.suffix == ".c"
     compiler = tools.cc if is_c else tools.cxx
     includes = [f"-I{folder}" for folder in contender.include_dirs]
-    flags = [*SPEED_FLAGS, *contender.extra_flags, *PLUMBING_FLAGS, *(() if is_c else CXX_PLUMBING_FLAGS)]
+    flags = [
+        *tools.speed_flags,
+        *contender.extra_flags,
+        *PLUMBING_FLAGS,
+        *(() if is_c else CXX_PLUMBING_FLAGS),
+    ]
     run([compiler, *flags, *includes, "-c", str(source), "-o", str(target)])
     return target
 

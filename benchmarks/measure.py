@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.build import Built
-from benchmarks.layouts import pack, unpack
+from benchmarks.layouts import LAYOUTS, pack, unpack
 from benchmarks.samples import draw, evaluate
 from benchmarks.workloads import Workload
 
@@ -88,9 +88,7 @@ class Bench:
             getattr(self.library, name).restype = ctypes.c_double
         self.inputs = draw(workload, pool)
         self.expected = evaluate(workload, self.inputs)
-        self.packed = {
-            layout: [pack(x, layout) for x in self.inputs] for layout in ("aos", "soa", "blocked8")
-        }
+        self.packed = {layout: [pack(x, layout) for x in self.inputs] for layout in LAYOUTS}
         self.outputs = [np.empty(pool * array.size) for array in workload.outputs]
 
     def _pointers(self, layout: str) -> list[ctypes.c_void_p]:

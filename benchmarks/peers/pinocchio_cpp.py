@@ -34,7 +34,7 @@ VARIANTS = (
     Variant("w1", "Jacobians of frames", "pinocchio_chains.cc", "pinocchio_chains_w1"),
     Variant("w1", "Jacobians of frames, scalar", "pinocchio_chains.cc", "pinocchio_chains_w1", (ONE_BY_ONE,)),
     Variant("w1", "constraints, scalar", "pinocchio_loops.cc", "pinocchio_loops_w1", (ONE_BY_ONE,)),
-    Variant("w2", "Newton, Jacobians of frames", "pinocchio_chains.cc", "pinocchio_w2"),
+    Variant("w2", "Newton, frames", "pinocchio_chains.cc", "pinocchio_w2"),
     Variant(
         "w2", "Newton, Jacobians of frames, scalar", "pinocchio_chains.cc", "pinocchio_w2", (ONE_BY_ONE,)
     ),

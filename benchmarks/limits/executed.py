@@ -1,0 +1,70 @@
+"""What every contender executes for a pose, instruction by instruction, whatever the processor knows.
+
+The program is executed in single steps (`tracer.c`); Capstone says what the instructions are. Linux on x86-64.
+"""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from benchmarks.build import Tools, run
+from benchmarks.limits.mix import Mix, mix_of
+from benchmarks.limits.program import Job, Program
+
+TRACER = Path(__file__).resolve().parent / "tracer.c"
+EMPTY = "nothing"
+"""The harness' empty function: what its calls take is taken off."""
+
+
+class CannotCount(RuntimeError):
+    """This machine or environment lacks what counting takes; the message says what."""
+
+
+def why_not() -> str | None:
+    """What is missing here to count, if anything."""
+    if (platform.system(), platform.machine()) != ("Linux", "x86_64"):
+        return f"single steps are there for Linux on x86-64, this is {platform.system()} {platform.machine()}"
+    try:
+        import capstone  # noqa: F401
+    except ImportError:
+        return "package 'capstone' is not in this environment"
+    return None
+
+
+def executed(program: Program, jobs: Sequence[Job], out: Path, tools: Tools) -> list[Mix]:
+    """Per pose, for every job."""
+    tracer, counts = out / "tracer", out / f"{program.path.name}.counts"
+    run([tools.cc, "-O2", "-Wall", "-Wextra", "-Werror", str(TRACER), "-o", str(tracer)])
+    empty = [Job(EMPTY, mode) for mode in ("throughput", "batch")]
+    run([str(tracer), str(counts), *program.command([*empty, *jobs])])
+    regions = [mix_of(_decoded(region)) for region in _regions(counts.read_text())]
+    if len(regions) != len(empty) + len(jobs):
+        raise CannotCount(f"{len(regions)} regions were traced, {len(empty) + len(jobs)} are there")
+    idle = dict(zip(("throughput", "batch"), regions[: len(empty)], strict=True))
+    return [
+        region.less(idle[job.mode]).scaled(1 / program.poses(job))
+        for job, region in zip(jobs, regions[len(empty) :], strict=True)
+    ]
+
+
+def _regions(text: str) -> list[list[tuple[bytes, int]]]:
+    """(bytes, times) of every instruction, region by region."""
+    found = []
+    for block in text.split("\n\n")[:-1]:
+        words = (line.split() for line in block.splitlines() if line)
+        found.append([(bytes.fromhex(code), int(times)) for code, times in words])
+    return found
+
+
+def _decoded(region: list[tuple[bytes, int]]) -> Iterator[tuple[str, str, float]]:
+    import capstone
+
+    decoder = capstone.Cs(capstone.CS_ARCH_X86, capstone.CS_MODE_64)
+    for code, times in region:
+        for _, _, mnemonic, operands in decoder.disasm_lite(code, 0, 1):
+            yield mnemonic, operands, times
+            break
+        else:
+            yield f"unknown {code.hex()}", "", times
