@@ -75,12 +75,8 @@ def compile_one(source: Path, target: Path, contender: Contender, tools: Tools) 
     is_c = source.suffix == ".c"
     compiler = tools.cc if is_c else tools.cxx
     includes = [f"-I{folder}" for folder in contender.include_dirs]
-    flags = [
-        *tools.speed_flags,
-        *contender.extra_flags,
-        *PLUMBING_FLAGS,
-        *(() if is_c else CXX_PLUMBING_FLAGS),
-    ]
+    plumbing = PLUMBING_FLAGS if is_c else (*PLUMBING_FLAGS, *CXX_PLUMBING_FLAGS)
+    flags = [*tools.speed_flags, *contender.extra_flags, *plumbing]
     run([compiler, *flags, *includes, "-c", str(source), "-o", str(target)])
     return target
 

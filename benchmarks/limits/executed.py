@@ -1,6 +1,7 @@
 """What every contender executes for a pose, instruction by instruction, whatever the processor knows.
 
-The program is executed in single steps (`tracer.c`); Capstone says what the instructions are. Linux on x86-64.
+The program is executed in single steps (`tracer.c`); Capstone says what the instructions are. It takes Linux
+on x86-64.
 """
 
 from __future__ import annotations

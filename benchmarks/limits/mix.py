@@ -1,4 +1,4 @@
-"""What executed x86-64 instructions do: floating-point operations, and the vector unit's and divider's work."""
+"""What executed x86-64 instructions do: floating-point operations, work for vector unit and divider."""
 
 from __future__ import annotations
 

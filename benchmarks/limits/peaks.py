@@ -1,6 +1,6 @@
-"""What this processor does at most, measured: operations, vector instructions, divisions, instructions of any kind.
+"""What this processor does at most, measured: operations, vector instructions, divisions, all instructions.
 
-Straight code without dependences that matter, from registers: nothing is faster, whatever the algorithm.
+Straight code in registers, without dependences that matter: nothing is faster, whatever the algorithm.
 """
 
 from __future__ import annotations

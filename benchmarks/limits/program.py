@@ -2,8 +2,8 @@
 
     program LIBRARY INPUTS WHAT...
 
-WHAT is `SYMBOL:single:aos` or `SYMBOL:batch:LAYOUT`. Each function is called once before it counts, so that models
-are loaded and names are resolved; what counts is called by `counted`, between the signals SIGUSR1 and SIGUSR2.
+WHAT is `SYMBOL:single:aos` or `SYMBOL:batch:LAYOUT`. Each function is called before it counts, so that models
+are loaded and names resolved; what counts is called by `counted`, between the signals SIGUSR1 and SIGUSR2.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ static double @ARRAYS@;
 
 static void ignore(int signal) { (void)signal; }
 
-static void call(void *f, int batch, int layout, long poses) {
+static inline __attribute__((always_inline)) void call(void *f, int batch, int layout, long poses) {
     if (batch) {
         ((batch_t)f)(POOL, @ALL@);
         return;
@@ -47,9 +47,13 @@ static void call(void *f, int batch, int layout, long poses) {
     }
 }
 
-__attribute__((noinline, noclone)) void warm(void *f, int batch, int layout) { call(f, batch, layout, POOL); }
+static __attribute__((noinline, noclone)) void warm(void *f, int batch, int layout) {
+    call(f, batch, layout, POOL);
+}
 
-__attribute__((noinline, noclone)) void counted(void *f, int batch, int layout) { call(f, batch, layout, POSES); }
+static __attribute__((noinline, noclone)) void counted(void *f, int batch, int layout) {
+    call(f, batch, layout, POSES);
+}
 
 int main(int argc, char **argv) {
     static const char *const layouts[] = {@LAYOUTS@};
@@ -66,7 +70,8 @@ int main(int argc, char **argv) {
     signal(SIGUSR1, ignore);
     signal(SIGUSR2, ignore);
     for (int k = 3; k < argc; ++k) {
-        const char *const symbol = strtok(argv[k], ":"), *const mode = strtok(NULL, ":"), *const how = strtok(NULL, ":");
+        const char *const symbol = strtok(argv[k], ":");
+        const char *const mode = strtok(NULL, ":"), *const how = strtok(NULL, ":");
         void *const f = dlsym(library, symbol);
         int layout = 0;
         while (strcmp(layouts[layout], how) != 0) {
