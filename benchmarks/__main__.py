@@ -14,19 +14,22 @@ from pathlib import Path
 from benchmarks import every_robot, from_python, machine, pictures, report, scaling, summary, workspaces
 from benchmarks.build import BuildError, Built, Tools, build_contender, build_library
 from benchmarks.contender import Contender, Manifest, Missing
+from benchmarks.limits import counts, tables
 from benchmarks.measure import Bench, Row
 from benchmarks.ours import c_contenders
 from benchmarks.peers import PEER_PYTHON, PEERS, ROOT, generate
 from benchmarks.workloads import WORKLOADS, Workload
 
-PARTS = ("c", "python", "scaling", "robots", "workspaces")
+PARTS = ("c", "limits", "python", "scaling", "robots", "workspaces")
 
 
 def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     """The command line."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("--workloads", nargs="+", choices=list(WORKLOADS), default=list(WORKLOADS))
-    parser.add_argument("--only", choices=PARTS, nargs="+", default=PARTS, help="measure some of the parts")
+    parser.add_argument(
+        "--only", choices=PARTS, nargs="+", default=PARTS, help="some parts; limits are those of c"
+    )
     parser.add_argument("--rounds", type=int, default=3000, help="rounds in C (default %(default)s)")
     parser.add_argument(
         "--python-rounds", type=int, default=60, help="rounds in Python (default %(default)s)"
@@ -76,9 +79,14 @@ def build_all(
 
 
 def measure_c(
-    workload: Workload, manifest: Manifest, absent: list[Missing], options: argparse.Namespace, tools: Tools
+    workload: Workload,
+    manifest: Manifest,
+    absent: list[Missing],
+    limits: counts.Limits,
+    options: argparse.Namespace,
+    tools: Tools,
 ) -> report.Result:
-    """One workload from sources to times."""
+    """One workload from sources to times, and to what was executed in them."""
     out = options.out / "objects"
     out.mkdir(parents=True, exist_ok=True)
     contenders = [c for c in manifest.contenders if c.workload == workload.key]
@@ -94,6 +102,9 @@ def measure_c(
     rows = [Row(b, bench.error(b), workload.tolerance) for b in built]
     print(f"measuring: {workload.key}", file=sys.stderr)
     overhead = bench.run([row for row in rows if row.correct], options.rounds)
+    if limits.peaks is not None:
+        print(f"counting: {workload.key}", file=sys.stderr)
+        counts.count(limits, workload, bench, rows, out, tools)
     return report.Result(workload, rows, missing + failed, overhead)
 
 
@@ -121,8 +132,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         print("scaling", file=sys.stderr)
         points = scaling.measure(options.python_rounds)
     machine.pin_to_one_core()
+    limits = counts.Limits()
     if "c" in options.only:
-        results = [measure_c(w, manifest, absent, options, tools) for w in workloads]
+        if "limits" in options.only:
+            limits.measure(facts["vector extension"], options.out / "objects", tools)
+        results = [measure_c(w, manifest, absent, limits, options, tools) for w in workloads]
     if "python" in options.only:
         for workload in (w for w in workloads if w.key in from_python.KEYS):
             print(f"from Python: {workload.key}", file=sys.stderr)
@@ -141,6 +155,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     spreads = [series.spread for row in rows for series in row.series.values()]
     warnings = machine.noise_warnings(load, facts["virtual machine"] == "yes", max(spreads, default=0.0))
     sections = [*map(report.c_section, results), *map(report.python_section, python)]
+    sections += [tables.section(limits.as_json())] if limits else []
     sections += [workspaces.section(maps)] if maps else []
     text = report.document(facts, versions | manifest.versions, warnings, sections)
     print(text)
@@ -150,6 +165,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         "versions": versions | manifest.versions,
         "warnings": warnings,
         "rows": report.as_json(results, python),
+        "limits": limits.as_json(),
         "scaling": [point.as_json() for point in points],
         "every robot": [row.as_json() for row in robots],
         "workspaces": [row.as_json() for row in maps],

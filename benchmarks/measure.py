@@ -83,6 +83,7 @@ class Bench:
     def __init__(self, workload: Workload, library: Path, pool: int = POOL) -> None:
         self.workload = workload
         self.pool = pool
+        self.path = library
         self.library = ctypes.CDLL(str(library))
         for name in MODES:
             getattr(self.library, name).restype = ctypes.c_double

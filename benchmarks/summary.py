@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.contender import OURS
+from benchmarks.limits import tables
 
 Row = Mapping[str, Any]
 Results = Mapping[str, Any]
@@ -194,6 +195,7 @@ TABLES: Mapping[str, Callable[[Results], str]] = {
     "batches": batches,
     "forward": forward,
     "from Python": from_python,
+    "limits": tables.page,
     "scaling": scaling,
     "every robot": every_robot,
 }
@@ -205,6 +207,8 @@ def _is_measured(table: str, results: Results) -> bool:
     match table:
         case "machine":
             return True
+        case "limits":
+            return bool(results[table]["rows"])
         case "scaling" | "every robot":
             return bool(results[table])
         case "from Python":

@@ -12,11 +12,9 @@ from pathlib import Path
 
 from benchmarks.build import Tools, run
 from benchmarks.limits.mix import Mix, mix_of
-from benchmarks.limits.program import Job, Program
+from benchmarks.limits.program import EMPTY, Job, Program
 
 TRACER = Path(__file__).resolve().parent / "tracer.c"
-EMPTY = "nothing"
-"""The harness' empty function: what its calls take is taken off."""
 
 
 class CannotCount(RuntimeError):

@@ -18,6 +18,8 @@ CHAINS = 12
 """Independent chains: more than an addition or a multiplication is long, times two units."""
 REPEATED = 4
 """How often a loop has each of them."""
+NOTHING = "nopl 0(%%rax)"
+"""Of four bytes, like most instructions: shorter ones are too many for the caches of decoded instructions."""
 SAMPLES = 200
 CALLS = 4000  # turns of a loop in a sample
 
@@ -41,11 +43,11 @@ class Peaks:
 
 
 def registers(vectors: str) -> tuple[str, ...]:
-    """The kinds of registers of a processor, the widest first; none without AVX2 and its fused operations."""
+    """The kinds of registers, the widest first, by the processor's widest extension; none below AVX2."""
     return {"avx512f": ("zmm", "ymm", "xmm"), "avx2": ("ymm", "xmm")}.get(vectors, ())
 
 
-def measure(vectors: str, out: Path, tools: Tools) -> Peaks | None:
+def measure_peaks(vectors: str, out: Path, tools: Tools) -> Peaks | None:
     """None where the processor has no fused operations, of which everything here is made."""
     names = registers(vectors)
     if not names:
@@ -107,7 +109,7 @@ def _source(names: tuple[str, ...]) -> str:
         for kind, (body, times) in _BODIES.items()
         for name in names
     ]
-    loops.append(_loop("issue", ["nop"] * (CHAINS * REPEATED)))
+    loops.append(_loop("issue", [NOTHING] * (CHAINS * REPEATED)))
     return "\n".join(["#include <time.h>", CLOCK, *loops])
 
 

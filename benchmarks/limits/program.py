@@ -21,6 +21,8 @@ from benchmarks.workloads import Workload
 
 POSES = 8
 """How many calls count, one pose each; batches count whole."""
+EMPTY = "nothing"
+"""The harness' empty function: whatever its calls take is taken off."""
 
 _SOURCE = """#include <dlfcn.h>
 #include <signal.h>
