@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from benchmarks import cost_model
 from benchmarks.contender import OURS
 from benchmarks.limits import tables
 
@@ -197,6 +198,7 @@ TABLES: Mapping[str, Callable[[Results], str]] = {
     "from Python": from_python,
     "limits": tables.page,
     "scaling": scaling,
+    "cost model": cost_model.text,
     "every robot": every_robot,
 }
 
@@ -209,6 +211,8 @@ def _is_measured(table: str, results: Results) -> bool:
             return True
         case "limits":
             return bool(results[table]["rows"])
+        case "cost model":
+            return bool(results["scaling"] or results["every robot"])
         case "scaling" | "every robot":
             return bool(results[table])
         case "from Python":

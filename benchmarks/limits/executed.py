@@ -14,6 +14,7 @@ from benchmarks.build import Tools, run
 from benchmarks.limits.mix import Mix, mix_of
 from benchmarks.limits.program import EMPTY, Job, Program
 
+Region = list[tuple[bytes, int]]
 TRACER = Path(__file__).resolve().parent / "tracer.c"
 
 
@@ -34,13 +35,8 @@ def why_not() -> str | None:
 
 def executed(program: Program, jobs: Sequence[Job], out: Path, tools: Tools) -> list[Mix]:
     """Per pose, for every job."""
-    tracer, counts = out / "tracer", out / f"{program.path.name}.counts"
-    run([tools.cc, "-O2", "-Wall", "-Wextra", "-Werror", str(TRACER), "-o", str(tracer)])
     empty = [Job(EMPTY, mode) for mode in ("throughput", "batch")]
-    run([str(tracer), str(counts), *program.command([*empty, *jobs])])
-    regions = [mix_of(_decoded(region)) for region in _regions(counts.read_text())]
-    if len(regions) != len(empty) + len(jobs):
-        raise CannotCount(f"{len(regions)} regions were traced, {len(empty) + len(jobs)} are there")
+    regions = [mix_of(_decoded(region)) for region in traced(program, [*empty, *jobs], out, tools)]
     idle = dict(zip(("throughput", "batch"), regions[: len(empty)], strict=True))
     return [
         region.less(idle[job.mode]).scaled(1 / program.poses(job))
@@ -48,7 +44,18 @@ def executed(program: Program, jobs: Sequence[Job], out: Path, tools: Tools) -> 
     ]
 
 
-def _regions(text: str) -> list[list[tuple[bytes, int]]]:
+def traced(program: Program, jobs: Sequence[Job], out: Path, tools: Tools) -> list[Region]:
+    """What was executed for every job: the bytes of instructions, and how often."""
+    tracer, counts = out / "tracer", out / f"{program.path.name}.counts"
+    run([tools.cc, "-O2", "-Wall", "-Wextra", "-Werror", str(TRACER), "-o", str(tracer)])
+    run([str(tracer), str(counts), *program.command(jobs)])
+    regions = _regions(counts.read_text())
+    if len(regions) != len(jobs):
+        raise CannotCount(f"{len(regions)} regions were traced, {len(jobs)} are there")
+    return regions
+
+
+def _regions(text: str) -> list[Region]:
     """(bytes, times) of every instruction, region by region."""
     found = []
     for block in text.split("\n\n")[:-1]:
@@ -57,7 +64,7 @@ def _regions(text: str) -> list[list[tuple[bytes, int]]]:
     return found
 
 
-def _decoded(region: list[tuple[bytes, int]]) -> Iterator[tuple[str, str, float]]:
+def _decoded(region: Region) -> Iterator[tuple[str, str, float]]:
     import capstone
 
     decoder = capstone.Cs(capstone.CS_ARCH_X86, capstone.CS_MODE_64)
