@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -49,5 +48,5 @@ def bounds(mix: Mix, peaks: Peaks) -> Bounds:
     )
 
 
-def _time(executed: Counter[int], rates: Mapping[int, float]) -> float:
+def _time(executed: Mapping[int, float], rates: Mapping[int, float]) -> float:
     return sum(times / rates[width] for width, times in executed.items())

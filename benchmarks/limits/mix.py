@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
+from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
@@ -20,17 +20,24 @@ _FROM_MEMORY = re.compile(r"v?(?:p?broadcast\w*|lddqu|movddup|movs[hl]dup)")
 _MEMORY = re.compile(r"\[")
 
 
+ByWidth = dict[int, float]
+
+
+def _none() -> ByWidth:
+    return defaultdict(float)
+
+
 @dataclass
 class Mix:
     """What a piece of code executes: sums over its instructions."""
 
     instructions: float = 0.0
     flops: float = 0.0
-    vector: Counter[int] = field(default_factory=Counter)
+    vector: ByWidth = field(default_factory=_none)
     """Instructions that the vector unit works on, by width in bits; no loads, stores and copies."""
-    divides: Counter[int] = field(default_factory=Counter)
+    divides: ByWidth = field(default_factory=_none)
     """Divisions among them, by width."""
-    roots: Counter[int] = field(default_factory=Counter)
+    roots: ByWidth = field(default_factory=_none)
     """Square roots among them, by width."""
 
     def add(self, mnemonic: str, operands: str, times: float) -> None:
@@ -57,19 +64,26 @@ class Mix:
 
     def scaled(self, factor: float) -> Mix:
         """The same per pose, for instance."""
-        counters = (
-            Counter({width: factor * times for width, times in each.items()})
-            for each in (self.vector, self.divides, self.roots)
-        )
-        return Mix(factor * self.instructions, factor * self.flops, *counters)
+        return self._plus(Mix(), factor)
 
     def less(self, other: Mix) -> Mix:
         """Without what another piece of code executes."""
-        pairs = ((self.vector, other.vector), (self.divides, other.divides), (self.roots, other.roots))
-        counters = (
-            Counter({width: own[width] - theirs[width] for width in {*own, *theirs}}) for own, theirs in pairs
+        return other._plus(self, -1.0)
+
+    def _plus(self, other: Mix, factor: float) -> Mix:
+        """The other and so many times this."""
+        return Mix(
+            other.instructions + factor * self.instructions,
+            other.flops + factor * self.flops,
+            *(
+                defaultdict(float, {width: theirs[width] + factor * own[width] for width in {*own, *theirs}})
+                for own, theirs in zip(self._by_width, other._by_width, strict=True)
+            ),
         )
-        return Mix(self.instructions - other.instructions, self.flops - other.flops, *counters)
+
+    @property
+    def _by_width(self) -> tuple[ByWidth, ByWidth, ByWidth]:
+        return self.vector, self.divides, self.roots
 
 
 def mix_of(executed: Iterable[tuple[str, str, float]]) -> Mix:
