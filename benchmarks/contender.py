@@ -7,6 +7,9 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 OURS = "krhpr"
+HAND = "hand-written C"
+"""A yardstick, not a peer."""
+NOT_PEERS = (OURS, HAND)
 
 
 @dataclass(frozen=True)

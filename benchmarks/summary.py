@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks import cost_model
-from benchmarks.contender import OURS
+from benchmarks.contender import NOT_PEERS, OURS
 from benchmarks.limits import tables
 
 Row = Mapping[str, Any]
@@ -90,15 +90,15 @@ def batches(results: Results) -> str:
     head = ["", "layout", f"{OURS} (ns per pose)", f"{LANES}, same layout", "best peer, one pose at a time"]
     lines = []
     for key in STRAIGHT:
-        peers = [row for row in _rows(results, "C") if row["workload"] == key and row["contender"] != OURS]
+        everybody = (row for row in _rows(results, "C") if row["workload"] == key)
+        peers = [row for row in everybody if row["contender"] not in NOT_PEERS]
         scalar = _best(peers, "throughput")
         for layout, words in LAYOUTS.items():
             own = _best([row for row in _of(results, key, OURS) if row.get("layout") == layout], "batch")
             if own is None:
                 continue
             vector = _best([row for row in _of(results, key, LANES) if row.get("layout") == layout], "batch")
-            ns = own[TIMES]["batch"]
-            slower = f"{scalar['median_ns']['throughput'] / ns:.1f}" if scalar else ""
+            slower = _times(scalar, own, "throughput", "batch")
             lines.append([TITLES[key], words, _ns(own, "batch"), _times(vector, own, "batch"), slower])
     return _table(head, lines)
 
@@ -244,13 +244,13 @@ def _text(row: Row | None) -> int:
 
 
 def _ns(row: Row | None, mode: str) -> str:
-    return f"{row['median_ns'][mode]:,.0f}" if row and mode in _times_of(row) else ""
+    return f"{row[TIMES][mode]:,.0f}" if row and mode in _times_of(row) else ""
 
 
 def _times(row: Row | None, base: Row | None, mode: str, base_mode: str = "") -> str:
     if row is None or base is None or mode not in _times_of(row):
         return ""
-    return f"{row['median_ns'][mode] / base['median_ns'][base_mode or mode]:.2f}"
+    return f"{row[TIMES][mode] / base[TIMES][base_mode or mode]:.2f}"
 
 
 def _table(head: Sequence[str], lines: Iterable[Sequence[str]]) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from benchmarks.contender import Manifest, Missing
+from benchmarks.contender import HAND, Manifest, Missing
 
 ROOT = Path(__file__).resolve().parents[2]
 PEER_PYTHON = ROOT / ".venv-bench" / "bin" / "python"
@@ -30,7 +30,7 @@ class Peer:
 
 
 PEERS = (
-    Peer("hand-written C", "hand", None),
+    Peer(HAND, "hand", None),
     Peer("SymPy", "sympy_c", "sympy"),
     Peer("CasADi", "casadi_c", "casadi", (*STRAIGHT, "w4")),
     Peer("SymForce", "symforce_cpp", "symforce"),
