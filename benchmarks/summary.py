@@ -71,7 +71,7 @@ def one_pose(results: Results) -> str:
         if any(cells):
             size = _best(_of(results, "w1", name), "throughput")
             own = base["w1", "throughput"]
-            share = f"{_text(size) / _text(own):.2f}" if size and own else ""
+            share = f"{_text(size) / _text(own):.2f}" if _text(size) and _text(own) else ""
             lines.append([name, *cells, share])
     variants = dict.fromkeys(
         row["variant"] for row in _of(results, "w1", OURS) if "throughput" in _times_of(row)
