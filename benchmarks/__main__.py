@@ -43,7 +43,7 @@ def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--cc", default="gcc")
     parser.add_argument("--cxx", default="g++")
     parser.add_argument(
-        "--peer-python", type=Path, default=PEER_PYTHON, help="interpreter with symforce and wrenfold"
+        "--peer-python", type=Path, default=PEER_PYTHON, help="interpreter with the peers' packages"
     )
     return parser.parse_args(argv)
 

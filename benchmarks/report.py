@@ -8,7 +8,7 @@ from typing import Any
 
 from benchmarks.contender import HAND, NOT_PEERS, OURS, Missing
 from benchmarks.from_python import PythonResult, PythonRow
-from benchmarks.measure import POOL, Row, Series
+from benchmarks.measure import POOL, STREAMED, Row, Series
 from benchmarks.workloads import Workload
 
 
@@ -196,16 +196,27 @@ def batch_table(candidates: Sequence[Entry]) -> str:
             str(e.layout),
             times(ratio(e, base, "batch")),
             ns(e, "batch"),
+            ns(e, "streaming"),
             bytes_of(e),
             f"{e.error:.0e}",
         ]
         for e in by_time(pool, "batch")
     ]
-    header = ["contender", "variant", "layout", "ratio", "ns per pose", ".text B", "error"]
+    header = [
+        "contender",
+        "variant",
+        "layout",
+        "ratio",
+        "ns per pose",
+        f"ns of {STREAMED:,}",
+        ".text B",
+        "error",
+    ]
     whose = f"{OURS} at its best" if ours else "the quickest"
     line = f"{OURS} against the best peer with the same layout: {', '.join(parts)}.\n\n" if parts else ""
     table = markdown(header, lines, text_columns=3)
-    return f"Batch of poses in cache; ratios against {whose}.\n\n{line}{table}\n"
+    title = f"Batch of {POOL} poses in cache, and of {STREAMED:,} that stream; ratios against {whose}."
+    return f"{title}\n\n{line}{table}\n"
 
 
 def flags_note(candidates: Sequence[Entry]) -> str:

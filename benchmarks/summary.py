@@ -88,6 +88,7 @@ def one_pose(results: Results) -> str:
 def batches(results: Results) -> str:
     """Poses side by side: nanoseconds, and how many times slower the peers are."""
     head = ["", "layout", f"{OURS} (ns per pose)", f"{LANES}, same layout", "best peer, one pose at a time"]
+    head += ["streaming (ns per pose)", f"{LANES}, streaming"]
     lines = []
     for key in STRAIGHT:
         everybody = (row for row in _rows(results, "C") if row["workload"] == key)
@@ -99,7 +100,9 @@ def batches(results: Results) -> str:
                 continue
             vector = _best([row for row in _of(results, key, LANES) if row.get("layout") == layout], "batch")
             slower = _times(scalar, own, "throughput", "batch")
-            lines.append([TITLES[key], words, _ns(own, "batch"), _times(vector, own, "batch"), slower])
+            in_cache = [_ns(own, "batch"), _times(vector, own, "batch"), slower]
+            streaming = [_ns(own, "streaming"), _times(vector, own, "streaming")]
+            lines.append([TITLES[key], words, *in_cache, *streaming])
     return _table(head, lines)
 
 
