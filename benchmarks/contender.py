@@ -31,6 +31,7 @@ class Contender:
     include_dirs: tuple[str, ...] = ()
     extra_flags: tuple[str, ...] = ()  # beyond those that all contenders share; shown in the table
     libraries: tuple[str, ...] = ()
+    self_contained: bool = True  # False: what it computes lies in its libraries, and its size says nothing
     single: bool = True  # False: offers the batch function only
     batch_layout: str | None = None  # "aos", "soa" or "blocked8" (see layouts.py)
     generate_seconds: float | None = None

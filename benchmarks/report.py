@@ -48,7 +48,7 @@ def entries(rows: Sequence[Row]) -> list[Entry]:
         c = row.built.contender
         ms = None if c.generate_seconds is None else 1e3 * c.generate_seconds
         flags = " ".join(c.extra_flags)
-        size = None if c.libraries else row.built.text_bytes
+        size = row.built.text_bytes if c.self_contained else None
         result.append(
             Entry(c.name, c.variant, row.error, row.tolerance, row.series, size, ms, c.batch_layout, flags)
         )

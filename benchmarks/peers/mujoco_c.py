@@ -85,6 +85,7 @@ def generate(workload: Workload, folder: Path) -> list[Contender]:
             glue=f'{models}#include "mujoco.c"\n{workload.prototype()} {{ {function}({arguments}); }}\n',
             include_dirs=(str(PACKAGE / "include"), str(folder), str(closed_loop.FOLDER)),
             libraries=(str(library), f"-Wl,-rpath,{library.parent}"),
+            self_contained=False,
             generate_seconds=watch.seconds,
         )
         for variant, function in VARIANTS[workload.key].items()
