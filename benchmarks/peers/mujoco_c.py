@@ -16,7 +16,7 @@ from benchmarks.workloads import Workload
 PACKAGE = Path(mujoco.__file__).parent
 VARIANTS = {
     "w1": {"Jacobians of sites": "mujoco_chains_w1", "constraints": "mujoco_loops_w1"},
-    "w2": {"Newton, sites": "mujoco_w2"},
+    "w2": {"Newton, Jacobians of sites": "mujoco_w2"},
 }
 MASS = '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
 """Whatever moves must weigh something; nothing that is compared depends on it."""

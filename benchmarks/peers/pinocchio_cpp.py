@@ -30,16 +30,14 @@ class Variant:
     flags: tuple[str, ...] = ()
 
 
+CHAINS, LOOPS = "pinocchio_chains.cc", "pinocchio_loops.cc"
 VARIANTS = (
-    Variant("w1", "Jacobians of frames", "pinocchio_chains.cc", "pinocchio_chains_w1"),
-    Variant("w1", "Jacobians of frames, scalar", "pinocchio_chains.cc", "pinocchio_chains_w1", (ONE_BY_ONE,)),
-    Variant("w1", "constraints, scalar", "pinocchio_loops.cc", "pinocchio_loops_w1", (ONE_BY_ONE,)),
-    Variant("w2", "Newton, frames", "pinocchio_chains.cc", "pinocchio_w2"),
-    Variant(
-        "w2", "Newton, Jacobians of frames, scalar", "pinocchio_chains.cc", "pinocchio_w2", (ONE_BY_ONE,)
-    ),
+    Variant("w1", "Jacobians of frames", CHAINS, "pinocchio_chains_w1"),
+    Variant("w1", "Jacobians of frames, scalar", CHAINS, "pinocchio_chains_w1", (ONE_BY_ONE,)),
+    Variant("w1", "constraints, scalar", LOOPS, "pinocchio_loops_w1", (ONE_BY_ONE,)),
+    Variant("w2", "Newton, Jacobians of frames", CHAINS, "pinocchio_w2"),
+    Variant("w2", "Newton, Jacobians of frames, scalar", CHAINS, "pinocchio_w2", (ONE_BY_ONE,)),
 )
-
 NEEDED = {
     "BOOST_MPL_LIMIT_LIST_SIZE": 30,
     "BOOST_MPL_LIMIT_VECTOR_SIZE": 30,
