@@ -10,6 +10,7 @@ import shutil
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from benchmarks import every_robot, from_python, machine, pictures, report, scaling, summary, workspaces
 from benchmarks.build import BuildError, Built, Tools, build_contender, build_library
@@ -154,13 +155,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     rows += [row for result in python for row in result.rows]
     spreads = [series.spread for row in rows for series in row.series.values()]
     warnings = machine.noise_warnings(load, facts["virtual machine"] == "yes", max(spreads, default=0.0))
-    sections = [*map(report.c_section, results), *map(report.python_section, python)]
-    sections += [tables.section(limits.as_json())] if limits else []
-    sections += [workspaces.section(maps)] if maps else []
-    text = report.document(facts, versions | manifest.versions, warnings, sections)
-    print(text)
-    (options.out / "results.md").write_text(text)
-    data = {
+    data: dict[str, Any] = {
         "machine": facts,
         "versions": versions | manifest.versions,
         "warnings": warnings,
@@ -170,6 +165,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         "every robot": [row.as_json() for row in robots],
         "workspaces": [row.as_json() for row in maps],
     }
+    sections = [*map(report.c_section, results), *map(report.python_section, python)]
+    sections += [tables.section(limits.as_json())] if limits else []
+    sections += summary.sections(data)
+    sections += [workspaces.section(maps)] if maps else []
+    text = report.document(facts, data["versions"], warnings, sections)
+    print(text)
+    (options.out / "results.md").write_text(text)
     (options.out / "results.json").write_text(json.dumps(data, indent=1, ensure_ascii=False) + "\n")
     if options.pictures is not None:
         for path in pictures.draw(data, options.pictures):

@@ -206,6 +206,19 @@ TABLES: Mapping[str, Callable[[Results], str]] = {
 }
 
 
+IN_REPORT = {"scaling": "Poses and threads", "cost model": "Calls and joints", "every robot": "Every robot"}
+"""Tables that the report shows as the page does, and their titles there."""
+
+
+def sections(results: Results) -> list[str]:
+    """Those of them that a run has figures for."""
+    return [
+        f"## {title}\n\n{TABLES[name](results)}"
+        for name, title in IN_REPORT.items()
+        if _is_measured(name, results)
+    ]
+
+
 def _is_measured(table: str, results: Results) -> bool:
     """Whether a run has figures for a table; one that it leaves out stays as it is."""
     languages = {row["language"] for row in results["rows"]}

@@ -53,6 +53,14 @@ def test_code_in_a_library_of_others_has_no_size(results: dict[str, Any]) -> Non
     assert (mujoco.split("|")[-2].strip(), sympy.split("|")[-2].strip()) == ("", "1.00")
 
 
+def test_the_report_has_what_was_measured_and_no_more(results: dict[str, Any]) -> None:
+    assert summary.sections(results) == []
+    results["scaling"] = [{"poses": n, "threads": 1, "undisturbed": 50 + 4000 / n} for n in (10, 1000)]
+    poses, calls = summary.sections(results)
+    assert "| 1,000 | 54 |" in poses
+    assert "4.0 µs a call and 50 ns a pose" in calls
+
+
 def test_tables_of_what_was_not_measured_stay(results: dict[str, Any], tmp_path: Path) -> None:
     page = tmp_path / "page.md"
     kept = "<!-- measured: scaling -->\n\nold\n\n<!-- end -->"
