@@ -14,6 +14,7 @@ from benchmarks.build import Tools, run
 from benchmarks.limits.mix import Mix, mix_of
 from benchmarks.limits.program import EMPTY, Job, Program
 
+SYSTEM = "Linux x86_64"
 Region = list[tuple[bytes, int]]
 TRACER = Path(__file__).resolve().parent / "tracer.c"
 
@@ -22,10 +23,15 @@ class CannotCount(RuntimeError):
     """This machine or environment lacks what counting takes; the message says what."""
 
 
+def system() -> str:
+    """Operating system and processor of this machine."""
+    return f"{platform.system()} {platform.machine()}"
+
+
 def why_not() -> str | None:
     """What is missing here to count, if anything."""
-    if (platform.system(), platform.machine()) != ("Linux", "x86_64"):
-        return f"single steps are there for Linux on x86-64, this is {platform.system()} {platform.machine()}"
+    if system() != SYSTEM:
+        return f"single steps are there for {SYSTEM}, this is {system()}"
     try:
         import capstone  # noqa: F401
     except ImportError:

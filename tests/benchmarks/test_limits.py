@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import sys
 from pathlib import Path
 
 import pytest
@@ -89,8 +88,9 @@ def test_whoever_is_busy_longest_is_the_limit(mix: Mix, least: float, busiest: s
 
 def test_single_steps_and_callgrind_count_the_same(tmp_path: Path) -> None:
     """Of code that both know, which calls the C library."""
-    if sys.platform != "linux" or shutil.which("valgrind") is None:
-        pytest.skip("takes Linux and valgrind")
+    lacking = [tool for tool in ("gcc", "g++", "ld", "objcopy", "valgrind") if shutil.which(tool) is None]
+    if lacking or executed.system() != executed.SYSTEM:
+        pytest.skip(f"takes {executed.SYSTEM} with gcc, g++, binutils and valgrind; not here: {lacking}")
     workload, tools = WORKLOADS["w1"], Tools(processor=callgrind.PROCESSOR)
     arguments = ", ".join(array.name for array in (*workload.inputs, *workload.outputs))
     contender = Contender(
