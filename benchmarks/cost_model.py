@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -81,6 +82,7 @@ def text(results: Found) -> str:
         parts += [_in_words(line) for line in lines(results["scaling"])]
     found = legs(results["every robot"])
     if found:
+        parts += [_a_joint_more(few, many) for few, many in pairwise(found) if few.kind == many.kind]
         head = ["legs", "W1", "W1, batch", "W2", "W2, batch"]
         rule = ["---", *["---:"] * len(COLUMNS)]
         rows = [
@@ -89,6 +91,14 @@ def text(results: Found) -> str:
         ]
         parts.append("\n" + "\n".join(f"| {' | '.join(row)} |" for row in (head, rule, *rows)))
     return "\n".join(parts) + "\n"
+
+
+def _a_joint_more(few: Legs, many: Legs) -> str:
+    ratios = [f"{many.nanoseconds[column] / few.nanoseconds[column]:.2f}" for column in COLUMNS]
+    return (
+        f"* {many.joints} joints in {few.kind} legs where there were {few.joints}: {ratios[0]} times as long "
+        f"in W1 ({ratios[1]} in batches), {ratios[2]} in W2 ({ratios[3]})."
+    )
 
 
 def _in_words(line: Line) -> str:

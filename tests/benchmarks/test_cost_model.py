@@ -53,6 +53,16 @@ def test_legs_are_told_apart_by_their_joints_alone() -> None:
     ]
 
 
+def test_a_joint_more_is_told_within_its_kind() -> None:
+    columns = ("w1 single", "w1 batch", "w2 single", "w2 batch")
+    names = {"planar_rr_a": 10.0, "planar_rrr_a": 12.0, "spatial_rrr_a": 20.0, "spatial_rrrr_a": 25.0}
+    robots = [{"robot": name, "undisturbed": dict.fromkeys(columns, ns)} for name, ns in names.items()]
+    said = text({"scaling": [], "every robot": robots})
+    assert "3 joints in planar legs where there were 2: 1.20 times as long" in said
+    assert "4 joints in spatial legs where there were 3: 1.25 times as long" in said
+    assert said.count("times as long") == 2
+
+
 def test_words_say_what_was_measured() -> None:
     said = text({"scaling": points(4000, 55), "every robot": []})
     assert "4.0 µs a call and 55 ns a pose" in said
