@@ -14,7 +14,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from benchmarks import every_robot, from_python, machine, pictures, report, scaling, summary, workspaces
+from benchmarks import (
+    every_robot,
+    from_python,
+    machine,
+    pictures,
+    report,
+    scaling,
+    summary,
+    trajectories,
+    workspaces,
+)
 from benchmarks.build import BuildError, Built, Tools, build_contender, build_library
 from benchmarks.contender import Manifest, Missing
 from benchmarks.limits import counts, tables
@@ -23,7 +33,7 @@ from benchmarks.ours import c_contenders
 from benchmarks.peers import PEER_PYTHON, PEERS, ROOT, generate
 from benchmarks.workloads import WORKLOADS, Workload
 
-PARTS = ("c", "limits", "python", "scaling", "robots", "workspaces")
+PARTS = ("c", "limits", "python", "scaling", "robots", "workspaces", "trajectories")
 
 
 def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
@@ -166,6 +176,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     if "workspaces" in options.only:
         print("workspaces", file=sys.stderr)
         maps = workspaces.measure()
+    paths = []
+    if "trajectories" in options.only:
+        print("trajectories", file=sys.stderr)
+        paths = trajectories.measure()
     rows: list[Row | from_python.PythonRow] = [row for result in results for row in result.rows]
     rows += [row for result in python for row in result.rows]
     spreads = [series.spread for row in rows for series in row.series.values()]
@@ -179,11 +193,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         "scaling": [point.as_json() for point in points],
         "every robot": [row.as_json() for row in robots],
         "workspaces": [row.as_json() for row in maps],
+        "trajectories": [row.as_json() for row in paths],
     }
     sections = [*map(report.c_section, results), *map(report.python_section, python)]
     sections += [tables.section(limits.as_json())] if limits else []
     sections += summary.sections(data)
     sections += [workspaces.section(maps)] if maps else []
+    sections += [trajectories.section(paths)] if paths else []
     text = report.document(facts, data["versions"], warnings, sections)
     print(text)
     (options.out / "results.md").write_text(text)
