@@ -9,24 +9,40 @@ import os
 import shutil
 import sys
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from benchmarks import every_robot, from_python, machine, pictures, report, scaling, summary, workspaces
+from benchmarks import (
+    every_robot,
+    from_python,
+    machine,
+    pictures,
+    report,
+    scaling,
+    summary,
+    trajectories,
+    workspaces,
+)
 from benchmarks.build import BuildError, Built, Tools, build_contender, build_library
-from benchmarks.contender import Contender, Manifest, Missing
+from benchmarks.contender import Manifest, Missing
+from benchmarks.limits import counts, tables
 from benchmarks.measure import Bench, Row
 from benchmarks.ours import c_contenders
 from benchmarks.peers import PEER_PYTHON, PEERS, ROOT, generate
 from benchmarks.workloads import WORKLOADS, Workload
 
-PARTS = ("c", "python", "scaling", "robots", "workspaces")
+PARTS = ("c", "limits", "python", "scaling", "robots", "workspaces", "trajectories")
 
 
 def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     """The command line."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("--workloads", nargs="+", choices=list(WORKLOADS), default=list(WORKLOADS))
-    parser.add_argument("--only", choices=PARTS, nargs="+", default=PARTS, help="measure some of the parts")
+    parser.add_argument(
+        "--only", choices=PARTS, nargs="+", default=PARTS, help="some parts; limits are those of c"
+    )
     parser.add_argument("--rounds", type=int, default=3000, help="rounds in C (default %(default)s)")
     parser.add_argument(
         "--python-rounds", type=int, default=60, help="rounds in Python (default %(default)s)"
@@ -40,7 +56,7 @@ def arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--cc", default="gcc")
     parser.add_argument("--cxx", default="g++")
     parser.add_argument(
-        "--peer-python", type=Path, default=PEER_PYTHON, help="interpreter with symforce and wrenfold"
+        "--peer-python", type=Path, default=PEER_PYTHON, help="interpreter with the peers' packages"
     )
     return parser.parse_args(argv)
 
@@ -49,7 +65,7 @@ def gather(keys: Sequence[str], out: Path, peer_python: Path) -> tuple[Manifest,
     """All peers' contenders for all workloads."""
     everything, missing = Manifest(), []
     for peer in PEERS:
-        theirs = [key for key in keys if peer.takes_part(WORKLOADS[key])]
+        theirs = [key for key in keys if key in peer.workloads]
         if not theirs:
             continue
         print(f"generating: {peer.name}", file=sys.stderr)
@@ -62,23 +78,23 @@ def gather(keys: Sequence[str], out: Path, peer_python: Path) -> tuple[Manifest,
     return everything, missing
 
 
-def build_all(
-    workload: Workload, contenders: Sequence[Contender], out: Path, tools: Tools
-) -> tuple[list[Built], list[Missing]]:
-    """Compiles every contender; one that does not compile becomes missing."""
-    built, missing = [], []
-    for index, contender in enumerate(contenders):
-        try:
-            built.append(build_contender(contender, workload, index, out, tools))
-        except BuildError as failure:
-            missing.append(Missing(contender.label, f"does not build: {failure}"))
-    return built, missing
+@dataclass(frozen=True)
+class Prepared:
+    """One workload's contenders, compiled, and who could not take part."""
+
+    workload: Workload
+    built: list[Built]
+    missing: list[Missing]
 
 
-def measure_c(
-    workload: Workload, manifest: Manifest, absent: list[Missing], options: argparse.Namespace, tools: Tools
-) -> report.Result:
-    """One workload from sources to times."""
+def prepare_c(
+    workload: Workload,
+    manifest: Manifest,
+    absent: list[Missing],
+    options: argparse.Namespace,
+    tools: Tools,
+) -> Prepared:
+    """Compiles every contender, on all cores; one that does not compile becomes missing."""
     out = options.out / "objects"
     out.mkdir(parents=True, exist_ok=True)
     contenders = [c for c in manifest.contenders if c.workload == workload.key]
@@ -89,12 +105,33 @@ def measure_c(
     else:
         contenders = [*ours, *contenders]
     print(f"compiling: {workload.key}, {len(contenders)} contenders", file=sys.stderr)
-    built, failed = build_all(workload, contenders, out, tools)
-    bench = Bench(workload, build_library(workload, built, out, tools))
-    rows = [Row(b, bench.error(b), workload.tolerance) for b in built]
+
+    def build(index: int) -> Built | Missing:
+        contender = contenders[index]
+        try:
+            return build_contender(contender, workload, index, out, tools)
+        except BuildError as failure:
+            return Missing(contender.label, f"does not build: {failure}")
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        found = list(pool.map(build, range(len(contenders))))
+    missing += [one for one in found if isinstance(one, Missing)]
+    return Prepared(workload, [one for one in found if isinstance(one, Built)], missing)
+
+
+def measure_c(
+    prepared: Prepared, limits: counts.Limits, options: argparse.Namespace, tools: Tools
+) -> report.Result:
+    """One workload from compiled contenders to times, and to what was executed in them."""
+    workload, out = prepared.workload, options.out / "objects"
+    bench = Bench(workload, build_library(workload, prepared.built, out, tools))
+    rows = [Row(b, bench.error(b), workload.tolerance) for b in prepared.built]
     print(f"measuring: {workload.key}", file=sys.stderr)
     overhead = bench.run([row for row in rows if row.correct], options.rounds)
-    return report.Result(workload, rows, missing + failed, overhead)
+    if limits.peaks is not None:
+        print(f"counting: {workload.key}", file=sys.stderr)
+        counts.count(limits, workload, bench, rows, out, tools)
+    return report.Result(workload, rows, prepared.missing, overhead)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -110,19 +147,22 @@ def main(argv: Sequence[str] | None = None) -> int:
     load = os.getloadavg()[0]
     versions = {name: importlib.metadata.version(name) for name in ("numpy",)}
     workloads = [WORKLOADS[key] for key in options.workloads]
-    results: list[report.Result] = []
     python: list[from_python.PythonResult] = []
     manifest = Manifest()
-    absent: list[Missing] = []
+    prepared: list[Prepared] = []
+    # What takes all cores comes before this process keeps to one.
     if "c" in options.only:
         manifest, absent = gather(options.workloads, options.out, options.peer_python)
+        prepared = [prepare_c(workload, manifest, absent, options, tools) for workload in workloads]
     points = []
-    if "scaling" in options.only:  # before this process keeps to one core
+    if "scaling" in options.only:
         print("scaling", file=sys.stderr)
         points = scaling.measure(options.python_rounds)
     machine.pin_to_one_core()
-    if "c" in options.only:
-        results = [measure_c(w, manifest, absent, options, tools) for w in workloads]
+    limits = counts.Limits()
+    if prepared and "limits" in options.only:
+        limits.measure(facts["vector extension"], options.out / "objects", tools)
+    results = [measure_c(one, limits, options, tools) for one in prepared]
     if "python" in options.only:
         for workload in (w for w in workloads if w.key in from_python.KEYS):
             print(f"from Python: {workload.key}", file=sys.stderr)
@@ -136,24 +176,33 @@ def main(argv: Sequence[str] | None = None) -> int:
     if "workspaces" in options.only:
         print("workspaces", file=sys.stderr)
         maps = workspaces.measure()
+    paths = []
+    if "trajectories" in options.only:
+        print("trajectories", file=sys.stderr)
+        paths = trajectories.measure()
     rows: list[Row | from_python.PythonRow] = [row for result in results for row in result.rows]
     rows += [row for result in python for row in result.rows]
     spreads = [series.spread for row in rows for series in row.series.values()]
     warnings = machine.noise_warnings(load, facts["virtual machine"] == "yes", max(spreads, default=0.0))
-    sections = [*map(report.c_section, results), *map(report.python_section, python)]
-    sections += [workspaces.section(maps)] if maps else []
-    text = report.document(facts, versions | manifest.versions, warnings, sections)
-    print(text)
-    (options.out / "results.md").write_text(text)
-    data = {
+    data: dict[str, Any] = {
         "machine": facts,
         "versions": versions | manifest.versions,
         "warnings": warnings,
         "rows": report.as_json(results, python),
+        "limits": limits.as_json(),
         "scaling": [point.as_json() for point in points],
         "every robot": [row.as_json() for row in robots],
         "workspaces": [row.as_json() for row in maps],
+        "trajectories": [row.as_json() for row in paths],
     }
+    sections = [*map(report.c_section, results), *map(report.python_section, python)]
+    sections += [tables.section(limits.as_json())] if limits else []
+    sections += summary.sections(data)
+    sections += [workspaces.section(maps)] if maps else []
+    sections += [trajectories.section(paths)] if paths else []
+    text = report.document(facts, data["versions"], warnings, sections)
+    print(text)
+    (options.out / "results.md").write_text(text)
     (options.out / "results.json").write_text(json.dumps(data, indent=1, ensure_ascii=False) + "\n")
     if options.pictures is not None:
         for path in pictures.draw(data, options.pictures):

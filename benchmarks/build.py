@@ -16,14 +16,16 @@ from benchmarks.contender import Contender
 from benchmarks.harness import harness_source
 from benchmarks.workloads import Workload
 
+NATIVE = "-march=native"
 SPEED_FLAGS = (
     "-O3",
-    "-march=native",
+    NATIVE,
     "-ffp-contract=fast",
     "-fno-math-errno",
     "-fno-tree-slp-vectorize",
 )
 PLUMBING_FLAGS = ("-fPIC", "-ffunction-sections", "-fdata-sections")  # no effect on the code of a function
+CXX_PLUMBING_FLAGS = ("-fno-gnu-unique",)  # names that all libraries share could not be made local
 HARNESS_FLAGS = ("-O2", "-fno-tree-vectorize", "-march=native", "-fPIC", "-Wall", "-Wextra", "-Werror")
 
 
@@ -33,10 +35,16 @@ class BuildError(RuntimeError):
 
 @dataclass(frozen=True)
 class Tools:
-    """Compilers in use."""
+    """Compilers in use, and the processor that they compile for."""
 
     cc: str = "gcc"
     cxx: str = "g++"
+    processor: str = "native"
+
+    @property
+    def speed_flags(self) -> list[str]:
+        """`SPEED_FLAGS` for that processor."""
+        return [f"-march={self.processor}" if flag == NATIVE else flag for flag in SPEED_FLAGS]
 
 
 @dataclass(frozen=True)
@@ -64,9 +72,11 @@ def run(command: Sequence[str]) -> str:
 
 def compile_one(source: Path, target: Path, contender: Contender, tools: Tools) -> Path:
     """One translation unit with the shared flags."""
-    compiler = tools.cc if source.suffix == ".c" else tools.cxx
+    is_c = source.suffix == ".c"
+    compiler = tools.cc if is_c else tools.cxx
     includes = [f"-I{folder}" for folder in contender.include_dirs]
-    flags = [*SPEED_FLAGS, *contender.extra_flags, *PLUMBING_FLAGS]
+    plumbing = PLUMBING_FLAGS if is_c else (*PLUMBING_FLAGS, *CXX_PLUMBING_FLAGS)
+    flags = [*tools.speed_flags, *contender.extra_flags, *plumbing]
     run([compiler, *flags, *includes, "-c", str(source), "-o", str(target)])
     return target
 
@@ -97,7 +107,19 @@ def build_contender(contender: Contender, workload: Workload, index: int, out: P
         entries[f"{workload.symbol}_batch"] = f"batch_{stem}"
     linked, isolated = out / f"{stem}.linked.o", out / f"{stem}.o"
     roots = [f"-u{symbol}" for symbol in entries]
-    run(["ld", "-r", "--gc-sections", *roots, "-o", str(linked), *map(str, objects)])
+    # C++ templates lie in groups, of which a library keeps one each: every contender is to have its own.
+    run(
+        [
+            "ld",
+            "-r",
+            "--gc-sections",
+            "--force-group-allocation",
+            *roots,
+            "-o",
+            str(linked),
+            *map(str, objects),
+        ]
+    )
     keep = [f"--keep-global-symbol={symbol}" for symbol in entries]
     rename = [f"--redefine-sym={old}={new}" for old, new in entries.items()]
     run(["objcopy", *keep, str(linked), str(isolated)])

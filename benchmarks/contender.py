@@ -7,6 +7,9 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 OURS = "krhpr"
+HAND = "hand-written C"
+"""A yardstick, not a peer."""
+NOT_PEERS = (OURS, HAND)
 
 
 @dataclass(frozen=True)
@@ -28,6 +31,7 @@ class Contender:
     include_dirs: tuple[str, ...] = ()
     extra_flags: tuple[str, ...] = ()  # beyond those that all contenders share; shown in the table
     libraries: tuple[str, ...] = ()
+    self_contained: bool = True  # False: what it computes lies in its libraries, and its size says nothing
     single: bool = True  # False: offers the batch function only
     batch_layout: str | None = None  # "aos", "soa" or "blocked8" (see layouts.py)
     generate_seconds: float | None = None

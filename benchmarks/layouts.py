@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 LANES = 8
+LAYOUTS = ("aos", "soa", "blocked8")
+"""Arrays of structures, structures of arrays, blocks of eight poses."""
 
 
 def pack(array: Floats, layout: str) -> Floats:

@@ -12,15 +12,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.build import Built
-from benchmarks.layouts import pack, unpack
+from benchmarks.layouts import LAYOUTS, pack, unpack
 from benchmarks.samples import draw, evaluate
 from benchmarks.workloads import Workload
 
 Floats = NDArray[np.float64]
 TOLERANCE = 1e-12
 POOL = 32
+STREAMED = 320 * POOL
+"""Poses of a batch that no near cache holds; the pool's, over and over."""
 CHUNK_NS = 100_000.0  # processor time of one sample
-MODES = ("throughput", "latency", "batch")
+LOOPS = ("throughput", "latency", "batch")
+"""The harness' loops: the modes, but for streaming, which is its batch with more poses."""
 
 
 @dataclass
@@ -83,18 +86,28 @@ class Bench:
     def __init__(self, workload: Workload, library: Path, pool: int = POOL) -> None:
         self.workload = workload
         self.pool = pool
+        self.path = library
         self.library = ctypes.CDLL(str(library))
-        for name in MODES:
+        for name in LOOPS:
             getattr(self.library, name).restype = ctypes.c_double
         self.inputs = draw(workload, pool)
         self.expected = evaluate(workload, self.inputs)
-        self.packed = {
-            layout: [pack(x, layout) for x in self.inputs] for layout in ("aos", "soa", "blocked8")
-        }
+        self.packed = {layout: [pack(x, layout) for x in self.inputs] for layout in LAYOUTS}
         self.outputs = [np.empty(pool * array.size) for array in workload.outputs]
+        many = [np.concatenate([x] * (STREAMED // pool)) for x in self.inputs]
+        self.streamed = {layout: [pack(x, layout) for x in many] for layout in LAYOUTS}
+        self.streamed_outputs = [np.zeros(STREAMED * array.size) for array in workload.outputs]
 
-    def _pointers(self, layout: str) -> list[ctypes.c_void_p]:
-        return [ctypes.c_void_p(x.ctypes.data) for x in (*self.packed[layout], *self.outputs)]
+    def poses(self, mode: str) -> int:
+        """How many a call of that mode computes."""
+        return {"batch": self.pool, "streaming": STREAMED}.get(mode, 1)
+
+    def _pointers(self, layout: str, mode: str = "") -> list[ctypes.c_void_p]:
+        if mode == "streaming":
+            arrays = [*self.streamed[layout], *self.streamed_outputs]
+        else:
+            arrays = [*self.packed[layout], *self.outputs]
+        return [ctypes.c_void_p(x.ctypes.data) for x in arrays]
 
     def _function(self, symbol: str) -> ctypes.c_void_p:
         return ctypes.cast(getattr(self.library, symbol), ctypes.c_void_p)
@@ -123,9 +136,10 @@ class Bench:
 
     def sample(self, symbol: str, mode: str, calls: int, layout: str = "aos") -> float:
         """Nanoseconds per pose."""
-        loop = getattr(self.library, mode)
-        calls_and_pool = ctypes.c_long(calls), ctypes.c_long(self.pool)
-        return float(loop(self._function(symbol), *calls_and_pool, *self._pointers(layout)))
+        loop = getattr(self.library, "batch" if mode == "streaming" else mode)
+        pool = STREAMED if mode == "streaming" else self.pool
+        counts = ctypes.c_long(calls), ctypes.c_long(pool)
+        return float(loop(self._function(symbol), *counts, *self._pointers(layout, mode)))
 
     def jobs(self, rows: Sequence[Row]) -> list[tuple[Row | None, str, str, str]]:
         """(row, mode, symbol, layout) of all that is timed; no row stands for the empty function."""
@@ -137,7 +151,8 @@ class Bench:
             if row.built.single_symbol:
                 jobs += [(row, mode, row.built.single_symbol, "aos") for mode in ("throughput", "latency")]
             if row.built.batch_symbol and row.built.contender.batch_layout:
-                jobs.append((row, "batch", row.built.batch_symbol, row.built.contender.batch_layout))
+                symbol, layout = row.built.batch_symbol, row.built.contender.batch_layout
+                jobs += [(row, mode, symbol, layout) for mode in ("batch", "streaming")]
         return jobs
 
     def run(self, rows: Sequence[Row], rounds: int, seed: int = 1) -> dict[str, Series]:
@@ -145,10 +160,8 @@ class Bench:
         jobs = self.jobs(rows)
         calls = []
         for _, mode, symbol, layout in jobs:
-            per_call = self.sample(symbol, mode, 8, layout) * (self.pool if mode == "batch" else 1)
-            per_call = min(
-                per_call, self.sample(symbol, mode, 64, layout) * (self.pool if mode == "batch" else 1)
-            )
+            tries = (1, 2) if mode == "streaming" else (8, 64)
+            per_call = self.poses(mode) * min(self.sample(symbol, mode, few, layout) for few in tries)
             calls.append(max(1, round(CHUNK_NS / max(per_call, 1.0))))
         samples: list[list[float]] = [[] for _ in jobs]
         order = list(range(len(jobs)))

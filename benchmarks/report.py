@@ -6,13 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from benchmarks.contender import OURS, Missing
+from benchmarks.contender import HAND, NOT_PEERS, OURS, Missing
 from benchmarks.from_python import PythonResult, PythonRow
-from benchmarks.measure import POOL, Row, Series
+from benchmarks.measure import POOL, STREAMED, Row, Series
 from benchmarks.workloads import Workload
-
-HAND = "hand-written C"
-NOT_PEERS = (OURS, HAND)
 
 
 @dataclass
@@ -34,7 +31,7 @@ class Entry:
     error: float
     tolerance: float
     series: Mapping[str, Series]
-    text: int = 0
+    text: int | None = None  # what lies in a library of others is not known
     generate_ms: float | None = None
     layout: str | None = None
     extra_flags: str = ""
@@ -51,7 +48,7 @@ def entries(rows: Sequence[Row]) -> list[Entry]:
         c = row.built.contender
         ms = None if c.generate_seconds is None else 1e3 * c.generate_seconds
         flags = " ".join(c.extra_flags)
-        size = row.built.text_bytes
+        size = row.built.text_bytes if c.self_contained else None
         result.append(
             Entry(c.name, c.variant, row.error, row.tolerance, row.series, size, ms, c.batch_layout, flags)
         )
@@ -100,6 +97,11 @@ def ns(entry: Entry, mode: str) -> str:
     return f"{series.median:,.{digits}f} ±{50 * series.spread:.0f}%"
 
 
+def bytes_of(entry: Entry) -> str:
+    """The size of its code."""
+    return "–" if entry.text is None else f"{entry.text:,}"
+
+
 def ratio(entry: Entry, base: Entry | None, mode: str) -> float | None:
     """How many times slower than the base."""
     if base is None or mode not in entry.series or mode not in base.series:
@@ -143,7 +145,7 @@ def single_table(candidates: Sequence[Entry]) -> str:
     """One call for one pose."""
     modes = ("throughput", "latency")
     bases = {mode: base_of(candidates, mode) for mode in modes}
-    size = bases["throughput"].text if bases["throughput"] else 0
+    size = bases["throughput"].text if bases["throughput"] else None
     header = ["contender", "variant", "throughput", "latency", ".text"]
     header += ["throughput ns", "latency ns", ".text B", "generated in ms", "error"]
     lines = [
@@ -151,9 +153,9 @@ def single_table(candidates: Sequence[Entry]) -> str:
             e.name,
             e.variant,
             *(times(ratio(e, bases[mode], mode)) for mode in modes),
-            times(e.text / size if size else None),
+            times(e.text / size if e.text and size else None),
             *(ns(e, mode) for mode in modes),
-            f"{e.text:,}",
+            bytes_of(e),
             "–" if e.generate_ms is None else f"{e.generate_ms:,.0f}",
             f"{e.error:.0e}",
         ]
@@ -194,16 +196,27 @@ def batch_table(candidates: Sequence[Entry]) -> str:
             str(e.layout),
             times(ratio(e, base, "batch")),
             ns(e, "batch"),
-            f"{e.text:,}",
+            ns(e, "streaming"),
+            bytes_of(e),
             f"{e.error:.0e}",
         ]
         for e in by_time(pool, "batch")
     ]
-    header = ["contender", "variant", "layout", "ratio", "ns per pose", ".text B", "error"]
+    header = [
+        "contender",
+        "variant",
+        "layout",
+        "ratio",
+        "ns per pose",
+        f"ns of {STREAMED:,}",
+        ".text B",
+        "error",
+    ]
     whose = f"{OURS} at its best" if ours else "the quickest"
     line = f"{OURS} against the best peer with the same layout: {', '.join(parts)}.\n\n" if parts else ""
     table = markdown(header, lines, text_columns=3)
-    return f"Batch of poses in cache; ratios against {whose}.\n\n{line}{table}\n"
+    title = f"Batch of {POOL} poses in cache, and of {STREAMED:,} that stream; ratios against {whose}."
+    return f"{title}\n\n{line}{table}\n"
 
 
 def flags_note(candidates: Sequence[Entry]) -> str:
@@ -305,7 +318,7 @@ def as_json(results: Sequence[Result], python: Sequence[PythonResult]) -> list[d
             "variant": entry.variant,
             "layout": entry.layout,
             "error": entry.error,
-            "text_bytes": entry.text or None,
+            "text_bytes": entry.text,
             "generate_ms": entry.generate_ms,
             "median_ns": {mode: series.median for mode, series in entry.series.items()},
             "tenth_percentile_ns": {mode: series.low for mode, series in entry.series.items()},

@@ -11,7 +11,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from benchmarks.contender import OURS
+from benchmarks import cost_model
+from benchmarks.contender import NOT_PEERS, OURS
+from benchmarks.limits import tables
 
 Row = Mapping[str, Any]
 Results = Mapping[str, Any]
@@ -69,7 +71,7 @@ def one_pose(results: Results) -> str:
         if any(cells):
             size = _best(_of(results, "w1", name), "throughput")
             own = base["w1", "throughput"]
-            share = f"{_text(size) / _text(own):.2f}" if size and own else ""
+            share = f"{_text(size) / _text(own):.2f}" if _text(size) and _text(own) else ""
             lines.append([name, *cells, share])
     variants = dict.fromkeys(
         row["variant"] for row in _of(results, "w1", OURS) if "throughput" in _times_of(row)
@@ -86,18 +88,21 @@ def one_pose(results: Results) -> str:
 def batches(results: Results) -> str:
     """Poses side by side: nanoseconds, and how many times slower the peers are."""
     head = ["", "layout", f"{OURS} (ns per pose)", f"{LANES}, same layout", "best peer, one pose at a time"]
+    head += ["streaming (ns per pose)", f"{LANES}, streaming"]
     lines = []
     for key in STRAIGHT:
-        peers = [row for row in _rows(results, "C") if row["workload"] == key and row["contender"] != OURS]
+        everybody = (row for row in _rows(results, "C") if row["workload"] == key)
+        peers = [row for row in everybody if row["contender"] not in NOT_PEERS]
         scalar = _best(peers, "throughput")
         for layout, words in LAYOUTS.items():
             own = _best([row for row in _of(results, key, OURS) if row.get("layout") == layout], "batch")
             if own is None:
                 continue
             vector = _best([row for row in _of(results, key, LANES) if row.get("layout") == layout], "batch")
-            ns = own[TIMES]["batch"]
-            slower = f"{scalar['median_ns']['throughput'] / ns:.1f}" if scalar else ""
-            lines.append([TITLES[key], words, _ns(own, "batch"), _times(vector, own, "batch"), slower])
+            slower = _times(scalar, own, "throughput", "batch")
+            in_cache = [_ns(own, "batch"), _times(vector, own, "batch"), slower]
+            streaming = [_ns(own, "streaming"), _times(vector, own, "streaming")]
+            lines.append([TITLES[key], words, *in_cache, *streaming])
     return _table(head, lines)
 
 
@@ -194,9 +199,24 @@ TABLES: Mapping[str, Callable[[Results], str]] = {
     "batches": batches,
     "forward": forward,
     "from Python": from_python,
+    "limits": tables.page,
     "scaling": scaling,
+    "cost model": cost_model.text,
     "every robot": every_robot,
 }
+
+
+IN_REPORT = {"scaling": "Poses and threads", "cost model": "Calls and joints", "every robot": "Every robot"}
+"""Tables that the report shows as the page does, and their titles there."""
+
+
+def sections(results: Results) -> list[str]:
+    """Those of them that a run has figures for."""
+    return [
+        f"## {title}\n\n{TABLES[name](results)}"
+        for name, title in IN_REPORT.items()
+        if _is_measured(name, results)
+    ]
 
 
 def _is_measured(table: str, results: Results) -> bool:
@@ -205,6 +225,10 @@ def _is_measured(table: str, results: Results) -> bool:
     match table:
         case "machine":
             return True
+        case "limits":
+            return bool(results[table]["rows"])
+        case "cost model":
+            return bool(results["scaling"] or results["every robot"])
         case "scaling" | "every robot":
             return bool(results[table])
         case "from Python":
@@ -236,13 +260,13 @@ def _text(row: Row | None) -> int:
 
 
 def _ns(row: Row | None, mode: str) -> str:
-    return f"{row['median_ns'][mode]:,.0f}" if row and mode in _times_of(row) else ""
+    return f"{row[TIMES][mode]:,.0f}" if row and mode in _times_of(row) else ""
 
 
 def _times(row: Row | None, base: Row | None, mode: str, base_mode: str = "") -> str:
     if row is None or base is None or mode not in _times_of(row):
         return ""
-    return f"{row['median_ns'][mode] / base['median_ns'][base_mode or mode]:.2f}"
+    return f"{row[TIMES][mode] / base[TIMES][base_mode or mode]:.2f}"
 
 
 def _table(head: Sequence[str], lines: Iterable[Sequence[str]]) -> str:

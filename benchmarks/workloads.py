@@ -36,7 +36,6 @@ class Workload:
     outputs: tuple[Array, ...]
     forms: Mapping[str, Form]
     angles: bool = False  # outputs are compared modulo 2 pi
-    peers: tuple[str, ...] | None = None  # names of those that take part; all unless given
     reference: Reference | None = None  # where no form says what is right
     tolerance: float = 1e-12
 
@@ -95,7 +94,6 @@ WORKLOADS: dict[str, Workload] = {
                 Array("beta_all", (6, 3)),
             ),
             {},
-            peers=("GSL",),
             reference=forward.every_solution,
             tolerance=1e-5,  # numpy.roots, next to double roots
         ),
@@ -105,7 +103,6 @@ WORKLOADS: dict[str, Workload] = {
             (S, P, Q),
             (Array("p_next", (3,)), Array("Q_next", (3, 3))),
             {"planar": forward.planar_step, "nine": forward.nine_step},
-            peers=("CasADi",),
             tolerance=1e-4,
         ),
         Workload(

@@ -8,34 +8,36 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from benchmarks.contender import Manifest, Missing
-from benchmarks.workloads import Workload
+from benchmarks.contender import HAND, Manifest, Missing
 
 ROOT = Path(__file__).resolve().parents[2]
 PEER_PYTHON = ROOT / ".venv-bench" / "bin" / "python"
 
 
+STRAIGHT = ("w1", "w2", "w5")
+"""Workloads without iterations: formulas that any generator takes."""
+
+
 @dataclass(frozen=True)
 class Peer:
-    """A code generator: its name in the tables, the module here that drives it, the package it needs."""
+    """A rival: its name in the tables, the module here that drives it, the package that this module
+    imports, and the workloads that it takes part in."""
 
     name: str
     module: str
     package: str | None
-    special: bool = False  # for those workloads alone that name it
-
-    def takes_part(self, workload: Workload) -> bool:
-        """Whether it competes in a workload."""
-        return not self.special if workload.peers is None else self.name in workload.peers
+    workloads: tuple[str, ...] = STRAIGHT
 
 
 PEERS = (
-    Peer("hand-written C", "hand", None),
+    Peer(HAND, "hand", None),
     Peer("SymPy", "sympy_c", "sympy"),
-    Peer("CasADi", "casadi_c", "casadi"),
+    Peer("CasADi", "casadi_c", "casadi", (*STRAIGHT, "w4")),
     Peer("SymForce", "symforce_cpp", "symforce"),
     Peer("wrenfold", "wrenfold_cpp", "wrenfold"),
-    Peer("GSL", "gsl_c", None, special=True),
+    Peer("GSL", "gsl_c", None, ("w3",)),
+    Peer("Pinocchio", "pinocchio_cpp", "pinocchio", ("w1", "w2")),
+    Peer("MuJoCo", "mujoco_c", "mujoco", ("w1", "w2")),
 )
 
 

@@ -79,6 +79,7 @@ def generate(workload: Workload, folder: Path) -> list[Contender]:
             glue=glue,
             include_dirs=(str(folder / workload.key),),
             libraries=("-lgsl", "-lgslcblas"),
+            self_contained=False,
         )
     ]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from benchmarks.contender import Contender
+from benchmarks.contender import HAND, Contender
 from benchmarks.peers.driver import main
 from benchmarks.workloads import Workload
 
@@ -15,7 +15,7 @@ def generate(workload: Workload, folder: Path) -> list[Contender]:
     function = f"hand_{workload.key}"
     return [
         Contender(
-            name="hand-written C",
+            name=HAND,
             workload=workload.key,
             variant="loop over legs",
             glue=f"{workload.prototype(function)};\n{workload.prototype()} {{ {function}({arguments}); }}\n",

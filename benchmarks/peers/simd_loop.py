@@ -21,9 +21,6 @@ double acos(double);
 """
 
 
-LAYOUTS = ("aos", "soa", "blocked8")
-
-
 def simd_loop(workload: Workload, lines: Sequence[str], layout: str) -> str:
     """``workload.batch_prototype()`` around ``lines``, which read ``p0, p1, ...`` and assign ``J[0], ...``.
 

@@ -14,8 +14,9 @@ from sympy.codegen.rewriting import create_expand_pow_optimization, optimize
 from sympy.printing.c import C99CodePrinter
 
 from benchmarks.contender import Contender
+from benchmarks.layouts import LAYOUTS
 from benchmarks.peers.driver import flat_names, main, stopwatch
-from benchmarks.peers.simd_loop import LAYOUTS, LIBMVEC_FLAGS, LIBMVEC_PROTOTYPES, simd_loop
+from benchmarks.peers.simd_loop import LIBMVEC_FLAGS, LIBMVEC_PROTOTYPES, simd_loop
 from benchmarks.workloads import Form, Workload
 
 CSE_OPTIONS: dict[str, dict[str, Any]] = {"cse": {}, "cse basic": {"optimizations": "basic"}}
