@@ -1,10 +1,15 @@
 """How long workspaces take on one core: grids of more and more nodes, and the maps of Section 1.7.
 
 The limits are those of Section 1.7 for the 3-[R(RR-RRR)SR] robot, 180 pairs of bodies among them.
+
+    python -m benchmarks.workspaces 22 46 100 215 464
+
+makes the grids alone, of so many values of each of three angles: here from 10^4 to 10^8 nodes.
 """
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
@@ -39,21 +44,31 @@ class Row:
         return asdict(self)
 
 
+def grids(sides: Sequence[int]) -> list[Row]:
+    """Grids of orientations with so many values of each angle."""
+    robot = krhpr.load(ROBOT, backend="compiled")
+    rows = []
+    for side in sides:
+        job = _grid(
+            robot, np.linspace(-2.5, 0.8, side), workspace.directions(side), np.linspace(0, 2.5, side)
+        )
+        rows.append(_timed("grid of orientations", job.nodes, partial(workspace.run, job)))
+    return rows
+
+
+def _grid(robot: krhpr.Robot, *values: Any) -> workspace.GridMap:
+    family = workspace.TiltTorsion()
+    limits, chosen = workspace.section_1_7(robot), workspace.constant(BETA)
+    return workspace.GridMap(robot, limits, chosen, family, family.axes(*values))
+
+
 def measure(sides: Sequence[int] = SIDES) -> list[Row]:
     """Every map once."""
     robot = krhpr.load(ROBOT, backend="compiled")
-    family, limits = workspace.TiltTorsion(), workspace.section_1_7(robot)
-    chosen = workspace.constant(BETA)
-    rows = []
-
-    def grid(*values: Any) -> workspace.GridMap:
-        return workspace.GridMap(robot, limits, chosen, family, family.axes(*values))
-
-    for side in sides:
-        job = grid(np.linspace(-2.5, 0.8, side), workspace.directions(side), np.linspace(0, 2.5, side))
-        rows.append(_timed("grid of orientations", job.nodes, partial(workspace.run, job)))
+    rows = grids(sides)
     degree = np.pi / 180
-    whole = grid(
+    whole = _grid(
+        robot,
         degree * np.arange(TORSION[0], TORSION[1] + 1),
         workspace.directions(360),
         degree * np.arange(TILT[0], TILT[1] + 1),
@@ -95,3 +110,7 @@ def section(rows: Sequence[Row]) -> str:
     ]
     head = ["## Workspaces\n", "| Map | nodes | s | µs a node |", "|---|---:|---:|---:|"]
     return "\n".join([*head, *lines, ""])
+
+
+if __name__ == "__main__":
+    print(section(grids([int(side) for side in sys.argv[1:]])))

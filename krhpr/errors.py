@@ -101,5 +101,10 @@ class ControlError(KrhprError, ValueError):
     """A plant, gains or a grasp that cannot be simulated: what was found, and what is expected."""
 
 
+class DesignError(KrhprError, ValueError):
+    """A design, or what is to be varied or improved of it, that cannot be used: what is wrong, and what is
+    expected."""
+
+
 class PluginError(KrhprError, ValueError):
     """A sub-leg of one's own that cannot be used: which file, what is wrong, and what is expected."""

@@ -43,6 +43,32 @@ class Robot(ForwardKinematics):
             home=self._own_home,
         )
 
+    def with_home(self, p: Sequence[float], redundant: ArrayLike, *, name: str | None = None) -> Robot:
+        """The same robot with another home pose, parallel to the base, and another name where one is given;
+        one redundant coordinate is for all legs.
+        """
+        place = tuple(float(x) for x in p)
+        a, b, c = np.broadcast_to(np.asarray(redundant, dtype=float), (3,)).tolist()
+        return Robot(
+            self._module,
+            self.geometry,
+            self._backend_name,
+            name=self.name if name is None else name,
+            limits=self.limits,
+            home=(place, (a, b, c)),
+        )
+
+    def with_limits(self, limits: Limits) -> Robot:
+        """The same robot with other limits of joints and links."""
+        return Robot(
+            self._module,
+            self.geometry,
+            self._backend_name,
+            name=self.name,
+            limits=limits,
+            home=self._own_home,
+        )
+
     def __reduce__(self) -> tuple[Any, ...]:
         own = (self.name, self.limits, self._own_home)
         return _restored, (self._module.__name__, self.geometry, self._backend_name, *own)

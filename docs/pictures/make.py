@@ -14,6 +14,7 @@ from itertools import permutations, product
 from pathlib import Path
 from typing import Any
 
+import designs
 import matplotlib
 import numpy as np
 import workspaces
@@ -404,6 +405,7 @@ PICTURES: dict[str, Callable[[], Figure]] = {
     "grasping_study": grasping_study,
     "grasping_capability": grasping_capability,
     **workspaces.PICTURES,
+    **designs.PICTURES,
 }
 
 

@@ -27,6 +27,7 @@ from krhpr.cli import (
 )
 from krhpr.cli.common import Command, Exit, WrongUse, first_words
 from krhpr.errors import (
+    DesignError,
     InvalidInput,
     KrhprError,
     PluginError,
@@ -119,6 +120,7 @@ _WRONG_USE = (
     PluginError,
     TrajectoryError,
     WorkspaceError,
+    DesignError,
 )
 
 

@@ -17,7 +17,7 @@ FOLDER = Path("build/study")
 
 @dataclass(frozen=True)
 class Option:
-    """An option that one study has; `default` is what its module gets where the option is not given."""
+    """An option that one study has, or several; `default` is what their modules get where it is not given."""
 
     flag: str
     metavar: str | None
@@ -42,8 +42,11 @@ class Study:
     options: tuple[Option, ...] = ()
 
 
-SETUP = Option("--file", "FILE", "robot, object and trajectories (YAML)", type=Path)
+ROBOT = Option("--robot", "ROBOT", "identifier or robot file (default: that of the section)")
+SEED = Option("--seed", "N", "of the random errors, or of the search (default: 0)", 0, int)
 COARSER = Option("--coarser", "N", "steps N times as wide (default: 1)", 1, int)
+STORE = Option("--store", "DIR", "keep what is made there; an interrupted study goes on", type=Path)
+SETUP = Option("--file", "FILE", "robot, object and trajectories (YAML)", type=Path)
 
 STUDIES = (
     Study(
@@ -52,7 +55,7 @@ STUDIES = (
         "Section 3.4: random errors on every encoder of the 3-RRRSR robot along the example trajectory, and "
         "what the seven approaches to the forward kinematics make of them; Figs. 3.8 to 3.11",
         (
-            Option("--seed", "N", "of the random errors (default: 0)", 0, int),
+            SEED,
             Option(
                 "--errors",
                 None,
@@ -129,15 +132,36 @@ STUDIES = (
         "Section 1.7: layers of the translational workspace, and the orientational one by torsion and tilt, "
         "with limits of joints and interference; Figs. 1.6 to 1.9",
         (
-            Option(
-                "--robot",
-                "ROBOT",
-                "identifier or robot file (default: spatial_r_fivebar_a)",
-                "spatial_r_fivebar_a",
-            ),
+            ROBOT,
             COARSER,
             Option("--cluster", "ADDRESS", "a Dask scheduler, or a number of processes (default: this one)"),
-            Option("--store", "DIR", "keep the maps there; an interrupted study goes on", type=Path),
+            STORE,
+        ),
+    ),
+    Study(
+        "design",
+        "study_design",
+        "Section 4.2: the workspaces of the 3-RRRSR robot by its redundant angles, redundant links and "
+        "platform, Figs. 4.1 and 4.2; and then the front of designs that are judged by the whole workspace, "
+        "and the best of them as robot files",
+        (
+            ROBOT,
+            COARSER,
+            STORE,
+            SEED,
+            Option(
+                "--vary",
+                "LIST",
+                "NAME=LOW:HIGH of each variable, in metres and radians: fields of the geometry, redundant, "
+                "height (default: of platform, base and legs)",
+            ),
+            Option(
+                "--objectives",
+                "LIST",
+                "of volume, orientations, box, eta_1, eta_2, eta_3, length (default: volume,eta_2,box)",
+            ),
+            Option("--generations", "N", "of the search in each direction (default: 8)", 8, int),
+            Option("--workers", "N", "processes that judge designs (default: 1)", 1, int),
         ),
     ),
 )
@@ -152,7 +176,10 @@ examples:
   krhpr study grasp --file my_gripper.yaml --out build/gripper
   krhpr study grasp-control --control my_gains.yaml --controller c
   krhpr study workspace --coarser 4 --robot spatial_rrr_a
-  krhpr study workspace --cluster tcp://127.0.0.1:8786 --store build/maps"""
+  krhpr study workspace --cluster tcp://127.0.0.1:8786 --store build/maps
+  krhpr study design --workers 4 --store build/designs
+  krhpr study design --robot my_robot.yaml --vary "R_p=0.08:0.15,redundant=1:2" \\
+      --objectives orientations,eta_1"""
 
 
 def _epilog() -> str:

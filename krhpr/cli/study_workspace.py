@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 import krhpr
 from krhpr.cli.common import Column, Step, WrongUse, print_table, progress
 from krhpr.cli.studying import tell, write
-from krhpr.study.workspace import PRINTED_SPAN, WorkspaceStudy, workspace_study
+from krhpr.study.workspace import PRINTED_SPAN, ROBOT, WorkspaceStudy, workspace_study
 from krhpr.study.workspace_pictures import workspace_figures
 
 TENTHS = 10
@@ -22,8 +22,8 @@ def run(options: argparse.Namespace) -> int:
     """The workspace study."""
     if options.coarser < 1 or 360 % options.coarser:
         raise WrongUse(f"--coarser is {options.coarser}; it must be a divisor of 360")
-    robot = krhpr.load(options.robot)
-    with progress(3 * (TENTHS + 1)) as step:
+    robot = krhpr.load(options.robot or ROBOT)
+    with progress(4 * (TENTHS + 1)) as step:
         found = workspace_study(
             robot,
             coarser=options.coarser,
@@ -70,6 +70,10 @@ def _print(found: WorkspaceStudy) -> None:
         for one in found.readings
     ]
     print_table(columns, rows)
+    wider = [Column(title, numeric=True) for title in ("steps (mm, deg)", "positions", "orientations")]
+    print()
+    print_table(wider, [(one.times, one.positions, one.orientations) for one in found.refinements])
+    print()
     translations, orientations = found.volumes()
     level = np.degrees(found.level["boundary"])
     print(f"translational workspace: {translations}")
@@ -95,6 +99,14 @@ def _facts(found: WorkspaceStudy) -> dict[str, object]:
         ],
         "translational_volume_m3": [translations.value, translations.error],
         "share_of_all_orientations": [orientations.value, orientations.error],
+        "by_wider_steps": [
+            {
+                "steps_mm_deg": one.times,
+                "volume_m3": [one.positions.value, one.positions.error],
+                "share_of_all_orientations": [one.orientations.value, one.orientations.error],
+            }
+            for one in found.refinements
+        ],
         "heights_m": found.layers.axis("h").tolist(),
         "layers_m": _rows(found.layers["boundary"]),
         "tilt_without_torsion": found.level["boundary"][0].tolist(),

@@ -13,6 +13,7 @@ import krhpr
 from krhpr import workspace
 from krhpr.robot import Robot
 from krhpr.study.claims import Claim
+from krhpr.study.convergence import STEPS, Refinement, convergence
 from krhpr.workspace import Measure, Redundancy, Torsion, Workspace, WorkspaceLimits
 
 Floats = NDArray[np.float64]
@@ -23,6 +24,8 @@ HEIGHTS = np.arange(0.05, 0.6001, 0.05)
 """Of the layers, in metres: the thesis does not print its own."""
 MILLIMETRE, DEGREE = 1e-3, np.pi / 180
 FARTHEST = 1.0
+COARSEST = 36
+"""Times 1 mm and 1 degree: wider steps tell nothing."""
 COARSE_STEP, COARSE_RAYS = 2 * DEGREE, 24
 """With these steps of tilt and directions the extremes are 144 and 116 degrees."""
 PRINTED_SPAN = 220.0
@@ -55,6 +58,8 @@ class WorkspaceStudy:
     """The same without torsion, Fig. 1.9."""
     readings: tuple[Reading, ...]
     """The first is the one of the maps."""
+    refinements: tuple[Refinement, ...]
+    """Both volumes by coarser and coarser maps."""
 
     def claims(self) -> tuple[Claim, ...]:
         """What Section 1.7 says of its robot; nothing of others."""
@@ -91,6 +96,7 @@ def readings_of(robot: Robot) -> dict[str, WorkspaceLimits]:
         "neither": replace(limits, cone=None, edges=False),
         "both, links of 7.5 mm that may touch": replace(limits, clearance=0.0),
         "both, links without thickness": replace(limits, clearance=0.0, radius=0.0),
+        "edges are links, all 7.5 mm across": replace(limits, cone=None, radius=0.00375),
     }
 
 
@@ -153,7 +159,11 @@ def workspace_study(
         told("readings of the bodies")(number, len(models))
         found.append(_reading(one, name, limits))
     told("readings of the bodies")(len(models), len(models))
-    return WorkspaceStudy(one, layers, tilts, level, tuple(found))
+    wider = [coarser * n for n in STEPS if 360 % (coarser * n) == 0 and coarser * n <= COARSEST]
+    refined = convergence(
+        one, models[next(iter(models))], redundancy, times=wider, progress=told("volumes by wider steps")
+    )
+    return WorkspaceStudy(one, layers, tilts, level, tuple(found), refined)
 
 
 def _redundancy(robot: Robot) -> Redundancy:

@@ -157,11 +157,39 @@ def level(found: WorkspaceStudy) -> Any:
     return figure
 
 
+def convergence(found: WorkspaceStudy) -> Any:
+    """Both volumes and their errors by the width of steps."""
+    from matplotlib import pyplot
+
+    figure, axes = pyplot.subplots(1, 2, figsize=(8.0, 3.2), layout="constrained")
+    steps = [one.times for one in found.refinements]
+    for ax, measures, label in (
+        (axes[0], [one.positions for one in found.refinements], r"volume of positions (m$^3$)"),
+        (axes[1], [one.orientations for one in found.refinements], "share of all orientations"),
+    ):
+        values = [one.value for one in measures]
+        ax.errorbar(
+            steps,
+            values,
+            [one.error for one in measures],
+            color=COLOURS[Stop.ELBOW],
+            marker="o",
+            markersize=4,
+            linewidth=1,
+            capsize=3,
+        )
+        ax.axhline(values[0], color=OTHER, linewidth=0.8, linestyle=(0, (4, 3)))
+        ax.set(xlabel="steps (mm and degrees)", ylabel=label, xlim=(0, 1.05 * steps[-1]))
+        ax.spines[["top", "right"]].set_visible(False)
+    return figure
+
+
 PICTURES: dict[str, Callable[[WorkspaceStudy], Any]] = {
     "workspace_layers": layers,
     "workspace_top": top,
     "workspace_orientations": orientations,
     "workspace_level": level,
+    "workspace_convergence": convergence,
 }
 """By the names of their files."""
 

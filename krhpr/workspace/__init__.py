@@ -11,6 +11,7 @@ Stores and clusters take the extra `workspace` (xarray, zarr, Dask).
 
 from krhpr.workspace.axes import Axis, Box, Family, Layers, TiltTorsion, directions, steps, tilt_torsion
 from krhpr.workspace.bodies import Bodies
+from krhpr.workspace.certified import Certifier, Cube, Proof
 from krhpr.workspace.choices import Best, Redundancy, Variant, constant, free
 from krhpr.workspace.execute import run
 from krhpr.workspace.limits import Stop, WorkspaceLimits, section_1_7
@@ -27,6 +28,8 @@ __all__ = [
     "Bodies",
     "BoundaryMap",
     "Box",
+    "Certifier",
+    "Cube",
     "Examiner",
     "Family",
     "GridMap",
@@ -34,6 +37,7 @@ __all__ = [
     "Layers",
     "Margins",
     "Measure",
+    "Proof",
     "Redundancy",
     "Stop",
     "TiltTorsion",

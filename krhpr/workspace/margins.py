@@ -23,6 +23,8 @@ Places = NDArray[np.int16]
 
 LENGTH = 0.1
 """A margin of so many metres counts as much as one of a radian, where limits of both kinds are compared."""
+LENGTHS = (Stop.BASE, Stop.AXIS, Stop.BODIES)
+"""Limits whose margins are in metres."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,7 @@ class Margins:
         """The least margin, metres over `LENGTH`; -inf where a pose is not free."""
         found = np.full(len(self.stops), np.inf)
         for stop, value in self.values.items():
-            found = np.fmin(found, value / LENGTH if stop in _LENGTHS else value)
+            found = np.fmin(found, value / LENGTH if stop in LENGTHS else value)
         return np.where(self.free, found, -np.inf)
 
     def slack(self, slopes: Mapping[Stop, float]) -> Floats:
@@ -57,9 +59,6 @@ class Margins:
             if slopes.get(stop, 0.0) > 0:
                 found = np.fmin(found, value / slopes[stop])
         return np.where(self.free, found, -np.inf)
-
-
-_LENGTHS = (Stop.BASE, Stop.AXIS, Stop.BODIES)
 
 
 @dataclass(frozen=True)

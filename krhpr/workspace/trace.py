@@ -127,7 +127,8 @@ class _Tracer:
     def _open(self, spans: _Spans) -> Any:
         """Whether a node that is not free may lie inside: always where one lies at the end."""
         length = self._at[spans.end] - self._at[spans.start]
-        return ~(spans.room + spans.room_end > length)
+        with np.errstate(invalid="ignore"):  # without any limit there is no end to the room before the end
+            return ~(spans.room + spans.room_end > length)
 
     def boundary(self) -> Boundary:
         """What came of it."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
+
 from krhpr.study.forward_accuracy import APPROACHES, CONFIGURATIONS
 from tests.cli.support import Cli
 from tests.support import ROOT
@@ -103,3 +105,31 @@ def test_the_workspace(cli: Cli, tmp_path: Path) -> None:
     assert refused.code == 2 and "--coarser is 7; it must be a divisor of 360" in refused.err
     planar = cli("study", "workspace", "--robot", "planar_rr_a", "--out", str(tmp_path))
     assert planar.code == 2 and "spatial robots" in planar.err
+
+
+def test_designs(cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("KRHPR_BACKEND", "auto")  # with NumPy alone it takes long
+    quick = ("--coarser", "6", "--generations", "1", "--objectives", "volume")
+    store = ("--store", str(tmp_path / "log"), "--vary", "redundant=1.2:2.2,R_p=0.1:0.15")
+    done = cli("study", "design", *quick, *store, "--out", str(tmp_path))
+    assert done.code == 0, done.err
+    assert done.out.count("holds: ") == 8 and "DOES NOT HOLD" not in done.out
+    assert "angles, 55 to 175    reach alone            546 to 625" in done.out
+    assert "best volume" in done.out and "samples: " in done.err
+    numbers = json.loads((tmp_path / "design.json").read_text("utf-8"))
+    assert len(numbers["section_4_2"]) == 9 and len(numbers["front"]) == 1
+    assert numbers["settings"]["objectives"] == ["volume"]
+    names = ("design_families.png", "design_slices.png", "design_front.png")
+    assert all((tmp_path / name).stat().st_size > 10_000 for name in names)
+    assert "name: best_volume" in (tmp_path / "designs" / "best_volume.yaml").read_text("utf-8")
+    for wrong, message in {
+        ("--vary", "l_9=1:2"): "there is no l_9 to vary",
+        ("--vary", "R_p=0.2:0.1"): "the bounds are 0.2 and 0.1",
+        ("--vary", "R_b=0.9:0.95"): "designs works; the nearest",
+        ("--objectives", "size"): "there is no objective 'size'",
+        ("--workers", "0"): "--workers is 0; it must be 1 or more",
+        ("--robot", "planar_rr_a"): "spatial robots",
+        ("--cluster", "2"): "--cluster belongs to workspace; design has no such option",
+    }.items():
+        refused = cli("study", "design", "--robot", "spatial_rrr_c", "--generations", "1", *wrong)
+        assert refused.code == 2 and message in refused.err, refused.err

@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 import krhpr
+from krhpr.study.convergence import convergence
 from krhpr.study.files import save_figures
-from krhpr.study.workspace import WorkspaceStudy, workspace_study
+from krhpr.study.workspace import BETA, WorkspaceStudy, workspace_study
 from krhpr.study.workspace_pictures import PICTURES, workspace_figures
+from krhpr.workspace import constant, section_1_7
 
 
 @cache
@@ -33,8 +35,23 @@ def test_readings_of_the_bodies() -> None:
     assert found["edges are links, spherical joints within 150 degrees"] == (194, 144, 116)
     assert found["edges are links"][0] == 201
     assert found["neither"][0] == 263
+    assert found["edges are links, all 7.5 mm across"] == (216, 172, 140)
     spans = [span for span, _, _ in found.values()]
     assert min(spans) < 220 < max(spans)
+
+
+def test_volumes_converge() -> None:
+    """Wider steps are off by no more than is said of both, and the errors of small ones are small."""
+    robot = krhpr.load("spatial_r_fivebar_a")
+    found = convergence(robot, section_1_7(robot), constant(BETA), times=(4, 8, 24))
+    best = found[0]
+    assert [one.times for one in found] == [4, 8, 24]
+    for part in ("positions", "orientations"):
+        reference = getattr(best, part)
+        for one in found[1:]:
+            measure = getattr(one, part)
+            assert abs(measure.value - reference.value) < measure.error + reference.error
+        assert 5 * reference.error < getattr(found[-1], part).error < 0.15 * reference.value
 
 
 def test_a_claim_can_fail() -> None:

@@ -101,6 +101,29 @@ def test_bisection_finds_what_marching_finds() -> None:
             assert np.array_equal(march[name], bisect[name], equal_nan=True), name
 
 
+@pytest.mark.parametrize("name", [FLAGSHIP, "spatial_rrr_a"])
+@pytest.mark.parametrize("family", [W.Layers(), W.TiltTorsion()])
+def test_slopes_are_those_of_margins(name: str, family: W.Family) -> None:
+    """Between free poses, one step of the thesis apart: no margin changes by more, and some by half of it."""
+    robot, source = krhpr.load(name), np.random.default_rng(0)
+    examiner = W.Examiner(robot, W.section_1_7(robot))
+    layers = isinstance(family, W.Layers)
+    low, high = ((0.05, 0.0, 0.0), (0.6, 6.28, 0.8)) if layers else ((-2.5, 0.0, 0.0), (0.8, 6.28, 2.6))
+    step = 0.001 if layers else np.radians(1)
+    at = source.uniform(low, high, (20_000, 3))
+    redundant = np.full((len(at), 3), BETA)
+    here = examiner.examine(*family.poses(*at.T), redundant)
+    there = examiner.examine(*family.poses(*(at + np.array([0.0, 0.0, step])).T), redundant)
+    both = here.free & there.free
+    largest = {
+        stop: np.abs(value - there.values[stop])[both].max() / step / family.slopes[stop]
+        for stop, value in here.values.items()
+        if stop in family.slopes
+    }
+    assert len(largest) == 4 and both.sum() > 4000
+    assert max(largest.values()) < 1 and max(largest.values()) > 0.5
+
+
 def test_boundaries_by_plain_loops() -> None:
     robot = krhpr.load("spatial_rrr_a")
     found = W.translational(robot, [0.2, 0.45], redundancy=BETA, step=0.004, rays=9, farthest=0.8)
