@@ -44,6 +44,13 @@ class Study:
 
 ROBOT = Option("--robot", "ROBOT", "identifier or robot file (default: that of the section)")
 SEED = Option("--seed", "N", "of the random errors, or of the search (default: 0)", 0, int)
+
+
+def processes(text: str) -> int | str:
+    """A number of processes, or the address of a scheduler."""
+    return int(text) if text.isdecimal() else text
+
+
 COARSER = Option("--coarser", "N", "steps N times as wide (default: 1)", 1, int)
 STORE = Option("--store", "DIR", "keep what is made there; an interrupted study goes on", type=Path)
 SETUP = Option("--file", "FILE", "robot, object and trajectories (YAML)", type=Path)
@@ -134,7 +141,12 @@ STUDIES = (
         (
             ROBOT,
             COARSER,
-            Option("--cluster", "ADDRESS", "a Dask scheduler, or a number of processes (default: this one)"),
+            Option(
+                "--cluster",
+                "ADDRESS",
+                "a Dask scheduler, or a number of processes (default: this one)",
+                type=processes,
+            ),
             STORE,
         ),
     ),
@@ -161,7 +173,13 @@ STUDIES = (
                 "of volume, orientations, box, eta_1, eta_2, eta_3, length (default: volume,eta_2,box)",
             ),
             Option("--generations", "N", "of the search in each direction (default: 8)", 8, int),
-            Option("--workers", "N", "processes that judge designs (default: 1)", 1, int),
+            Option(
+                "--workers",
+                "N",
+                "processes that judge designs, or a Dask scheduler (default: 1)",
+                1,
+                processes,
+            ),
         ),
     ),
 )

@@ -28,7 +28,7 @@ def run(options: argparse.Namespace) -> int:
             robot,
             coarser=options.coarser,
             store=options.store,
-            cluster=_cluster(options.cluster),
+            cluster=options.cluster,
             progress=_tenths(step),
         )
     written = write(options.out, "workspace", _facts(found), lambda: workspace_figures(found))
@@ -36,10 +36,6 @@ def run(options: argparse.Namespace) -> int:
     code = tell(found.claims())
     print(", ".join(map(str, written)))
     return code
-
-
-def _cluster(given: str | None) -> str | int | None:
-    return int(given) if given is not None and given.isdecimal() else given
 
 
 def _tenths(step: Step) -> Callable[[str, int, int], None]:

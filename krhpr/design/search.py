@@ -26,6 +26,7 @@ from krhpr.design.front import chebyshev, costs, front, non_dominated, weights
 from krhpr.design.objectives import Objective
 from krhpr.design.variables import DesignSpace
 from krhpr.errors import DesignError
+from krhpr.workspace.execute import RETRIES, connected
 
 Floats = NDArray[np.float64]
 
@@ -115,7 +116,7 @@ def search(
     problem: Judged,
     effort: Effort | None = None,
     *,
-    workers: int = 1,
+    workers: int | str = 1,
     log: Path | None = None,
     progress: Progress | None = None,
 ) -> Found:
@@ -124,15 +125,16 @@ def search(
     Args:
         problem: what is varied and how it is judged.
         effort: how long is searched.
-        workers: processes that judge designs; the results are the same.
+        workers: processes that judge designs, or the address of a Dask scheduler; the results are the same.
         log: a file (JSON lines) of all designs; a search that was interrupted goes on there.
         progress: called after each generation.
 
     Raises:
         DesignError: a log of another search, or a number of workers below 1.
+        WorkspaceError: no scheduler answers.
     """
     effort = effort or Effort()
-    if workers < 1:
+    if isinstance(workers, int) and workers < 1:
         raise DesignError(f"{workers} workers; expected 1 or more")
     with _judge(problem, workers) as evaluate:
         return _Search(problem, effort, evaluate, _Log(log, problem, effort), progress).run()
@@ -241,7 +243,14 @@ def _cma() -> Any:
 
 
 @contextmanager
-def _judge(problem: Judged, workers: int) -> Iterator[Evaluate]:
+def _judge(problem: Judged, workers: int | str) -> Iterator[Evaluate]:
+    if isinstance(workers, str):
+        with connected(workers) as client:
+            # with the problem in every task, for what lies on one worker is lost with it
+            yield lambda values: client.gather(
+                client.map(problem.evaluate, list(values), retries=RETRIES, pure=False)
+            )
+        return
     if workers == 1:
         yield lambda values: [problem.evaluate(row) for row in values]
         return

@@ -146,7 +146,7 @@ def design_study(
     problem: Problem,
     effort: Effort = EFFORT,
     *,
-    workers: int = 1,
+    workers: int | str = 1,
     log: Path | None = None,
     progress: Step | None = None,
 ) -> DesignStudy:
@@ -155,12 +155,13 @@ def design_study(
     Args:
         problem: of `problem_of`.
         effort: how long is searched.
-        workers: processes that judge designs.
+        workers: processes that judge designs, or the address of a Dask scheduler.
         log: as for `krhpr.design.search`.
         progress: called as designs are judged.
 
     Raises:
         DesignError: no design works.
+        WorkspaceError: no scheduler answers.
     """
     found = search(problem, effort, workers=workers, log=log, progress=progress).demand()
     names = {f"best_{one}": best(found.front, one) for one in problem.objectives}

@@ -80,7 +80,7 @@ def _made(job: Job, left: list[int], cluster: str | int | None) -> Iterator[Iter
     if cluster is None or not left:
         yield ((number, job.make(number)) for number in left)
         return
-    with _client(cluster) as client:
+    with connected(cluster) as client:
         yield _by_workers(client, job, left)
 
 
@@ -92,7 +92,12 @@ def _distributed() -> Any:
 
 
 @contextmanager
-def _client(cluster: str | int) -> Iterator[Any]:
+def connected(cluster: str | int) -> Iterator[Any]:
+    """A Dask client: of the scheduler at an address, or of so many processes of this machine.
+
+    Raises:
+        WorkspaceError: no scheduler answers, or Dask is not there.
+    """
     dask = _distributed()
     if isinstance(cluster, int):
         if cluster < 1:

@@ -156,12 +156,15 @@ def test_numpys_own_random_numbers_are_left_alone() -> None:
 
 
 def test_workers_change_nothing() -> None:
+    distributed = pytest.importorskip("distributed")
     problem = robots(DesignSpace)
     told: list[tuple[str, int, int]] = []
     alone = search(problem, QUICK, progress=lambda *at: told.append(at))
     assert search(problem, QUICK, workers=2) == alone
     counts = [done for _, done, _ in told]
     assert counts == sorted(counts) and counts[-1] == told[-1][2] == QUICK.evaluations(2)
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        assert search(problem, QUICK, workers=cluster.scheduler_address) == alone
     with pytest.raises(DesignError, match="0 workers; expected 1 or more"):
         search(problem, QUICK, workers=0)
 
