@@ -21,15 +21,22 @@
 /* Sine and cosine for |x| <= 1e5. */
 KRHPR_STATIC void krhpr_sincos_near(double x, double *sine, double *cosine)
 {
-    /* x = n pi/2 + y with pi/2 in three parts (33 + 33 + 53 bits); n * part is exact for |n| < 2^20.
-     * Adding and subtracting 1.5 * 2^52 rounds to the nearest integer, and leaves it in the last
-     * bits. */
+    /* x = n pi/2 + y.  Adding and subtracting 1.5 * 2^52 rounds to the nearest integer, and leaves it in the last bits. */
     const double shifted = x * 0.63661977236758138 + 6755399441055744.0;
     const double n = shifted - 6755399441055744.0;
+#ifdef KRHPR_FUSED
+    /* pi/2 in three parts of 53 bits: the first difference is exact (a multiple of 2^-53 below 1), the last one matters near
+     * multiples of pi/2 alone; all are above 0, which keeps -0 */
+    const double r = krhpr_less_product(x, n, 1.5707963267948966);
+    const double r_2 = krhpr_less_product(r, n, 6.123233995736765e-17);
+    const double y = krhpr_less_product(r_2, n, 1.082856673921914e-32);
+#else
+    /* pi/2 in three parts (33 + 33 + 53 bits); n * part is exact for |n| < 2^20 */
     const double a = x - n * 1.57079632673412561417e+00;
     const double b = n * 6.07710050630396597660e-11;
     const double r = a - b;
     const double y = r - (n * 2.02226624879595063154e-21 - ((a - r) - b));
+#endif
     /* sin y and cos y, |y| <= pi/4: minimax polynomials of fdlibm's kernels */
     const double z = y * y;
     const double ps = -1.66666666666666324348e-01
@@ -51,7 +58,7 @@ KRHPR_STATIC void krhpr_sincos_near(double x, double *sine, double *cosine)
     *sine = x == 0.0 ? x : along * s + across * c; /* also for -0 */
     *cosine = along * c - across * s;
 }
-/* The angle of (x, y) where neither of the two is huge. */
+/* The angle of (x, y) where neither of the two is huge, and not both are zero. */
 KRHPR_STATIC double krhpr_atan2_near(double y, double x)
 {
     const double zero = 0.0;
@@ -65,9 +72,7 @@ KRHPR_STATIC double krhpr_atan2_near(double y, double x)
      * is exact: |u| <= 1/2 */
     const int diagonal = long_side < 2.0 * short_side;
     const double f = (diagonal ? one : zero);
-    const int somewhere = zero < long_side;
-    const double divisor = (somewhere ? long_side + f * short_side : one);
-    const double u = (short_side - f * long_side) / divisor;
+    const double u = (short_side - f * long_side) / (long_side + f * short_side);
     const double z = u * u;
     const double w = z * z;
     /* atan(u) = u - u z p, p a minimax polynomial (relative error 2^-56), even and odd terms apart */
@@ -96,7 +101,8 @@ static inline int krhpr_sincos_is_near(double x)
 
 KRHPR_STATIC int krhpr_atan2_is_near(double y, double x)
 {
-    return fabs(x) + fabs(y) <= 1e290;
+    const double sides = fabs(x) + fabs(y);
+    return sides > 0.0 && sides <= 1e290;
 }
 
 KRHPR_STATIC void krhpr_sincos(double x, double *sine, double *cosine)
@@ -146,15 +152,22 @@ KRHPR_STATIC void krhpr_lanes_sincos_near(double x, double *sine, double *cosine
 #else
 KRHPR_STATIC void krhpr_lanes_sincos_near(krhpr_lanes x, krhpr_lanes *sine, krhpr_lanes *cosine)
 {
-    /* x = n pi/2 + y with pi/2 in three parts (33 + 33 + 53 bits); n * part is exact for |n| < 2^20.
-     * Adding and subtracting 1.5 * 2^52 rounds to the nearest integer, and leaves it in the last
-     * bits. */
+    /* x = n pi/2 + y.  Adding and subtracting 1.5 * 2^52 rounds to the nearest integer, and leaves it in the last bits. */
     const krhpr_lanes shifted = x * 0.63661977236758138 + 6755399441055744.0;
     const krhpr_lanes n = shifted - 6755399441055744.0;
+#ifdef KRHPR_FUSED
+    /* pi/2 in three parts of 53 bits: the first difference is exact (a multiple of 2^-53 below 1), the last one matters near
+     * multiples of pi/2 alone; all are above 0, which keeps -0 */
+    const krhpr_lanes r = krhpr_lanes_less_product(x, n, krhpr_all(1.5707963267948966));
+    const krhpr_lanes r_2 = krhpr_lanes_less_product(r, n, krhpr_all(6.123233995736765e-17));
+    const krhpr_lanes y = krhpr_lanes_less_product(r_2, n, krhpr_all(1.082856673921914e-32));
+#else
+    /* pi/2 in three parts (33 + 33 + 53 bits); n * part is exact for |n| < 2^20 */
     const krhpr_lanes a = x - n * 1.57079632673412561417e+00;
     const krhpr_lanes b = n * 6.07710050630396597660e-11;
     const krhpr_lanes r = a - b;
     const krhpr_lanes y = r - (n * 2.02226624879595063154e-21 - ((a - r) - b));
+#endif
     /* sin y and cos y, |y| <= pi/4: minimax polynomials of fdlibm's kernels */
     const krhpr_lanes z = y * y;
     const krhpr_lanes ps = -1.66666666666666324348e-01
@@ -194,9 +207,7 @@ KRHPR_STATIC krhpr_lanes krhpr_lanes_atan2_near(krhpr_lanes y, krhpr_lanes x)
      * is exact: |u| <= 1/2 */
     const krhpr_ints diagonal = krhpr_less(long_side, 2.0 * short_side);
     const krhpr_lanes f = krhpr_where(diagonal, one, zero);
-    const krhpr_ints somewhere = krhpr_less(zero, long_side);
-    const krhpr_lanes divisor = krhpr_where(somewhere, long_side + f * short_side, one);
-    const krhpr_lanes u = (short_side - f * long_side) / divisor;
+    const krhpr_lanes u = (short_side - f * long_side) / (long_side + f * short_side);
     const krhpr_lanes z = u * u;
     const krhpr_lanes w = z * z;
     /* atan(u) = u - u z p, p a minimax polynomial (relative error 2^-56), even and odd terms apart */
@@ -267,8 +278,8 @@ KRHPR_STATIC void krhpr_lanes_atan2_each(int n, const krhpr_lanes *y, const krhp
 #ifndef KRHPR_LIBM
     krhpr_lanes sum = krhpr_all(0.0);
     for (int k = 0; k < n; ++k) {
-        sum += krhpr_lanes_fabs(x[k]) + krhpr_lanes_fabs(y[k]);
         angle[k] = krhpr_lanes_atan2_near(y[k], x[k]);
+        sum += krhpr_lanes_fabs(x[k]) + angle[k]; /* NaN where both are zero, where y is infinite, or of what is NaN */
     }
     if (!krhpr_any(krhpr_not(krhpr_at_most(sum, krhpr_all(1e290))))) {
         return;
@@ -319,8 +330,11 @@ KRHPR_STATIC void krhpr_sincos_array(int n, const double *x, double *KRHPR_RESTR
 KRHPR_STATIC void krhpr_atan2_array(int n, const double *y, const double *x, double *KRHPR_RESTRICT angle)
 {
     for (int k = 0; k < n; k += KRHPR_LANES) {
-        const krhpr_lanes at_y = krhpr_load(y + k), at_x = krhpr_load(x + k);
-        krhpr_lanes found;
+        const krhpr_lanes at_y = krhpr_load(y + k);
+        krhpr_lanes at_x = krhpr_load(x + k), found;
+        for (int lane = n - k; lane < KRHPR_LANES; ++lane) {
+            krhpr_set_lane(&at_x, lane, 1.0); /* zeros behind the array are no point */
+        }
         krhpr_lanes_atan2_each(1, &at_y, &at_x, &found);
         krhpr_store(angle + k, found);
     }

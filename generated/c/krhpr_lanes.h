@@ -182,12 +182,48 @@ KRHPR_STATIC int krhpr_is_clean(krhpr_lanes taint)
 
 /* -- functions --------------------------------------------------------------------------------------------------------- */
 
+/* x - n p, rounded once; KRHPR_FUSED where the processor has an instruction for it.  Written as such, since compilers decide
+ * by their options whether a product and a difference become one, and there are no vectors in fma(). */
+#if (defined(__FMA__) && (defined(__x86_64__) || defined(__i386__))) || defined(__aarch64__)
+#if KRHPR_LANES == 1 || defined(__GNUC__)
+#define KRHPR_FUSED
+#endif
+#endif
+#ifdef KRHPR_FUSED
+KRHPR_STATIC double krhpr_less_product(double x, double n, double p)
+{
+    return fma(-n, p, x);
+}
+
+KRHPR_STATIC krhpr_lanes krhpr_lanes_less_product(krhpr_lanes x, krhpr_lanes n, krhpr_lanes p)
+{
+#if KRHPR_LANES == 1
+    return fma(-n, p, x);
+#elif KRHPR_LANES == 2 && defined(__aarch64__)
+    __asm__("fmls %0.2d, %1.2d, %2.2d" : "+w"(x) : "w"(n), "w"(p));
+    return x;
+#elif KRHPR_LANES == 8 && defined(__AVX512F__)
+    __asm__("{vfnmadd231pd %2, %1, %0|vfnmadd231pd %0, %1, %2}" : "+v"(x) : "v"(n), "v"(p));
+    return x;
+#elif KRHPR_LANES <= 4 && defined(__FMA__)
+    __asm__("{vfnmadd231pd %2, %1, %0|vfnmadd231pd %0, %1, %2}" : "+x"(x) : "x"(n), "x"(p));
+    return x;
+#else
+    /* wider than the processor's registers */
+    for (int lane = 0; lane < KRHPR_LANES; ++lane) {
+        krhpr_set_lane(&x, lane, fma(-krhpr_lane(&n, lane), krhpr_lane(&p, lane), krhpr_lane(&x, lane)));
+    }
+    return x;
+#endif
+}
+#endif
+
 KRHPR_STATIC krhpr_lanes krhpr_lanes_sqrt(krhpr_lanes x)
 {
     krhpr_lanes root = x;
 #if KRHPR_LANES == 8 && defined(__AVX512F__)
     /* gcc takes two halves, and puts them together in memory, which the next load waits for */
-    __asm__("vsqrtpd %1, %0" : "=v"(root) : "v"(x));
+    __asm__("{vsqrtpd %1, %0|vsqrtpd %0, %1}" : "=v"(root) : "v"(x));
 #else
     for (int lane = 0; lane < KRHPR_LANES; ++lane) {
         krhpr_set_lane(&root, lane, sqrt(krhpr_lane(&x, lane)));

@@ -50,7 +50,9 @@ KRHPR_API int krhpr_planar_grasp_rpr_end_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes s_room[KRHPR_ROOM(4)];
+    krhpr_stream s_stream = krhpr_stream_open(s_room, out[0], out_step[0], 4, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -60,11 +62,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes s_lanes[4];
         const int doubtful = krhpr_planar_grasp_rpr_end_points_lanes(
             g, pivot_lanes, angles_lanes, s_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 4, here);
+        krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 4, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&s_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_end_points(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
@@ -150,18 +153,21 @@ KRHPR_API int krhpr_planar_grasp_rpr_subleg_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_room[KRHPR_ROOM(4)];
+    krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 4, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[4];
         krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 4, here);
         krhpr_lanes theta_lanes[4];
         const int doubtful = krhpr_planar_grasp_rpr_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 4, here);
+        krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 4, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
@@ -252,7 +258,9 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_room[KRHPR_ROOM(4)];
+    krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 4, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -262,11 +270,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes theta_lanes[4];
         const int doubtful = krhpr_planar_grasp_rpr_inverse_lanes(
             g, pivot_lanes, angles_lanes, theta_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 4, here);
+        krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 4, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_inverse(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
@@ -360,7 +369,9 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_room[KRHPR_ROOM(4)];
+    krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 4, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -370,11 +381,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes theta_lanes[4];
         const int doubtful = krhpr_planar_grasp_rpr_inverse_all_lanes(
             g, pivot_lanes, angles_lanes, theta_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 4, here);
+        krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 4, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_inverse_all(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
@@ -466,7 +478,9 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_status_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes excess_room[KRHPR_ROOM(2)];
+    krhpr_stream excess_stream = krhpr_stream_open(excess_room, out[0], out_step[0], 2, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -476,11 +490,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes excess_lanes[2];
         const int doubtful = krhpr_planar_grasp_rpr_inverse_status_lanes(
             g, pivot_lanes, angles_lanes, excess_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess_lanes, 2, here);
+        krhpr_stream_put(&excess_stream, out[0] + k * out_step[0], out_step[0], excess_lanes, 2, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&excess_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_inverse_status(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
@@ -570,7 +585,9 @@ KRHPR_API int krhpr_planar_grasp_rpr_subleg_forward_batch(
     if (in[1] == NULL) {
         krhpr_poses_load(assembly_lanes, assembly_default, 0, 2, KRHPR_LANES);
     }
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes s_room[KRHPR_ROOM(4)];
+    krhpr_stream s_stream = krhpr_stream_open(s_room, out[0], out_step[0], 4, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[4];
@@ -581,11 +598,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes s_lanes[4];
         const int doubtful = krhpr_planar_grasp_rpr_subleg_forward_lanes(
             g, theta_lanes, assembly_lanes, s_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 4, here);
+        krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 4, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&s_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_subleg_forward(
             g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, out[0] + k * out_step[0]);
@@ -698,7 +716,11 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_batch(
     if (in[1] == NULL) {
         krhpr_poses_load(assembly_lanes, assembly_default, 0, 2, KRHPR_LANES);
     }
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes pivot_room[KRHPR_ROOM(2)];
+    krhpr_stream pivot_stream = krhpr_stream_open(pivot_room, out[0], out_step[0], 2, count);
+    krhpr_lanes angles_room[KRHPR_ROOM(2)];
+    krhpr_stream angles_stream = krhpr_stream_open(angles_room, out[1], out_step[1], 2, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[4];
@@ -712,12 +734,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes angles_lanes[2];
         const int doubtful = krhpr_planar_grasp_rpr_forward_lanes(
             g, theta_lanes, assembly_lanes, side_lanes, pivot_lanes, angles_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], pivot_lanes, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], angles_lanes, 2, here);
+        krhpr_stream_put(&pivot_stream, out[0] + k * out_step[0], out_step[0], pivot_lanes, 2, here);
+        krhpr_stream_put(&angles_stream, out[1] + k * out_step[1], out_step[1], angles_lanes, 2, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&pivot_stream);
+    krhpr_stream_close(&angles_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_forward(
             g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, *(in[2] + k * in_step[2]),
@@ -843,7 +867,11 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes pivot_room[KRHPR_ROOM(16)];
+    krhpr_stream pivot_stream = krhpr_stream_open(pivot_room, out[0], out_step[0], 16, count);
+    krhpr_lanes angles_room[KRHPR_ROOM(16)];
+    krhpr_stream angles_stream = krhpr_stream_open(angles_room, out[1], out_step[1], 16, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[4];
@@ -852,12 +880,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes angles_lanes[16];
         const int doubtful = krhpr_planar_grasp_rpr_forward_all_lanes(
             g, theta_lanes, pivot_lanes, angles_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], pivot_lanes, 16, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], angles_lanes, 16, here);
+        krhpr_stream_put(&pivot_stream, out[0] + k * out_step[0], out_step[0], pivot_lanes, 16, here);
+        krhpr_stream_put(&angles_stream, out[1] + k * out_step[1], out_step[1], angles_lanes, 16, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&pivot_stream);
+    krhpr_stream_close(&angles_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_forward_all(
             g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
@@ -938,7 +968,9 @@ KRHPR_API int krhpr_planar_grasp_rpr_link_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes points_room[KRHPR_ROOM(12)];
+    krhpr_stream points_stream = krhpr_stream_open(points_room, out[0], out_step[0], 12, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[4];
@@ -948,11 +980,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes points_lanes[12];
         const int doubtful = krhpr_planar_grasp_rpr_link_points_lanes(
             g, s_lanes, theta_lanes, points_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], points_lanes, 12, here);
+        krhpr_stream_put(&points_stream, out[0] + k * out_step[0], out_step[0], points_lanes, 12, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&points_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_link_points(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
@@ -1040,7 +1073,9 @@ KRHPR_API int krhpr_planar_grasp_rpr_subleg_jacobian_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes M_room[KRHPR_ROOM(8)];
+    krhpr_stream M_stream = krhpr_stream_open(M_room, out[0], out_step[0], 8, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[4];
@@ -1050,11 +1085,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes M_lanes[8];
         const int doubtful = krhpr_planar_grasp_rpr_subleg_jacobian_lanes(
             g, s_lanes, theta_lanes, M_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M_lanes, 8, here);
+        krhpr_stream_put(&M_stream, out[0] + k * out_step[0], out_step[0], M_lanes, 8, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&M_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_subleg_jacobian(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
@@ -1136,7 +1172,11 @@ KRHPR_API int krhpr_planar_grasp_rpr_jacobians_n_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes J_room[KRHPR_ROOM(16)];
+    krhpr_stream J_stream = krhpr_stream_open(J_room, out[0], out_step[0], 16, count);
+    krhpr_lanes K_room[KRHPR_ROOM(16)];
+    krhpr_stream K_stream = krhpr_stream_open(K_room, out[1], out_step[1], 16, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -1149,12 +1189,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes K_lanes[16];
         const int doubtful = krhpr_planar_grasp_rpr_jacobians_n_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 16, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 16, here);
+        krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 16, here);
+        krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 16, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&J_stream);
+    krhpr_stream_close(&K_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_jacobians_n(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1248,7 +1290,11 @@ KRHPR_API int krhpr_planar_grasp_rpr_jacobians_k_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes J_room[KRHPR_ROOM(9)];
+    krhpr_stream J_stream = krhpr_stream_open(J_room, out[0], out_step[0], 9, count);
+    krhpr_lanes K_room[KRHPR_ROOM(12)];
+    krhpr_stream K_stream = krhpr_stream_open(K_room, out[1], out_step[1], 12, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -1261,12 +1307,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes K_lanes[12];
         const int doubtful = krhpr_planar_grasp_rpr_jacobians_k_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 12, here);
+        krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
+        krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 12, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&J_stream);
+    krhpr_stream_close(&K_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_jacobians_k(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1354,7 +1402,11 @@ KRHPR_API int krhpr_planar_grasp_rpr_jacobians_r_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes J_room[KRHPR_ROOM(12)];
+    krhpr_stream J_stream = krhpr_stream_open(J_room, out[0], out_step[0], 12, count);
+    krhpr_lanes K_room[KRHPR_ROOM(16)];
+    krhpr_stream K_stream = krhpr_stream_open(K_room, out[1], out_step[1], 16, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[4];
@@ -1365,12 +1417,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes K_lanes[16];
         const int doubtful = krhpr_planar_grasp_rpr_jacobians_r_lanes(
             g, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 12, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 16, here);
+        krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 12, here);
+        krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 16, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&J_stream);
+    krhpr_stream_close(&K_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_jacobians_r(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0],
@@ -1477,7 +1531,13 @@ KRHPR_API int krhpr_planar_grasp_rpr_twist_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes pivot_rate_room[KRHPR_ROOM(2)];
+    krhpr_stream pivot_rate_stream = krhpr_stream_open(pivot_rate_room, out[0], out_step[0], 2, count);
+    krhpr_lanes angle_rates_room[KRHPR_ROOM(2)];
+    krhpr_stream angle_rates_stream = krhpr_stream_open(angle_rates_room, out[1], out_step[1], 2, count);
+    krhpr_lanes twist_room[KRHPR_ROOM(3)];
+    krhpr_stream twist_stream = krhpr_stream_open(twist_room, out[2], out_step[2], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -1494,13 +1554,16 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_grasp_rpr_twist_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, theta_dot_lanes, pivot_rate_lanes, angle_rates_lanes,
             twist_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], pivot_rate_lanes, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], angle_rates_lanes, 2, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], twist_lanes, 3, here);
+        krhpr_stream_put(&pivot_rate_stream, out[0] + k * out_step[0], out_step[0], pivot_rate_lanes, 2, here);
+        krhpr_stream_put(&angle_rates_stream, out[1] + k * out_step[1], out_step[1], angle_rates_lanes, 2, here);
+        krhpr_stream_put(&twist_stream, out[2] + k * out_step[2], out_step[2], twist_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&pivot_rate_stream);
+    krhpr_stream_close(&angle_rates_stream);
+    krhpr_stream_close(&twist_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_twist(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1608,7 +1671,9 @@ KRHPR_API int krhpr_planar_grasp_rpr_joint_rates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_dot_room[KRHPR_ROOM(4)];
+    krhpr_stream theta_dot_stream = krhpr_stream_open(theta_dot_room, out[0], out_step[0], 4, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -1625,11 +1690,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_grasp_rpr_joint_rates_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, pivot_rate_lanes, angle_rates_lanes, theta_dot_lanes,
             &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 4, here);
+        krhpr_stream_put(&theta_dot_stream, out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 4, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_dot_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_joint_rates(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1726,7 +1792,15 @@ KRHPR_API int krhpr_planar_grasp_rpr_singularity_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes type_1_room[KRHPR_ROOM(4)];
+    krhpr_stream type_1_stream = krhpr_stream_open(type_1_room, out[0], out_step[0], 4, count);
+    krhpr_lanes factors_room[KRHPR_ROOM(6)];
+    krhpr_stream factors_stream = krhpr_stream_open(factors_room, out[1], out_step[1], 6, count);
+    krhpr_lanes determinants_room[KRHPR_ROOM(2)];
+    krhpr_stream determinants_stream = krhpr_stream_open(determinants_room, out[2], out_step[2], 2, count);
+    krhpr_lanes sine_room[KRHPR_ROOM(1)];
+    krhpr_stream sine_stream = krhpr_stream_open(sine_room, out[3], out_step[3], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -1742,14 +1816,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_grasp_rpr_singularity_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, determinants_lanes,
             sine_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_1_lanes, 4, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], factors_lanes, 6, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], determinants_lanes, 2, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], sine_lanes, 1, here);
+        krhpr_stream_put(&type_1_stream, out[0] + k * out_step[0], out_step[0], type_1_lanes, 4, here);
+        krhpr_stream_put(&factors_stream, out[1] + k * out_step[1], out_step[1], factors_lanes, 6, here);
+        krhpr_stream_put(&determinants_stream, out[2] + k * out_step[2], out_step[2], determinants_lanes, 2, here);
+        krhpr_stream_put(&sine_stream, out[3] + k * out_step[3], out_step[3], sine_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&type_1_stream);
+    krhpr_stream_close(&factors_stream);
+    krhpr_stream_close(&determinants_stream);
+    krhpr_stream_close(&sine_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_singularity(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1862,7 +1940,9 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_statics_n_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes actuator_forces_room[KRHPR_ROOM(4)];
+    krhpr_stream actuator_forces_stream = krhpr_stream_open(actuator_forces_room, out[0], out_step[0], 4, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -1876,11 +1956,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes actuator_forces_lanes[4];
         const int doubtful = krhpr_planar_grasp_rpr_inverse_statics_n_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, loads_lanes, actuator_forces_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 4, here);
+        krhpr_stream_put(&actuator_forces_stream, out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 4, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&actuator_forces_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_inverse_statics_n(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1981,7 +2062,9 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_statics_k_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes actuator_forces_room[KRHPR_ROOM(4)];
+    krhpr_stream actuator_forces_stream = krhpr_stream_open(actuator_forces_room, out[0], out_step[0], 4, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -1995,11 +2078,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes actuator_forces_lanes[4];
         const int doubtful = krhpr_planar_grasp_rpr_inverse_statics_k_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, wrench_lanes, actuator_forces_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 4, here);
+        krhpr_stream_put(&actuator_forces_stream, out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 4, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&actuator_forces_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_inverse_statics_k(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -2108,7 +2192,13 @@ KRHPR_API int krhpr_planar_grasp_rpr_inverse_statics_r_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes actuator_forces_room[KRHPR_ROOM(4)];
+    krhpr_stream actuator_forces_stream = krhpr_stream_open(actuator_forces_room, out[0], out_step[0], 4, count);
+    krhpr_lanes least_forces_room[KRHPR_ROOM(4)];
+    krhpr_stream least_forces_stream = krhpr_stream_open(least_forces_room, out[1], out_step[1], 4, count);
+    krhpr_lanes null_space_room[KRHPR_ROOM(4)];
+    krhpr_stream null_space_stream = krhpr_stream_open(null_space_room, out[2], out_step[2], 4, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[4];
@@ -2125,13 +2215,16 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_grasp_rpr_inverse_statics_r_lanes(
             g, s_lanes, theta_lanes, wrench_lanes, internal_force_lanes, actuator_forces_lanes,
             least_forces_lanes, null_space_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 4, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], least_forces_lanes, 4, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], null_space_lanes, 4, here);
+        krhpr_stream_put(&actuator_forces_stream, out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 4, here);
+        krhpr_stream_put(&least_forces_stream, out[1] + k * out_step[1], out_step[1], least_forces_lanes, 4, here);
+        krhpr_stream_put(&null_space_stream, out[2] + k * out_step[2], out_step[2], null_space_lanes, 4, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&actuator_forces_stream);
+    krhpr_stream_close(&least_forces_stream);
+    krhpr_stream_close(&null_space_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_inverse_statics_r(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -2242,7 +2335,11 @@ KRHPR_API int krhpr_planar_grasp_rpr_forward_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes loads_room[KRHPR_ROOM(4)];
+    krhpr_stream loads_stream = krhpr_stream_open(loads_room, out[0], out_step[0], 4, count);
+    krhpr_lanes wrench_room[KRHPR_ROOM(3)];
+    krhpr_stream wrench_stream = krhpr_stream_open(wrench_room, out[1], out_step[1], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes pivot_lanes[2];
@@ -2257,12 +2354,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes wrench_lanes[3];
         const int doubtful = krhpr_planar_grasp_rpr_forward_statics_lanes(
             g, pivot_lanes, s_lanes, theta_lanes, actuator_forces_lanes, loads_lanes, wrench_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], loads_lanes, 4, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], wrench_lanes, 3, here);
+        krhpr_stream_put(&loads_stream, out[0] + k * out_step[0], out_step[0], loads_lanes, 4, here);
+        krhpr_stream_put(&wrench_stream, out[1] + k * out_step[1], out_step[1], wrench_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&loads_stream);
+    krhpr_stream_close(&wrench_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_forward_statics(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -2401,7 +2500,19 @@ KRHPR_API int krhpr_planar_grasp_rpr_grasp_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes contact_forces_room[KRHPR_ROOM(4)];
+    krhpr_stream contact_forces_stream = krhpr_stream_open(contact_forces_room, out[0], out_step[0], 4, count);
+    krhpr_lanes loads_room[KRHPR_ROOM(4)];
+    krhpr_stream loads_stream = krhpr_stream_open(loads_room, out[1], out_step[1], 4, count);
+    krhpr_lanes friction_margins_room[KRHPR_ROOM(2)];
+    krhpr_stream friction_margins_stream = krhpr_stream_open(friction_margins_room, out[2], out_step[2], 2, count);
+    krhpr_lanes determinant_room[KRHPR_ROOM(1)];
+    krhpr_stream determinant_stream = krhpr_stream_open(determinant_room, out[3], out_step[3], 1, count);
+    krhpr_lanes widths_room[KRHPR_ROOM(2)];
+    krhpr_stream widths_stream = krhpr_stream_open(widths_room, out[4], out_step[4], 2, count);
+    krhpr_lanes pulls_room[KRHPR_ROOM(2)];
+    krhpr_stream pulls_stream = krhpr_stream_open(pulls_room, out[5], out_step[5], 2, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes angles_lanes[2];
@@ -2430,16 +2541,22 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
             g, angles_lanes, contacts_lanes, faces_lanes, mass_centre_lanes, weight_lanes, sensor_lanes,
             measured_force_lanes, friction_lanes, contact_forces_lanes, loads_lanes, friction_margins_lanes,
             determinant_lanes, widths_lanes, pulls_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], contact_forces_lanes, 4, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], loads_lanes, 4, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], friction_margins_lanes, 2, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], determinant_lanes, 1, here);
-        krhpr_poses_store(out[4] + k * out_step[4], out_step[4], widths_lanes, 2, here);
-        krhpr_poses_store(out[5] + k * out_step[5], out_step[5], pulls_lanes, 2, here);
+        krhpr_stream_put(&contact_forces_stream, out[0] + k * out_step[0], out_step[0], contact_forces_lanes, 4, here);
+        krhpr_stream_put(&loads_stream, out[1] + k * out_step[1], out_step[1], loads_lanes, 4, here);
+        krhpr_stream_put(&friction_margins_stream, out[2] + k * out_step[2], out_step[2], friction_margins_lanes, 2, here);
+        krhpr_stream_put(&determinant_stream, out[3] + k * out_step[3], out_step[3], determinant_lanes, 1, here);
+        krhpr_stream_put(&widths_stream, out[4] + k * out_step[4], out_step[4], widths_lanes, 2, here);
+        krhpr_stream_put(&pulls_stream, out[5] + k * out_step[5], out_step[5], pulls_lanes, 2, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&contact_forces_stream);
+    krhpr_stream_close(&loads_stream);
+    krhpr_stream_close(&friction_margins_stream);
+    krhpr_stream_close(&determinant_stream);
+    krhpr_stream_close(&widths_stream);
+    krhpr_stream_close(&pulls_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_grasp_rpr_grasp(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],

@@ -53,7 +53,9 @@ KRHPR_API int krhpr_planar_prr2_a_end_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes s_room[KRHPR_ROOM(6)];
+    krhpr_stream s_stream = krhpr_stream_open(s_room, out[0], out_step[0], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -65,11 +67,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes s_lanes[6];
         const int doubtful = krhpr_planar_prr2_a_end_points_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, s_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 6, here);
+        krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&s_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_end_points(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -162,7 +165,9 @@ KRHPR_API int krhpr_planar_prr2_a_redundant_coordinates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes redundant_room[KRHPR_ROOM(3)];
+    krhpr_stream redundant_stream = krhpr_stream_open(redundant_room, out[0], out_step[0], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -174,11 +179,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes redundant_lanes[3];
         const int doubtful = krhpr_planar_prr2_a_redundant_coordinates_lanes(
             g, p_lanes, phi_lanes, s_lanes, redundant_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
+        krhpr_stream_put(&redundant_stream, out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&redundant_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_redundant_coordinates(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -270,7 +276,9 @@ KRHPR_API int krhpr_planar_prr2_a_subleg_forward_batch(
     if (in[1] == NULL) {
         krhpr_poses_load(assembly_lanes, assembly_default, 0, 3, KRHPR_LANES);
     }
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes s_room[KRHPR_ROOM(6)];
+    krhpr_stream s_stream = krhpr_stream_open(s_room, out[0], out_step[0], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[6];
@@ -281,11 +289,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes s_lanes[6];
         const int doubtful = krhpr_planar_prr2_a_subleg_forward_lanes(
             g, theta_lanes, assembly_lanes, s_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 6, here);
+        krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&s_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_subleg_forward(
             g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, out[0] + k * out_step[0]);
@@ -375,18 +384,21 @@ KRHPR_API int krhpr_planar_prr2_a_subleg_forward_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes s_room[KRHPR_ROOM(12)];
+    krhpr_stream s_stream = krhpr_stream_open(s_room, out[0], out_step[0], 12, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[6];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
         krhpr_lanes s_lanes[12];
         const int doubtful = krhpr_planar_prr2_a_subleg_forward_all_lanes(g, theta_lanes, s_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 12, here);
+        krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 12, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&s_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_subleg_forward_all(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
@@ -467,18 +479,21 @@ KRHPR_API int krhpr_planar_prr2_a_subleg_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_room[KRHPR_ROOM(24)];
+    krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 24, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
         krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
         krhpr_lanes theta_lanes[24];
         const int doubtful = krhpr_planar_prr2_a_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 24, here);
+        krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 24, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
@@ -561,7 +576,9 @@ KRHPR_API int krhpr_planar_prr2_a_subleg_jacobian_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes M_room[KRHPR_ROOM(12)];
+    krhpr_stream M_stream = krhpr_stream_open(M_room, out[0], out_step[0], 12, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -571,11 +588,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes M_lanes[12];
         const int doubtful = krhpr_planar_prr2_a_subleg_jacobian_lanes(
             g, s_lanes, theta_lanes, M_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M_lanes, 12, here);
+        krhpr_stream_put(&M_stream, out[0] + k * out_step[0], out_step[0], M_lanes, 12, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&M_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_subleg_jacobian(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
@@ -657,7 +675,9 @@ KRHPR_API int krhpr_planar_prr2_a_constraints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes residual_room[KRHPR_ROOM(3)];
+    krhpr_stream residual_stream = krhpr_stream_open(residual_room, out[0], out_step[0], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -669,11 +689,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes residual_lanes[3];
         const int doubtful = krhpr_planar_prr2_a_constraints_lanes(
             g, p_lanes, phi_lanes, s_lanes, residual_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], residual_lanes, 3, here);
+        krhpr_stream_put(&residual_stream, out[0] + k * out_step[0], out_step[0], residual_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&residual_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_constraints(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -782,7 +803,11 @@ KRHPR_API int krhpr_planar_prr2_a_jacobians_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes J_room[KRHPR_ROOM(9)];
+    krhpr_stream J_stream = krhpr_stream_open(J_room, out[0], out_step[0], 9, count);
+    krhpr_lanes K_room[KRHPR_ROOM(18)];
+    krhpr_stream K_stream = krhpr_stream_open(K_room, out[1], out_step[1], 18, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -797,12 +822,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes K_lanes[18];
         const int doubtful = krhpr_planar_prr2_a_jacobians_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 18, here);
+        krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
+        krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 18, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&J_stream);
+    krhpr_stream_close(&K_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_jacobians(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -910,7 +937,11 @@ KRHPR_API int krhpr_planar_prr2_a_jacobian_blocks_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes J_room[KRHPR_ROOM(9)];
+    krhpr_stream J_stream = krhpr_stream_open(J_room, out[0], out_step[0], 9, count);
+    krhpr_lanes K_room[KRHPR_ROOM(6)];
+    krhpr_stream K_stream = krhpr_stream_open(K_room, out[1], out_step[1], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -925,12 +956,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes K_lanes[6];
         const int doubtful = krhpr_planar_prr2_a_jacobian_blocks_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 6, here);
+        krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
+        krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&J_stream);
+    krhpr_stream_close(&K_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_jacobian_blocks(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -1054,7 +1087,11 @@ KRHPR_API int krhpr_planar_prr2_a_jacobians_n_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes J_room[KRHPR_ROOM(36)];
+    krhpr_stream J_stream = krhpr_stream_open(J_room, out[0], out_step[0], 36, count);
+    krhpr_lanes K_room[KRHPR_ROOM(36)];
+    krhpr_stream K_stream = krhpr_stream_open(K_room, out[1], out_step[1], 36, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1069,12 +1106,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes K_lanes[36];
         const int doubtful = krhpr_planar_prr2_a_jacobians_n_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 36, here);
+        krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
+        krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 36, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&J_stream);
+    krhpr_stream_close(&K_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_jacobians_n(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -1186,7 +1225,9 @@ KRHPR_API int krhpr_planar_prr2_a_inverse_batch(
     if (in[3] == NULL) {
         krhpr_poses_load(mode_lanes, mode_default, 0, 6, KRHPR_LANES);
     }
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_room[KRHPR_ROOM(6)];
+    krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1201,11 +1242,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes theta_lanes[6];
         const int doubtful = krhpr_planar_prr2_a_inverse_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, theta_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 6, here);
+        krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_inverse(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -1313,7 +1355,9 @@ KRHPR_API int krhpr_planar_prr2_a_inverse_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_room[KRHPR_ROOM(24)];
+    krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 24, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1325,11 +1369,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes theta_lanes[24];
         const int doubtful = krhpr_planar_prr2_a_inverse_all_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, theta_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 24, here);
+        krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 24, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_inverse_all(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -1486,7 +1531,9 @@ KRHPR_API int krhpr_planar_prr2_a_inverse_status_batch(
     if (in[3] == NULL) {
         krhpr_poses_load(mode_lanes, mode_default, 0, 6, KRHPR_LANES);
     }
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes excess_room[KRHPR_ROOM(3)];
+    krhpr_stream excess_stream = krhpr_stream_open(excess_room, out[0], out_step[0], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1501,11 +1548,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes excess_lanes[3];
         const int doubtful = krhpr_planar_prr2_a_inverse_status_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, mode_lanes, excess_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
+        krhpr_stream_put(&excess_stream, out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&excess_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_inverse_status(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -1627,7 +1675,9 @@ KRHPR_API int krhpr_planar_prr2_a_twist_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes twist_room[KRHPR_ROOM(3)];
+    krhpr_stream twist_stream = krhpr_stream_open(twist_room, out[0], out_step[0], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1643,11 +1693,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes twist_lanes[3];
         const int doubtful = krhpr_planar_prr2_a_twist_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_lanes, 3, here);
+        krhpr_stream_put(&twist_stream, out[0] + k * out_step[0], out_step[0], twist_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&twist_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_twist(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -1753,7 +1804,9 @@ KRHPR_API int krhpr_planar_prr2_a_joint_rates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_dot_room[KRHPR_ROOM(6)];
+    krhpr_stream theta_dot_stream = krhpr_stream_open(theta_dot_room, out[0], out_step[0], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1772,11 +1825,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_prr2_a_joint_rates_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
             theta_dot_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 6, here);
+        krhpr_stream_put(&theta_dot_stream, out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_dot_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_joint_rates(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -1907,7 +1961,9 @@ KRHPR_API int krhpr_planar_prr2_a_platform_acceleration_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes twist_rate_room[KRHPR_ROOM(3)];
+    krhpr_stream twist_rate_stream = krhpr_stream_open(twist_rate_room, out[0], out_step[0], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1928,11 +1984,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_prr2_a_platform_acceleration_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
             twist_rate_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 3, here);
+        krhpr_stream_put(&twist_rate_stream, out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&twist_rate_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_platform_acceleration(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -2061,7 +2118,9 @@ KRHPR_API int krhpr_planar_prr2_a_joint_accelerations_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_ddot_room[KRHPR_ROOM(6)];
+    krhpr_stream theta_ddot_stream = krhpr_stream_open(theta_ddot_room, out[0], out_step[0], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2086,11 +2145,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_prr2_a_joint_accelerations_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
             theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 6, here);
+        krhpr_stream_put(&theta_ddot_stream, out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_ddot_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_joint_accelerations(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -2224,7 +2284,9 @@ KRHPR_API int krhpr_planar_prr2_a_inverse_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes actuator_forces_room[KRHPR_ROOM(6)];
+    krhpr_stream actuator_forces_stream = krhpr_stream_open(actuator_forces_room, out[0], out_step[0], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2243,11 +2305,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_prr2_a_inverse_statics_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
             actuator_forces_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 6, here);
+        krhpr_stream_put(&actuator_forces_stream, out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&actuator_forces_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_inverse_statics(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -2363,7 +2426,11 @@ KRHPR_API int krhpr_planar_prr2_a_forward_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes wrench_room[KRHPR_ROOM(3)];
+    krhpr_stream wrench_stream = krhpr_stream_open(wrench_room, out[0], out_step[0], 3, count);
+    krhpr_lanes redundant_forces_room[KRHPR_ROOM(3)];
+    krhpr_stream redundant_forces_stream = krhpr_stream_open(redundant_forces_room, out[1], out_step[1], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2381,12 +2448,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_prr2_a_forward_statics_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, actuator_forces_lanes, wrench_lanes,
             redundant_forces_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], wrench_lanes, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
+        krhpr_stream_put(&wrench_stream, out[0] + k * out_step[0], out_step[0], wrench_lanes, 3, here);
+        krhpr_stream_put(&redundant_forces_stream, out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&wrench_stream);
+    krhpr_stream_close(&redundant_forces_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_forward_statics(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -2504,7 +2573,13 @@ KRHPR_API int krhpr_planar_prr2_a_passive_joints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes passive_room[KRHPR_ROOM(9)];
+    krhpr_stream passive_stream = krhpr_stream_open(passive_room, out[0], out_step[0], 9, count);
+    krhpr_lanes wrist_room[KRHPR_ROOM(3)];
+    krhpr_stream wrist_stream = krhpr_stream_open(wrist_room, out[1], out_step[1], 3, count);
+    krhpr_lanes platform_joint_room[KRHPR_ROOM(3)];
+    krhpr_stream platform_joint_stream = krhpr_stream_open(platform_joint_room, out[2], out_step[2], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2521,13 +2596,16 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_prr2_a_passive_joints_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, passive_lanes, wrist_lanes, platform_joint_lanes,
             &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], passive_lanes, 9, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], wrist_lanes, 3, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], platform_joint_lanes, 3, here);
+        krhpr_stream_put(&passive_stream, out[0] + k * out_step[0], out_step[0], passive_lanes, 9, here);
+        krhpr_stream_put(&wrist_stream, out[1] + k * out_step[1], out_step[1], wrist_lanes, 3, here);
+        krhpr_stream_put(&platform_joint_stream, out[2] + k * out_step[2], out_step[2], platform_joint_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&passive_stream);
+    krhpr_stream_close(&wrist_stream);
+    krhpr_stream_close(&platform_joint_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_passive_joints(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -2631,7 +2709,11 @@ KRHPR_API int krhpr_planar_prr2_a_link_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes points_room[KRHPR_ROOM(30)];
+    krhpr_stream points_stream = krhpr_stream_open(points_room, out[0], out_step[0], 30, count);
+    krhpr_lanes attachment_room[KRHPR_ROOM(6)];
+    krhpr_stream attachment_stream = krhpr_stream_open(attachment_room, out[1], out_step[1], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2646,12 +2728,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes attachment_lanes[6];
         const int doubtful = krhpr_planar_prr2_a_link_points_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], points_lanes, 30, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], attachment_lanes, 6, here);
+        krhpr_stream_put(&points_stream, out[0] + k * out_step[0], out_step[0], points_lanes, 30, here);
+        krhpr_stream_put(&attachment_stream, out[1] + k * out_step[1], out_step[1], attachment_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&points_stream);
+    krhpr_stream_close(&attachment_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_link_points(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -2758,7 +2842,15 @@ KRHPR_API int krhpr_planar_prr2_a_singularity_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes type_1_room[KRHPR_ROOM(3)];
+    krhpr_stream type_1_stream = krhpr_stream_open(type_1_room, out[0], out_step[0], 3, count);
+    krhpr_lanes factors_room[KRHPR_ROOM(9)];
+    krhpr_stream factors_stream = krhpr_stream_open(factors_room, out[1], out_step[1], 9, count);
+    krhpr_lanes type_2_room[KRHPR_ROOM(1)];
+    krhpr_stream type_2_stream = krhpr_stream_open(type_2_room, out[2], out_step[2], 1, count);
+    krhpr_lanes margins_room[KRHPR_ROOM(1)];
+    krhpr_stream margins_stream = krhpr_stream_open(margins_room, out[3], out_step[3], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2776,14 +2868,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_prr2_a_singularity_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
             margins_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_1_lanes, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], factors_lanes, 9, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], type_2_lanes, 1, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], margins_lanes, 1, here);
+        krhpr_stream_put(&type_1_stream, out[0] + k * out_step[0], out_step[0], type_1_lanes, 3, here);
+        krhpr_stream_put(&factors_stream, out[1] + k * out_step[1], out_step[1], factors_lanes, 9, here);
+        krhpr_stream_put(&type_2_stream, out[2] + k * out_step[2], out_step[2], type_2_lanes, 1, here);
+        krhpr_stream_put(&margins_stream, out[3] + k * out_step[3], out_step[3], margins_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&type_1_stream);
+    krhpr_stream_close(&factors_stream);
+    krhpr_stream_close(&type_2_stream);
+    krhpr_stream_close(&margins_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_singularity(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -2890,7 +2986,11 @@ KRHPR_API int krhpr_planar_prr2_a_type_2_of_redundant_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes type_2_room[KRHPR_ROOM(1)];
+    krhpr_stream type_2_stream = krhpr_stream_open(type_2_room, out[0], out_step[0], 1, count);
+    krhpr_lanes margins_room[KRHPR_ROOM(1)];
+    krhpr_stream margins_stream = krhpr_stream_open(margins_room, out[1], out_step[1], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
@@ -2899,12 +2999,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes margins_lanes[1];
         const int doubtful = krhpr_planar_prr2_a_type_2_of_redundant_lanes(
             g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_2_lanes, 1, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], margins_lanes, 1, here);
+        krhpr_stream_put(&type_2_stream, out[0] + k * out_step[0], out_step[0], type_2_lanes, 1, here);
+        krhpr_stream_put(&margins_stream, out[1] + k * out_step[1], out_step[1], margins_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&type_2_stream);
+    krhpr_stream_close(&margins_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_type_2_of_redundant(
             g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
@@ -3038,7 +3140,15 @@ KRHPR_API int krhpr_planar_prr2_a_indices_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes eta_1_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_1_stream = krhpr_stream_open(eta_1_room, out[0], out_step[0], 1, count);
+    krhpr_lanes eta_2_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_2_stream = krhpr_stream_open(eta_2_room, out[1], out_step[1], 1, count);
+    krhpr_lanes eta_3_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_3_stream = krhpr_stream_open(eta_3_room, out[2], out_step[2], 1, count);
+    krhpr_lanes condition_room[KRHPR_ROOM(3)];
+    krhpr_stream condition_stream = krhpr_stream_open(condition_room, out[3], out_step[3], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -3058,14 +3168,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_prr2_a_indices_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, characteristic_length_lanes, eta_1_lanes,
             eta_2_lanes, eta_3_lanes, condition_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
+        krhpr_stream_put(&eta_1_stream, out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
+        krhpr_stream_put(&eta_2_stream, out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
+        krhpr_stream_put(&eta_3_stream, out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
+        krhpr_stream_put(&condition_stream, out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&eta_1_stream);
+    krhpr_stream_close(&eta_2_stream);
+    krhpr_stream_close(&eta_3_stream);
+    krhpr_stream_close(&condition_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_indices(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -3217,7 +3331,13 @@ KRHPR_API int krhpr_planar_prr2_a_index_bounds_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes eta_1_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_1_stream = krhpr_stream_open(eta_1_room, out[0], out_step[0], 1, count);
+    krhpr_lanes eta_2_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_2_stream = krhpr_stream_open(eta_2_room, out[1], out_step[1], 1, count);
+    krhpr_lanes eta_3_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_3_stream = krhpr_stream_open(eta_3_room, out[2], out_step[2], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -3236,13 +3356,16 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_prr2_a_index_bounds_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, characteristic_length_lanes, eta_1_lanes,
             eta_2_lanes, eta_3_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
+        krhpr_stream_put(&eta_1_stream, out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
+        krhpr_stream_put(&eta_2_stream, out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
+        krhpr_stream_put(&eta_3_stream, out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&eta_1_stream);
+    krhpr_stream_close(&eta_2_stream);
+    krhpr_stream_close(&eta_3_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_index_bounds(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -3521,7 +3644,15 @@ KRHPR_API int krhpr_planar_prr2_a_forward_newton_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(2)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 2, count);
+    krhpr_lanes phi_room[KRHPR_ROOM(1)];
+    krhpr_stream phi_stream = krhpr_stream_open(phi_room, out[1], out_step[1], 1, count);
+    krhpr_lanes redundant_room[KRHPR_ROOM(3)];
+    krhpr_stream redundant_stream = krhpr_stream_open(redundant_room, out[2], out_step[2], 3, count);
+    krhpr_lanes kantorovich_room[KRHPR_ROOM(1)];
+    krhpr_stream kantorovich_stream = krhpr_stream_open(kantorovich_room, out[3], out_step[3], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -3537,14 +3668,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_prr2_a_forward_newton_lanes(
             g, s_lanes, p_near_lanes, phi_near_lanes, p_lanes, phi_lanes, redundant_lanes,
             kantorovich_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], kantorovich_lanes, 1, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
+        krhpr_stream_put(&phi_stream, out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
+        krhpr_stream_put(&redundant_stream, out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
+        krhpr_stream_put(&kantorovich_stream, out[3] + k * out_step[3], out_step[3], kantorovich_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&phi_stream);
+    krhpr_stream_close(&redundant_stream);
+    krhpr_stream_close(&kantorovich_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_forward_newton(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
@@ -3668,7 +3803,13 @@ KRHPR_API int krhpr_planar_prr2_a_forward_encoders_1_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(4)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 4, count);
+    krhpr_lanes phi_room[KRHPR_ROOM(2)];
+    krhpr_stream phi_stream = krhpr_stream_open(phi_room, out[1], out_step[1], 2, count);
+    krhpr_lanes mismatch_room[KRHPR_ROOM(2)];
+    krhpr_stream mismatch_stream = krhpr_stream_open(mismatch_room, out[2], out_step[2], 2, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -3682,13 +3823,16 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes mismatch_lanes[2];
         const int doubtful = krhpr_planar_prr2_a_forward_encoders_1_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, mismatch_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 4, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 2, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], mismatch_lanes, 2, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 4, here);
+        krhpr_stream_put(&phi_stream, out[1] + k * out_step[1], out_step[1], phi_lanes, 2, here);
+        krhpr_stream_put(&mismatch_stream, out[2] + k * out_step[2], out_step[2], mismatch_lanes, 2, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&phi_stream);
+    krhpr_stream_close(&mismatch_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_forward_encoders_1(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
@@ -3882,7 +4026,15 @@ KRHPR_API int krhpr_planar_prr2_a_forward_encoders_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(2)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 2, count);
+    krhpr_lanes phi_room[KRHPR_ROOM(1)];
+    krhpr_stream phi_stream = krhpr_stream_open(phi_room, out[1], out_step[1], 1, count);
+    krhpr_lanes raw_room[KRHPR_ROOM(4)];
+    krhpr_stream raw_stream = krhpr_stream_open(raw_room, out[2], out_step[2], 4, count);
+    krhpr_lanes mismatch_room[KRHPR_ROOM(1)];
+    krhpr_stream mismatch_stream = krhpr_stream_open(mismatch_room, out[3], out_step[3], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -3898,14 +4050,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_prr2_a_forward_encoders_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
             &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
+        krhpr_stream_put(&phi_stream, out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
+        krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
+        krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&phi_stream);
+    krhpr_stream_close(&raw_stream);
+    krhpr_stream_close(&mismatch_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_forward_encoders_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
@@ -4037,7 +4193,15 @@ KRHPR_API int krhpr_planar_prr2_a_forward_encoders_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(2)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 2, count);
+    krhpr_lanes phi_room[KRHPR_ROOM(1)];
+    krhpr_stream phi_stream = krhpr_stream_open(phi_room, out[1], out_step[1], 1, count);
+    krhpr_lanes raw_room[KRHPR_ROOM(4)];
+    krhpr_stream raw_stream = krhpr_stream_open(raw_room, out[2], out_step[2], 4, count);
+    krhpr_lanes mismatch_room[KRHPR_ROOM(3)];
+    krhpr_stream mismatch_stream = krhpr_stream_open(mismatch_room, out[3], out_step[3], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -4053,14 +4217,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_prr2_a_forward_encoders_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
             &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
+        krhpr_stream_put(&phi_stream, out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
+        krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
+        krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&phi_stream);
+    krhpr_stream_close(&raw_stream);
+    krhpr_stream_close(&mismatch_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_forward_encoders_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
@@ -4218,7 +4386,15 @@ KRHPR_API int krhpr_planar_prr2_a_forward_gauss_newton_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(2)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 2, count);
+    krhpr_lanes phi_room[KRHPR_ROOM(1)];
+    krhpr_stream phi_stream = krhpr_stream_open(phi_room, out[1], out_step[1], 1, count);
+    krhpr_lanes raw_room[KRHPR_ROOM(4)];
+    krhpr_stream raw_stream = krhpr_stream_open(raw_room, out[2], out_step[2], 4, count);
+    krhpr_lanes mismatch_room[KRHPR_ROOM(1)];
+    krhpr_stream mismatch_stream = krhpr_stream_open(mismatch_room, out[3], out_step[3], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -4236,14 +4412,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_prr2_a_forward_gauss_newton_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
             mismatch_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
+        krhpr_stream_put(&phi_stream, out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
+        krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
+        krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&phi_stream);
+    krhpr_stream_close(&raw_stream);
+    krhpr_stream_close(&mismatch_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_forward_gauss_newton_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
@@ -4402,7 +4582,15 @@ KRHPR_API int krhpr_planar_prr2_a_forward_gauss_newton_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(2)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 2, count);
+    krhpr_lanes phi_room[KRHPR_ROOM(1)];
+    krhpr_stream phi_stream = krhpr_stream_open(phi_room, out[1], out_step[1], 1, count);
+    krhpr_lanes raw_room[KRHPR_ROOM(4)];
+    krhpr_stream raw_stream = krhpr_stream_open(raw_room, out[2], out_step[2], 4, count);
+    krhpr_lanes mismatch_room[KRHPR_ROOM(3)];
+    krhpr_stream mismatch_stream = krhpr_stream_open(mismatch_room, out[3], out_step[3], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -4420,14 +4608,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_prr2_a_forward_gauss_newton_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
             mismatch_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
+        krhpr_stream_put(&phi_stream, out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
+        krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
+        krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&phi_stream);
+    krhpr_stream_close(&raw_stream);
+    krhpr_stream_close(&mismatch_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_prr2_a_forward_gauss_newton_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),

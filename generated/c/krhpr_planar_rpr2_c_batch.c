@@ -48,7 +48,9 @@ KRHPR_API int krhpr_planar_rpr2_c_end_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes s_room[KRHPR_ROOM(6)];
+    krhpr_stream s_stream = krhpr_stream_open(s_room, out[0], out_step[0], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -60,11 +62,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes s_lanes[6];
         const int doubtful = krhpr_planar_rpr2_c_end_points_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, s_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 6, here);
+        krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&s_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_end_points(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -149,7 +152,9 @@ KRHPR_API int krhpr_planar_rpr2_c_redundant_coordinates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes redundant_room[KRHPR_ROOM(3)];
+    krhpr_stream redundant_stream = krhpr_stream_open(redundant_room, out[0], out_step[0], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -161,11 +166,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes redundant_lanes[3];
         const int doubtful = krhpr_planar_rpr2_c_redundant_coordinates_lanes(
             g, p_lanes, phi_lanes, s_lanes, redundant_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
+        krhpr_stream_put(&redundant_stream, out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&redundant_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_redundant_coordinates(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -257,7 +263,9 @@ KRHPR_API int krhpr_planar_rpr2_c_subleg_forward_batch(
     if (in[1] == NULL) {
         krhpr_poses_load(assembly_lanes, assembly_default, 0, 3, KRHPR_LANES);
     }
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes s_room[KRHPR_ROOM(6)];
+    krhpr_stream s_stream = krhpr_stream_open(s_room, out[0], out_step[0], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[6];
@@ -268,11 +276,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes s_lanes[6];
         const int doubtful = krhpr_planar_rpr2_c_subleg_forward_lanes(
             g, theta_lanes, assembly_lanes, s_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 6, here);
+        krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&s_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_subleg_forward(
             g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, out[0] + k * out_step[0]);
@@ -362,18 +371,21 @@ KRHPR_API int krhpr_planar_rpr2_c_subleg_forward_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes s_room[KRHPR_ROOM(12)];
+    krhpr_stream s_stream = krhpr_stream_open(s_room, out[0], out_step[0], 12, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[6];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
         krhpr_lanes s_lanes[12];
         const int doubtful = krhpr_planar_rpr2_c_subleg_forward_all_lanes(g, theta_lanes, s_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 12, here);
+        krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 12, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&s_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_subleg_forward_all(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
@@ -454,18 +466,21 @@ KRHPR_API int krhpr_planar_rpr2_c_subleg_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_room[KRHPR_ROOM(6)];
+    krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
         krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 6, here);
         krhpr_lanes theta_lanes[6];
         const int doubtful = krhpr_planar_rpr2_c_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 6, here);
+        krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
@@ -548,7 +563,9 @@ KRHPR_API int krhpr_planar_rpr2_c_subleg_jacobian_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes M_room[KRHPR_ROOM(12)];
+    krhpr_stream M_stream = krhpr_stream_open(M_room, out[0], out_step[0], 12, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -558,11 +575,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes M_lanes[12];
         const int doubtful = krhpr_planar_rpr2_c_subleg_jacobian_lanes(
             g, s_lanes, theta_lanes, M_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M_lanes, 12, here);
+        krhpr_stream_put(&M_stream, out[0] + k * out_step[0], out_step[0], M_lanes, 12, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&M_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_subleg_jacobian(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
@@ -644,7 +662,9 @@ KRHPR_API int krhpr_planar_rpr2_c_constraints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes residual_room[KRHPR_ROOM(3)];
+    krhpr_stream residual_stream = krhpr_stream_open(residual_room, out[0], out_step[0], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -656,11 +676,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes residual_lanes[3];
         const int doubtful = krhpr_planar_rpr2_c_constraints_lanes(
             g, p_lanes, phi_lanes, s_lanes, residual_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], residual_lanes, 3, here);
+        krhpr_stream_put(&residual_stream, out[0] + k * out_step[0], out_step[0], residual_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&residual_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_constraints(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -769,7 +790,11 @@ KRHPR_API int krhpr_planar_rpr2_c_jacobians_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes J_room[KRHPR_ROOM(9)];
+    krhpr_stream J_stream = krhpr_stream_open(J_room, out[0], out_step[0], 9, count);
+    krhpr_lanes K_room[KRHPR_ROOM(18)];
+    krhpr_stream K_stream = krhpr_stream_open(K_room, out[1], out_step[1], 18, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -784,12 +809,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes K_lanes[18];
         const int doubtful = krhpr_planar_rpr2_c_jacobians_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 18, here);
+        krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
+        krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 18, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&J_stream);
+    krhpr_stream_close(&K_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_jacobians(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -897,7 +924,11 @@ KRHPR_API int krhpr_planar_rpr2_c_jacobian_blocks_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes J_room[KRHPR_ROOM(9)];
+    krhpr_stream J_stream = krhpr_stream_open(J_room, out[0], out_step[0], 9, count);
+    krhpr_lanes K_room[KRHPR_ROOM(6)];
+    krhpr_stream K_stream = krhpr_stream_open(K_room, out[1], out_step[1], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -912,12 +943,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes K_lanes[6];
         const int doubtful = krhpr_planar_rpr2_c_jacobian_blocks_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 6, here);
+        krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 9, here);
+        krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&J_stream);
+    krhpr_stream_close(&K_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_jacobian_blocks(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -1041,7 +1074,11 @@ KRHPR_API int krhpr_planar_rpr2_c_jacobians_n_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes J_room[KRHPR_ROOM(36)];
+    krhpr_stream J_stream = krhpr_stream_open(J_room, out[0], out_step[0], 36, count);
+    krhpr_lanes K_room[KRHPR_ROOM(36)];
+    krhpr_stream K_stream = krhpr_stream_open(K_room, out[1], out_step[1], 36, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1056,12 +1093,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes K_lanes[36];
         const int doubtful = krhpr_planar_rpr2_c_jacobians_n_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 36, here);
+        krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
+        krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 36, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&J_stream);
+    krhpr_stream_close(&K_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_jacobians_n(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -1163,7 +1202,9 @@ KRHPR_API int krhpr_planar_rpr2_c_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_room[KRHPR_ROOM(6)];
+    krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1175,11 +1216,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes theta_lanes[6];
         const int doubtful = krhpr_planar_rpr2_c_inverse_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, theta_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 6, here);
+        krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_inverse(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -1275,7 +1317,9 @@ KRHPR_API int krhpr_planar_rpr2_c_inverse_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_room[KRHPR_ROOM(6)];
+    krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1287,11 +1331,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes theta_lanes[6];
         const int doubtful = krhpr_planar_rpr2_c_inverse_all_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, theta_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 6, here);
+        krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_inverse_all(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -1438,7 +1483,9 @@ KRHPR_API int krhpr_planar_rpr2_c_inverse_status_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes excess_room[KRHPR_ROOM(3)];
+    krhpr_stream excess_stream = krhpr_stream_open(excess_room, out[0], out_step[0], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1450,11 +1497,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes excess_lanes[3];
         const int doubtful = krhpr_planar_rpr2_c_inverse_status_lanes(
             g, p_lanes, phi_lanes, redundant_lanes, excess_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
+        krhpr_stream_put(&excess_stream, out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&excess_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_inverse_status(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -1568,7 +1616,9 @@ KRHPR_API int krhpr_planar_rpr2_c_twist_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes twist_room[KRHPR_ROOM(3)];
+    krhpr_stream twist_stream = krhpr_stream_open(twist_room, out[0], out_step[0], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1584,11 +1634,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes twist_lanes[3];
         const int doubtful = krhpr_planar_rpr2_c_twist_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_lanes, 3, here);
+        krhpr_stream_put(&twist_stream, out[0] + k * out_step[0], out_step[0], twist_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&twist_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_twist(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -1694,7 +1745,9 @@ KRHPR_API int krhpr_planar_rpr2_c_joint_rates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_dot_room[KRHPR_ROOM(6)];
+    krhpr_stream theta_dot_stream = krhpr_stream_open(theta_dot_room, out[0], out_step[0], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1713,11 +1766,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_rpr2_c_joint_rates_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
             theta_dot_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 6, here);
+        krhpr_stream_put(&theta_dot_stream, out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_dot_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_joint_rates(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -1848,7 +1902,9 @@ KRHPR_API int krhpr_planar_rpr2_c_platform_acceleration_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes twist_rate_room[KRHPR_ROOM(3)];
+    krhpr_stream twist_rate_stream = krhpr_stream_open(twist_rate_room, out[0], out_step[0], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -1869,11 +1925,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_rpr2_c_platform_acceleration_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
             twist_rate_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 3, here);
+        krhpr_stream_put(&twist_rate_stream, out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&twist_rate_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_platform_acceleration(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -2002,7 +2059,9 @@ KRHPR_API int krhpr_planar_rpr2_c_joint_accelerations_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_ddot_room[KRHPR_ROOM(6)];
+    krhpr_stream theta_ddot_stream = krhpr_stream_open(theta_ddot_room, out[0], out_step[0], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2027,11 +2086,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_rpr2_c_joint_accelerations_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
             theta_dot_lanes, twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 6, here);
+        krhpr_stream_put(&theta_ddot_stream, out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_ddot_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_joint_accelerations(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -2165,7 +2225,9 @@ KRHPR_API int krhpr_planar_rpr2_c_inverse_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes actuator_forces_room[KRHPR_ROOM(6)];
+    krhpr_stream actuator_forces_stream = krhpr_stream_open(actuator_forces_room, out[0], out_step[0], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2184,11 +2246,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_rpr2_c_inverse_statics_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
             actuator_forces_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 6, here);
+        krhpr_stream_put(&actuator_forces_stream, out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&actuator_forces_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_inverse_statics(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -2304,7 +2367,11 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes wrench_room[KRHPR_ROOM(3)];
+    krhpr_stream wrench_stream = krhpr_stream_open(wrench_room, out[0], out_step[0], 3, count);
+    krhpr_lanes redundant_forces_room[KRHPR_ROOM(3)];
+    krhpr_stream redundant_forces_stream = krhpr_stream_open(redundant_forces_room, out[1], out_step[1], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2322,12 +2389,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_rpr2_c_forward_statics_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, actuator_forces_lanes, wrench_lanes,
             redundant_forces_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], wrench_lanes, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
+        krhpr_stream_put(&wrench_stream, out[0] + k * out_step[0], out_step[0], wrench_lanes, 3, here);
+        krhpr_stream_put(&redundant_forces_stream, out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&wrench_stream);
+    krhpr_stream_close(&redundant_forces_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_forward_statics(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -2429,7 +2498,13 @@ KRHPR_API int krhpr_planar_rpr2_c_opening_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes opening_room[KRHPR_ROOM(1)];
+    krhpr_stream opening_stream = krhpr_stream_open(opening_room, out[0], out_step[0], 1, count);
+    krhpr_lanes centre_room[KRHPR_ROOM(2)];
+    krhpr_stream centre_stream = krhpr_stream_open(centre_room, out[1], out_step[1], 2, count);
+    krhpr_lanes shares_room[KRHPR_ROOM(3)];
+    krhpr_stream shares_stream = krhpr_stream_open(shares_room, out[2], out_step[2], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
@@ -2441,13 +2516,16 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes shares_lanes[3];
         const int doubtful = krhpr_planar_rpr2_c_opening_lanes(
             g, redundant_lanes, jaws_lanes, opening_lanes, centre_lanes, shares_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], opening_lanes, 1, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], centre_lanes, 2, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], shares_lanes, 3, here);
+        krhpr_stream_put(&opening_stream, out[0] + k * out_step[0], out_step[0], opening_lanes, 1, here);
+        krhpr_stream_put(&centre_stream, out[1] + k * out_step[1], out_step[1], centre_lanes, 2, here);
+        krhpr_stream_put(&shares_stream, out[2] + k * out_step[2], out_step[2], shares_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&opening_stream);
+    krhpr_stream_close(&centre_stream);
+    krhpr_stream_close(&shares_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_opening(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0],
@@ -2532,7 +2610,9 @@ KRHPR_API int krhpr_planar_rpr2_c_redundant_of_opening_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes redundant_room[KRHPR_ROOM(3)];
+    krhpr_stream redundant_stream = krhpr_stream_open(redundant_room, out[0], out_step[0], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes opening_lanes[1];
@@ -2544,11 +2624,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes redundant_lanes[3];
         const int doubtful = krhpr_planar_rpr2_c_redundant_of_opening_lanes(
             g, opening_lanes, centre_lanes, jaws_lanes, redundant_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
+        krhpr_stream_put(&redundant_stream, out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&redundant_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_redundant_of_opening(
             g, *(in[0] + k * in_step[0]), in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -2675,7 +2756,15 @@ KRHPR_API int krhpr_planar_rpr2_c_grasp_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes contact_forces_room[KRHPR_ROOM(6)];
+    krhpr_stream contact_forces_stream = krhpr_stream_open(contact_forces_room, out[0], out_step[0], 6, count);
+    krhpr_lanes wrench_room[KRHPR_ROOM(3)];
+    krhpr_stream wrench_stream = krhpr_stream_open(wrench_room, out[1], out_step[1], 3, count);
+    krhpr_lanes redundant_forces_room[KRHPR_ROOM(3)];
+    krhpr_stream redundant_forces_stream = krhpr_stream_open(redundant_forces_room, out[2], out_step[2], 3, count);
+    krhpr_lanes friction_margins_room[KRHPR_ROOM(3)];
+    krhpr_stream friction_margins_stream = krhpr_stream_open(friction_margins_room, out[3], out_step[3], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes phi_lanes[1];
@@ -2698,14 +2787,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
             g, phi_lanes, contacts_lanes, mass_centre_lanes, weight_lanes, normal_forces_lanes,
             friction_lanes, contact_forces_lanes, wrench_lanes, redundant_forces_lanes,
             friction_margins_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], contact_forces_lanes, 6, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], wrench_lanes, 3, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_forces_lanes, 3, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], friction_margins_lanes, 3, here);
+        krhpr_stream_put(&contact_forces_stream, out[0] + k * out_step[0], out_step[0], contact_forces_lanes, 6, here);
+        krhpr_stream_put(&wrench_stream, out[1] + k * out_step[1], out_step[1], wrench_lanes, 3, here);
+        krhpr_stream_put(&redundant_forces_stream, out[2] + k * out_step[2], out_step[2], redundant_forces_lanes, 3, here);
+        krhpr_stream_put(&friction_margins_stream, out[3] + k * out_step[3], out_step[3], friction_margins_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&contact_forces_stream);
+    krhpr_stream_close(&wrench_stream);
+    krhpr_stream_close(&redundant_forces_stream);
+    krhpr_stream_close(&friction_margins_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_grasp(
             g, *(in[0] + k * in_step[0]), in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -2834,7 +2927,13 @@ KRHPR_API int krhpr_planar_rpr2_c_passive_joints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes passive_room[KRHPR_ROOM(9)];
+    krhpr_stream passive_stream = krhpr_stream_open(passive_room, out[0], out_step[0], 9, count);
+    krhpr_lanes wrist_room[KRHPR_ROOM(3)];
+    krhpr_stream wrist_stream = krhpr_stream_open(wrist_room, out[1], out_step[1], 3, count);
+    krhpr_lanes platform_joint_room[KRHPR_ROOM(3)];
+    krhpr_stream platform_joint_stream = krhpr_stream_open(platform_joint_room, out[2], out_step[2], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2851,13 +2950,16 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_rpr2_c_passive_joints_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, passive_lanes, wrist_lanes, platform_joint_lanes,
             &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], passive_lanes, 9, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], wrist_lanes, 3, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], platform_joint_lanes, 3, here);
+        krhpr_stream_put(&passive_stream, out[0] + k * out_step[0], out_step[0], passive_lanes, 9, here);
+        krhpr_stream_put(&wrist_stream, out[1] + k * out_step[1], out_step[1], wrist_lanes, 3, here);
+        krhpr_stream_put(&platform_joint_stream, out[2] + k * out_step[2], out_step[2], platform_joint_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&passive_stream);
+    krhpr_stream_close(&wrist_stream);
+    krhpr_stream_close(&platform_joint_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_passive_joints(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -2961,7 +3063,11 @@ KRHPR_API int krhpr_planar_rpr2_c_link_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes points_room[KRHPR_ROOM(18)];
+    krhpr_stream points_stream = krhpr_stream_open(points_room, out[0], out_step[0], 18, count);
+    krhpr_lanes attachment_room[KRHPR_ROOM(6)];
+    krhpr_stream attachment_stream = krhpr_stream_open(attachment_room, out[1], out_step[1], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -2976,12 +3082,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes attachment_lanes[6];
         const int doubtful = krhpr_planar_rpr2_c_link_points_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], points_lanes, 18, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], attachment_lanes, 6, here);
+        krhpr_stream_put(&points_stream, out[0] + k * out_step[0], out_step[0], points_lanes, 18, here);
+        krhpr_stream_put(&attachment_stream, out[1] + k * out_step[1], out_step[1], attachment_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&points_stream);
+    krhpr_stream_close(&attachment_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_link_points(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -3088,7 +3196,15 @@ KRHPR_API int krhpr_planar_rpr2_c_singularity_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes type_1_room[KRHPR_ROOM(3)];
+    krhpr_stream type_1_stream = krhpr_stream_open(type_1_room, out[0], out_step[0], 3, count);
+    krhpr_lanes factors_room[KRHPR_ROOM(9)];
+    krhpr_stream factors_stream = krhpr_stream_open(factors_room, out[1], out_step[1], 9, count);
+    krhpr_lanes type_2_room[KRHPR_ROOM(1)];
+    krhpr_stream type_2_stream = krhpr_stream_open(type_2_room, out[2], out_step[2], 1, count);
+    krhpr_lanes margins_room[KRHPR_ROOM(1)];
+    krhpr_stream margins_stream = krhpr_stream_open(margins_room, out[3], out_step[3], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -3106,14 +3222,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_rpr2_c_singularity_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
             margins_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_1_lanes, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], factors_lanes, 9, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], type_2_lanes, 1, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], margins_lanes, 1, here);
+        krhpr_stream_put(&type_1_stream, out[0] + k * out_step[0], out_step[0], type_1_lanes, 3, here);
+        krhpr_stream_put(&factors_stream, out[1] + k * out_step[1], out_step[1], factors_lanes, 9, here);
+        krhpr_stream_put(&type_2_stream, out[2] + k * out_step[2], out_step[2], type_2_lanes, 1, here);
+        krhpr_stream_put(&margins_stream, out[3] + k * out_step[3], out_step[3], margins_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&type_1_stream);
+    krhpr_stream_close(&factors_stream);
+    krhpr_stream_close(&type_2_stream);
+    krhpr_stream_close(&margins_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_singularity(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -3213,7 +3333,11 @@ KRHPR_API int krhpr_planar_rpr2_c_type_2_of_redundant_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes type_2_room[KRHPR_ROOM(1)];
+    krhpr_stream type_2_stream = krhpr_stream_open(type_2_room, out[0], out_step[0], 1, count);
+    krhpr_lanes margins_room[KRHPR_ROOM(1)];
+    krhpr_stream margins_stream = krhpr_stream_open(margins_room, out[1], out_step[1], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
@@ -3222,12 +3346,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes margins_lanes[1];
         const int doubtful = krhpr_planar_rpr2_c_type_2_of_redundant_lanes(
             g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_2_lanes, 1, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], margins_lanes, 1, here);
+        krhpr_stream_put(&type_2_stream, out[0] + k * out_step[0], out_step[0], type_2_lanes, 1, here);
+        krhpr_stream_put(&margins_stream, out[1] + k * out_step[1], out_step[1], margins_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&type_2_stream);
+    krhpr_stream_close(&margins_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_type_2_of_redundant(
             g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
@@ -3361,7 +3487,15 @@ KRHPR_API int krhpr_planar_rpr2_c_indices_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes eta_1_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_1_stream = krhpr_stream_open(eta_1_room, out[0], out_step[0], 1, count);
+    krhpr_lanes eta_2_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_2_stream = krhpr_stream_open(eta_2_room, out[1], out_step[1], 1, count);
+    krhpr_lanes eta_3_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_3_stream = krhpr_stream_open(eta_3_room, out[2], out_step[2], 1, count);
+    krhpr_lanes condition_room[KRHPR_ROOM(3)];
+    krhpr_stream condition_stream = krhpr_stream_open(condition_room, out[3], out_step[3], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -3381,14 +3515,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_rpr2_c_indices_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, characteristic_length_lanes, eta_1_lanes,
             eta_2_lanes, eta_3_lanes, condition_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
+        krhpr_stream_put(&eta_1_stream, out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
+        krhpr_stream_put(&eta_2_stream, out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
+        krhpr_stream_put(&eta_3_stream, out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
+        krhpr_stream_put(&condition_stream, out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&eta_1_stream);
+    krhpr_stream_close(&eta_2_stream);
+    krhpr_stream_close(&eta_3_stream);
+    krhpr_stream_close(&condition_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_indices(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -3540,7 +3678,13 @@ KRHPR_API int krhpr_planar_rpr2_c_index_bounds_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes eta_1_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_1_stream = krhpr_stream_open(eta_1_room, out[0], out_step[0], 1, count);
+    krhpr_lanes eta_2_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_2_stream = krhpr_stream_open(eta_2_room, out[1], out_step[1], 1, count);
+    krhpr_lanes eta_3_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_3_stream = krhpr_stream_open(eta_3_room, out[2], out_step[2], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[2];
@@ -3559,13 +3703,16 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_rpr2_c_index_bounds_lanes(
             g, p_lanes, phi_lanes, s_lanes, theta_lanes, characteristic_length_lanes, eta_1_lanes,
             eta_2_lanes, eta_3_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
+        krhpr_stream_put(&eta_1_stream, out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
+        krhpr_stream_put(&eta_2_stream, out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
+        krhpr_stream_put(&eta_3_stream, out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&eta_1_stream);
+    krhpr_stream_close(&eta_2_stream);
+    krhpr_stream_close(&eta_3_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_index_bounds(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), in[2] + k * in_step[2],
@@ -3683,7 +3830,17 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(4)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 4, count);
+    krhpr_lanes phi_room[KRHPR_ROOM(2)];
+    krhpr_stream phi_stream = krhpr_stream_open(phi_room, out[1], out_step[1], 2, count);
+    krhpr_lanes redundant_room[KRHPR_ROOM(6)];
+    krhpr_stream redundant_stream = krhpr_stream_open(redundant_room, out[2], out_step[2], 6, count);
+    krhpr_lanes det_J_room[KRHPR_ROOM(2)];
+    krhpr_stream det_J_stream = krhpr_stream_open(det_J_room, out[3], out_step[3], 2, count);
+    krhpr_lanes count_room[KRHPR_ROOM(1)];
+    krhpr_stream count_stream = krhpr_stream_open(count_room, out[4], out_step[4], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -3695,15 +3852,20 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes count_lanes[1];
         const int doubtful = krhpr_planar_rpr2_c_forward_all_lanes(
             g, s_lanes, p_lanes, phi_lanes, redundant_lanes, det_J_lanes, count_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 4, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 2, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 6, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], det_J_lanes, 2, here);
-        krhpr_poses_store(out[4] + k * out_step[4], out_step[4], count_lanes, 1, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 4, here);
+        krhpr_stream_put(&phi_stream, out[1] + k * out_step[1], out_step[1], phi_lanes, 2, here);
+        krhpr_stream_put(&redundant_stream, out[2] + k * out_step[2], out_step[2], redundant_lanes, 6, here);
+        krhpr_stream_put(&det_J_stream, out[3] + k * out_step[3], out_step[3], det_J_lanes, 2, here);
+        krhpr_stream_put(&count_stream, out[4] + k * out_step[4], out_step[4], count_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&phi_stream);
+    krhpr_stream_close(&redundant_stream);
+    krhpr_stream_close(&det_J_stream);
+    krhpr_stream_close(&count_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_forward_all(
             g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1],
@@ -3837,7 +3999,17 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_batch(
     if (in[1] == NULL) {
         krhpr_poses_load(assembly_lanes, assembly_default, 0, 3, KRHPR_LANES);
     }
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(2)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 2, count);
+    krhpr_lanes phi_room[KRHPR_ROOM(1)];
+    krhpr_stream phi_stream = krhpr_stream_open(phi_room, out[1], out_step[1], 1, count);
+    krhpr_lanes redundant_room[KRHPR_ROOM(3)];
+    krhpr_stream redundant_stream = krhpr_stream_open(redundant_room, out[2], out_step[2], 3, count);
+    krhpr_lanes count_room[KRHPR_ROOM(1)];
+    krhpr_stream count_stream = krhpr_stream_open(count_room, out[3], out_step[3], 1, count);
+    krhpr_lanes certified_room[KRHPR_ROOM(1)];
+    krhpr_stream certified_stream = krhpr_stream_open(certified_room, out[4], out_step[4], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[6];
@@ -3855,15 +4027,20 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_rpr2_c_forward_lanes(
             g, theta_lanes, assembly_lanes, side_lanes, p_lanes, phi_lanes, redundant_lanes, count_lanes,
             certified_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], count_lanes, 1, here);
-        krhpr_poses_store(out[4] + k * out_step[4], out_step[4], certified_lanes, 1, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
+        krhpr_stream_put(&phi_stream, out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
+        krhpr_stream_put(&redundant_stream, out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
+        krhpr_stream_put(&count_stream, out[3] + k * out_step[3], out_step[3], count_lanes, 1, here);
+        krhpr_stream_put(&certified_stream, out[4] + k * out_step[4], out_step[4], certified_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&phi_stream);
+    krhpr_stream_close(&redundant_stream);
+    krhpr_stream_close(&count_stream);
+    krhpr_stream_close(&certified_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_forward(
             g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, *(in[2] + k * in_step[2]),
@@ -4060,7 +4237,15 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_encoders_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(2)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 2, count);
+    krhpr_lanes phi_room[KRHPR_ROOM(1)];
+    krhpr_stream phi_stream = krhpr_stream_open(phi_room, out[1], out_step[1], 1, count);
+    krhpr_lanes raw_room[KRHPR_ROOM(4)];
+    krhpr_stream raw_stream = krhpr_stream_open(raw_room, out[2], out_step[2], 4, count);
+    krhpr_lanes mismatch_room[KRHPR_ROOM(1)];
+    krhpr_stream mismatch_stream = krhpr_stream_open(mismatch_room, out[3], out_step[3], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -4076,14 +4261,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_rpr2_c_forward_encoders_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
             &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
+        krhpr_stream_put(&phi_stream, out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
+        krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
+        krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&phi_stream);
+    krhpr_stream_close(&raw_stream);
+    krhpr_stream_close(&mismatch_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_forward_encoders_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
@@ -4205,7 +4394,15 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_encoders_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(2)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 2, count);
+    krhpr_lanes phi_room[KRHPR_ROOM(1)];
+    krhpr_stream phi_stream = krhpr_stream_open(phi_room, out[1], out_step[1], 1, count);
+    krhpr_lanes raw_room[KRHPR_ROOM(4)];
+    krhpr_stream raw_stream = krhpr_stream_open(raw_room, out[2], out_step[2], 4, count);
+    krhpr_lanes mismatch_room[KRHPR_ROOM(3)];
+    krhpr_stream mismatch_stream = krhpr_stream_open(mismatch_room, out[3], out_step[3], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -4221,14 +4418,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_rpr2_c_forward_encoders_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, phi_lanes, raw_lanes, mismatch_lanes,
             &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
+        krhpr_stream_put(&phi_stream, out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
+        krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
+        krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&phi_stream);
+    krhpr_stream_close(&raw_stream);
+    krhpr_stream_close(&mismatch_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_forward_encoders_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
@@ -4376,7 +4577,15 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_gauss_newton_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(2)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 2, count);
+    krhpr_lanes phi_room[KRHPR_ROOM(1)];
+    krhpr_stream phi_stream = krhpr_stream_open(phi_room, out[1], out_step[1], 1, count);
+    krhpr_lanes raw_room[KRHPR_ROOM(4)];
+    krhpr_stream raw_stream = krhpr_stream_open(raw_room, out[2], out_step[2], 4, count);
+    krhpr_lanes mismatch_room[KRHPR_ROOM(1)];
+    krhpr_stream mismatch_stream = krhpr_stream_open(mismatch_room, out[3], out_step[3], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -4394,14 +4603,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_rpr2_c_forward_gauss_newton_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
             mismatch_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
+        krhpr_stream_put(&phi_stream, out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
+        krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
+        krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&phi_stream);
+    krhpr_stream_close(&raw_stream);
+    krhpr_stream_close(&mismatch_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_forward_gauss_newton_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
@@ -4550,7 +4763,15 @@ KRHPR_API int krhpr_planar_rpr2_c_forward_gauss_newton_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(2)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 2, count);
+    krhpr_lanes phi_room[KRHPR_ROOM(1)];
+    krhpr_stream phi_stream = krhpr_stream_open(phi_room, out[1], out_step[1], 1, count);
+    krhpr_lanes raw_room[KRHPR_ROOM(4)];
+    krhpr_stream raw_stream = krhpr_stream_open(raw_room, out[2], out_step[2], 4, count);
+    krhpr_lanes mismatch_room[KRHPR_ROOM(3)];
+    krhpr_stream mismatch_stream = krhpr_stream_open(mismatch_room, out[3], out_step[3], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[6];
@@ -4568,14 +4789,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_planar_rpr2_c_forward_gauss_newton_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, phi_lanes, raw_lanes,
             mismatch_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 2, here);
+        krhpr_stream_put(&phi_stream, out[1] + k * out_step[1], out_step[1], phi_lanes, 1, here);
+        krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 4, here);
+        krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&phi_stream);
+    krhpr_stream_close(&raw_stream);
+    krhpr_stream_close(&mismatch_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_planar_rpr2_c_forward_gauss_newton_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),

@@ -41,18 +41,21 @@ KRHPR_API int krhpr_spatial_delta_b_rotation_error_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes error_room[KRHPR_ROOM(1)];
+    krhpr_stream error_stream = krhpr_stream_open(error_room, out[0], out_step[0], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes Q_lanes[9];
         krhpr_poses_load(Q_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
         krhpr_lanes error_lanes[1];
         const int doubtful = krhpr_spatial_delta_b_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], error_lanes, 1, here);
+        krhpr_stream_put(&error_stream, out[0] + k * out_step[0], out_step[0], error_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&error_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_rotation_error(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
@@ -124,7 +127,9 @@ KRHPR_API int krhpr_spatial_delta_b_end_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes s_room[KRHPR_ROOM(9)];
+    krhpr_stream s_stream = krhpr_stream_open(s_room, out[0], out_step[0], 9, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -136,11 +141,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes s_lanes[9];
         const int doubtful = krhpr_spatial_delta_b_end_points_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
+        krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&s_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_end_points(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -219,7 +225,9 @@ KRHPR_API int krhpr_spatial_delta_b_redundant_coordinates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes redundant_room[KRHPR_ROOM(3)];
+    krhpr_stream redundant_stream = krhpr_stream_open(redundant_room, out[0], out_step[0], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -231,11 +239,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes redundant_lanes[3];
         const int doubtful = krhpr_spatial_delta_b_redundant_coordinates_lanes(
             g, p_lanes, Q_lanes, s_lanes, redundant_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
+        krhpr_stream_put(&redundant_stream, out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&redundant_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_redundant_coordinates(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -331,7 +340,9 @@ KRHPR_API int krhpr_spatial_delta_b_subleg_forward_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes s_room[KRHPR_ROOM(9)];
+    krhpr_stream s_stream = krhpr_stream_open(s_room, out[0], out_step[0], 9, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[9];
@@ -341,11 +352,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes s_lanes[9];
         const int doubtful = krhpr_spatial_delta_b_subleg_forward_lanes(
             g, theta_lanes, s_near_lanes, s_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
+        krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&s_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_subleg_forward(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
@@ -438,18 +450,21 @@ KRHPR_API int krhpr_spatial_delta_b_subleg_forward_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes s_room[KRHPR_ROOM(18)];
+    krhpr_stream s_stream = krhpr_stream_open(s_room, out[0], out_step[0], 18, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[9];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
         krhpr_lanes s_lanes[18];
         const int doubtful = krhpr_spatial_delta_b_subleg_forward_all_lanes(g, theta_lanes, s_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 18, here);
+        krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 18, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&s_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_subleg_forward_all(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
@@ -562,18 +577,21 @@ KRHPR_API int krhpr_spatial_delta_b_subleg_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_room[KRHPR_ROOM(72)];
+    krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 72, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
         krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
         krhpr_lanes theta_lanes[72];
         const int doubtful = krhpr_spatial_delta_b_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 72, here);
+        krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 72, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
@@ -665,7 +683,9 @@ KRHPR_API int krhpr_spatial_delta_b_subleg_jacobian_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes M_room[KRHPR_ROOM(27)];
+    krhpr_stream M_stream = krhpr_stream_open(M_room, out[0], out_step[0], 27, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -675,11 +695,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes M_lanes[27];
         const int doubtful = krhpr_spatial_delta_b_subleg_jacobian_lanes(
             g, s_lanes, theta_lanes, M_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M_lanes, 27, here);
+        krhpr_stream_put(&M_stream, out[0] + k * out_step[0], out_step[0], M_lanes, 27, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&M_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_subleg_jacobian(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
@@ -755,7 +776,9 @@ KRHPR_API int krhpr_spatial_delta_b_constraints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes residual_room[KRHPR_ROOM(6)];
+    krhpr_stream residual_stream = krhpr_stream_open(residual_room, out[0], out_step[0], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -767,11 +790,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes residual_lanes[6];
         const int doubtful = krhpr_spatial_delta_b_constraints_lanes(
             g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], residual_lanes, 6, here);
+        krhpr_stream_put(&residual_stream, out[0] + k * out_step[0], out_step[0], residual_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&residual_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_constraints(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -884,7 +908,11 @@ KRHPR_API int krhpr_spatial_delta_b_jacobians_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes J_room[KRHPR_ROOM(36)];
+    krhpr_stream J_stream = krhpr_stream_open(J_room, out[0], out_step[0], 36, count);
+    krhpr_lanes K_room[KRHPR_ROOM(54)];
+    krhpr_stream K_stream = krhpr_stream_open(K_room, out[1], out_step[1], 54, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -899,12 +927,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes K_lanes[54];
         const int doubtful = krhpr_spatial_delta_b_jacobians_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 54, here);
+        krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
+        krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 54, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&J_stream);
+    krhpr_stream_close(&K_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_jacobians(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1014,7 +1044,11 @@ KRHPR_API int krhpr_spatial_delta_b_jacobian_blocks_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes J_room[KRHPR_ROOM(36)];
+    krhpr_stream J_stream = krhpr_stream_open(J_room, out[0], out_step[0], 36, count);
+    krhpr_lanes K_room[KRHPR_ROOM(18)];
+    krhpr_stream K_stream = krhpr_stream_open(K_room, out[1], out_step[1], 18, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1029,12 +1063,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes K_lanes[18];
         const int doubtful = krhpr_spatial_delta_b_jacobian_blocks_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 18, here);
+        krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
+        krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 18, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&J_stream);
+    krhpr_stream_close(&K_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_jacobian_blocks(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1161,7 +1197,11 @@ KRHPR_API int krhpr_spatial_delta_b_jacobians_n_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes J_room[KRHPR_ROOM(81)];
+    krhpr_stream J_stream = krhpr_stream_open(J_room, out[0], out_step[0], 81, count);
+    krhpr_lanes K_room[KRHPR_ROOM(81)];
+    krhpr_stream K_stream = krhpr_stream_open(K_room, out[1], out_step[1], 81, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1176,12 +1216,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes K_lanes[81];
         const int doubtful = krhpr_spatial_delta_b_jacobians_n_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 81, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 81, here);
+        krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 81, here);
+        krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 81, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&J_stream);
+    krhpr_stream_close(&K_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_jacobians_n(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1293,7 +1335,9 @@ KRHPR_API int krhpr_spatial_delta_b_inverse_batch(
     if (in[3] == NULL) {
         krhpr_poses_load(mode_lanes, mode_default, 0, 9, KRHPR_LANES);
     }
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_room[KRHPR_ROOM(9)];
+    krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 9, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1308,11 +1352,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes theta_lanes[9];
         const int doubtful = krhpr_spatial_delta_b_inverse_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, theta_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 9, here);
+        krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 9, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_inverse(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1440,7 +1485,9 @@ KRHPR_API int krhpr_spatial_delta_b_inverse_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_room[KRHPR_ROOM(72)];
+    krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 72, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1452,11 +1499,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes theta_lanes[72];
         const int doubtful = krhpr_spatial_delta_b_inverse_all_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 72, here);
+        krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 72, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_inverse_all(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1604,7 +1652,9 @@ KRHPR_API int krhpr_spatial_delta_b_inverse_status_batch(
     if (in[3] == NULL) {
         krhpr_poses_load(mode_lanes, mode_default, 0, 9, KRHPR_LANES);
     }
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes excess_room[KRHPR_ROOM(3)];
+    krhpr_stream excess_stream = krhpr_stream_open(excess_room, out[0], out_step[0], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1619,11 +1669,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes excess_lanes[3];
         const int doubtful = krhpr_spatial_delta_b_inverse_status_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, excess_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
+        krhpr_stream_put(&excess_stream, out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&excess_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_inverse_status(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1748,7 +1799,9 @@ KRHPR_API int krhpr_spatial_delta_b_twist_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes twist_room[KRHPR_ROOM(6)];
+    krhpr_stream twist_stream = krhpr_stream_open(twist_room, out[0], out_step[0], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1764,11 +1817,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes twist_lanes[6];
         const int doubtful = krhpr_spatial_delta_b_twist_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_lanes, 6, here);
+        krhpr_stream_put(&twist_stream, out[0] + k * out_step[0], out_step[0], twist_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&twist_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_twist(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1876,7 +1930,9 @@ KRHPR_API int krhpr_spatial_delta_b_joint_rates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_dot_room[KRHPR_ROOM(9)];
+    krhpr_stream theta_dot_stream = krhpr_stream_open(theta_dot_room, out[0], out_step[0], 9, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1895,11 +1951,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_delta_b_joint_rates_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes, theta_dot_lanes,
             &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 9, here);
+        krhpr_stream_put(&theta_dot_stream, out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 9, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_dot_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_joint_rates(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -2034,7 +2091,9 @@ KRHPR_API int krhpr_spatial_delta_b_platform_acceleration_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes twist_rate_room[KRHPR_ROOM(6)];
+    krhpr_stream twist_rate_stream = krhpr_stream_open(twist_rate_room, out[0], out_step[0], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2055,11 +2114,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_delta_b_platform_acceleration_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
             twist_rate_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 6, here);
+        krhpr_stream_put(&twist_rate_stream, out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&twist_rate_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_platform_acceleration(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -2190,7 +2250,9 @@ KRHPR_API int krhpr_spatial_delta_b_joint_accelerations_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_ddot_room[KRHPR_ROOM(9)];
+    krhpr_stream theta_ddot_stream = krhpr_stream_open(theta_ddot_room, out[0], out_step[0], 9, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2215,11 +2277,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_delta_b_joint_accelerations_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes, theta_dot_lanes,
             twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 9, here);
+        krhpr_stream_put(&theta_ddot_stream, out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 9, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_ddot_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_joint_accelerations(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -2356,7 +2419,9 @@ KRHPR_API int krhpr_spatial_delta_b_inverse_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes actuator_forces_room[KRHPR_ROOM(9)];
+    krhpr_stream actuator_forces_stream = krhpr_stream_open(actuator_forces_room, out[0], out_step[0], 9, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2375,11 +2440,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_delta_b_inverse_statics_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
             actuator_forces_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 9, here);
+        krhpr_stream_put(&actuator_forces_stream, out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 9, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&actuator_forces_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_inverse_statics(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -2497,7 +2563,11 @@ KRHPR_API int krhpr_spatial_delta_b_forward_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes wrench_room[KRHPR_ROOM(6)];
+    krhpr_stream wrench_stream = krhpr_stream_open(wrench_room, out[0], out_step[0], 6, count);
+    krhpr_lanes redundant_forces_room[KRHPR_ROOM(3)];
+    krhpr_stream redundant_forces_stream = krhpr_stream_open(redundant_forces_room, out[1], out_step[1], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2515,12 +2585,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_delta_b_forward_statics_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, actuator_forces_lanes, wrench_lanes,
             redundant_forces_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], wrench_lanes, 6, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
+        krhpr_stream_put(&wrench_stream, out[0] + k * out_step[0], out_step[0], wrench_lanes, 6, here);
+        krhpr_stream_put(&redundant_forces_stream, out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&wrench_stream);
+    krhpr_stream_close(&redundant_forces_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_forward_statics(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -2625,7 +2697,13 @@ KRHPR_API int krhpr_spatial_delta_b_opening_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes opening_room[KRHPR_ROOM(1)];
+    krhpr_stream opening_stream = krhpr_stream_open(opening_room, out[0], out_step[0], 1, count);
+    krhpr_lanes centre_room[KRHPR_ROOM(2)];
+    krhpr_stream centre_stream = krhpr_stream_open(centre_room, out[1], out_step[1], 2, count);
+    krhpr_lanes shares_room[KRHPR_ROOM(3)];
+    krhpr_stream shares_stream = krhpr_stream_open(shares_room, out[2], out_step[2], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
@@ -2637,13 +2715,16 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes shares_lanes[3];
         const int doubtful = krhpr_spatial_delta_b_opening_lanes(
             g, redundant_lanes, jaws_lanes, opening_lanes, centre_lanes, shares_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], opening_lanes, 1, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], centre_lanes, 2, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], shares_lanes, 3, here);
+        krhpr_stream_put(&opening_stream, out[0] + k * out_step[0], out_step[0], opening_lanes, 1, here);
+        krhpr_stream_put(&centre_stream, out[1] + k * out_step[1], out_step[1], centre_lanes, 2, here);
+        krhpr_stream_put(&shares_stream, out[2] + k * out_step[2], out_step[2], shares_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&opening_stream);
+    krhpr_stream_close(&centre_stream);
+    krhpr_stream_close(&shares_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_opening(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0],
@@ -2729,7 +2810,9 @@ KRHPR_API int krhpr_spatial_delta_b_redundant_of_opening_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes redundant_room[KRHPR_ROOM(3)];
+    krhpr_stream redundant_stream = krhpr_stream_open(redundant_room, out[0], out_step[0], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes opening_lanes[1];
@@ -2741,11 +2824,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes redundant_lanes[3];
         const int doubtful = krhpr_spatial_delta_b_redundant_of_opening_lanes(
             g, opening_lanes, centre_lanes, jaws_lanes, redundant_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
+        krhpr_stream_put(&redundant_stream, out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&redundant_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_redundant_of_opening(
             g, *(in[0] + k * in_step[0]), in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -2874,7 +2958,15 @@ KRHPR_API int krhpr_spatial_delta_b_grasp_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes contact_forces_room[KRHPR_ROOM(9)];
+    krhpr_stream contact_forces_stream = krhpr_stream_open(contact_forces_room, out[0], out_step[0], 9, count);
+    krhpr_lanes wrench_room[KRHPR_ROOM(6)];
+    krhpr_stream wrench_stream = krhpr_stream_open(wrench_room, out[1], out_step[1], 6, count);
+    krhpr_lanes redundant_forces_room[KRHPR_ROOM(3)];
+    krhpr_stream redundant_forces_stream = krhpr_stream_open(redundant_forces_room, out[2], out_step[2], 3, count);
+    krhpr_lanes friction_margins_room[KRHPR_ROOM(3)];
+    krhpr_stream friction_margins_stream = krhpr_stream_open(friction_margins_room, out[3], out_step[3], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes Q_lanes[9];
@@ -2897,14 +2989,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
             g, Q_lanes, contacts_lanes, mass_centre_lanes, weight_lanes, normal_forces_lanes,
             friction_lanes, contact_forces_lanes, wrench_lanes, redundant_forces_lanes,
             friction_margins_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], contact_forces_lanes, 9, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], wrench_lanes, 6, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_forces_lanes, 3, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], friction_margins_lanes, 3, here);
+        krhpr_stream_put(&contact_forces_stream, out[0] + k * out_step[0], out_step[0], contact_forces_lanes, 9, here);
+        krhpr_stream_put(&wrench_stream, out[1] + k * out_step[1], out_step[1], wrench_lanes, 6, here);
+        krhpr_stream_put(&redundant_forces_stream, out[2] + k * out_step[2], out_step[2], redundant_forces_lanes, 3, here);
+        krhpr_stream_put(&friction_margins_stream, out[3] + k * out_step[3], out_step[3], friction_margins_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&contact_forces_stream);
+    krhpr_stream_close(&wrench_stream);
+    krhpr_stream_close(&redundant_forces_stream);
+    krhpr_stream_close(&friction_margins_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_grasp(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -3038,7 +3134,13 @@ KRHPR_API int krhpr_spatial_delta_b_passive_joints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes passive_room[KRHPR_ROOM(18)];
+    krhpr_stream passive_stream = krhpr_stream_open(passive_room, out[0], out_step[0], 18, count);
+    krhpr_lanes spherical_room[KRHPR_ROOM(27)];
+    krhpr_stream spherical_stream = krhpr_stream_open(spherical_room, out[1], out_step[1], 27, count);
+    krhpr_lanes platform_joint_room[KRHPR_ROOM(3)];
+    krhpr_stream platform_joint_stream = krhpr_stream_open(platform_joint_room, out[2], out_step[2], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -3055,13 +3157,16 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_delta_b_passive_joints_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, passive_lanes, spherical_lanes, platform_joint_lanes,
             &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], passive_lanes, 18, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], spherical_lanes, 27, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], platform_joint_lanes, 3, here);
+        krhpr_stream_put(&passive_stream, out[0] + k * out_step[0], out_step[0], passive_lanes, 18, here);
+        krhpr_stream_put(&spherical_stream, out[1] + k * out_step[1], out_step[1], spherical_lanes, 27, here);
+        krhpr_stream_put(&platform_joint_stream, out[2] + k * out_step[2], out_step[2], platform_joint_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&passive_stream);
+    krhpr_stream_close(&spherical_stream);
+    krhpr_stream_close(&platform_joint_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_passive_joints(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -3167,7 +3272,11 @@ KRHPR_API int krhpr_spatial_delta_b_link_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes points_room[KRHPR_ROOM(63)];
+    krhpr_stream points_stream = krhpr_stream_open(points_room, out[0], out_step[0], 63, count);
+    krhpr_lanes attachment_room[KRHPR_ROOM(9)];
+    krhpr_stream attachment_stream = krhpr_stream_open(attachment_room, out[1], out_step[1], 9, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -3182,12 +3291,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes attachment_lanes[9];
         const int doubtful = krhpr_spatial_delta_b_link_points_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], points_lanes, 63, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], attachment_lanes, 9, here);
+        krhpr_stream_put(&points_stream, out[0] + k * out_step[0], out_step[0], points_lanes, 63, here);
+        krhpr_stream_put(&attachment_stream, out[1] + k * out_step[1], out_step[1], attachment_lanes, 9, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&points_stream);
+    krhpr_stream_close(&attachment_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_link_points(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -3331,7 +3442,9 @@ KRHPR_API int krhpr_spatial_delta_b_clearances_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes distances_room[KRHPR_ROOM(183)];
+    krhpr_stream distances_stream = krhpr_stream_open(distances_room, out[0], out_step[0], 183, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -3345,11 +3458,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes distances_lanes[183];
         const int doubtful = krhpr_spatial_delta_b_clearances_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], distances_lanes, 183, here);
+        krhpr_stream_put(&distances_stream, out[0] + k * out_step[0], out_step[0], distances_lanes, 183, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&distances_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_clearances(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -3454,7 +3568,15 @@ KRHPR_API int krhpr_spatial_delta_b_singularity_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes type_1_room[KRHPR_ROOM(3)];
+    krhpr_stream type_1_stream = krhpr_stream_open(type_1_room, out[0], out_step[0], 3, count);
+    krhpr_lanes factors_room[KRHPR_ROOM(12)];
+    krhpr_stream factors_stream = krhpr_stream_open(factors_room, out[1], out_step[1], 12, count);
+    krhpr_lanes type_2_room[KRHPR_ROOM(2)];
+    krhpr_stream type_2_stream = krhpr_stream_open(type_2_room, out[2], out_step[2], 2, count);
+    krhpr_lanes margins_room[KRHPR_ROOM(2)];
+    krhpr_stream margins_stream = krhpr_stream_open(margins_room, out[3], out_step[3], 2, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -3472,14 +3594,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_delta_b_singularity_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
             margins_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_1_lanes, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], factors_lanes, 12, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], type_2_lanes, 2, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], margins_lanes, 2, here);
+        krhpr_stream_put(&type_1_stream, out[0] + k * out_step[0], out_step[0], type_1_lanes, 3, here);
+        krhpr_stream_put(&factors_stream, out[1] + k * out_step[1], out_step[1], factors_lanes, 12, here);
+        krhpr_stream_put(&type_2_stream, out[2] + k * out_step[2], out_step[2], type_2_lanes, 2, here);
+        krhpr_stream_put(&margins_stream, out[3] + k * out_step[3], out_step[3], margins_lanes, 2, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&type_1_stream);
+    krhpr_stream_close(&factors_stream);
+    krhpr_stream_close(&type_2_stream);
+    krhpr_stream_close(&margins_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_singularity(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -3580,7 +3706,11 @@ KRHPR_API int krhpr_spatial_delta_b_type_2_of_redundant_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes type_2_room[KRHPR_ROOM(2)];
+    krhpr_stream type_2_stream = krhpr_stream_open(type_2_room, out[0], out_step[0], 2, count);
+    krhpr_lanes margins_room[KRHPR_ROOM(2)];
+    krhpr_stream margins_stream = krhpr_stream_open(margins_room, out[1], out_step[1], 2, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
@@ -3589,12 +3719,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes margins_lanes[2];
         const int doubtful = krhpr_spatial_delta_b_type_2_of_redundant_lanes(
             g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_2_lanes, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], margins_lanes, 2, here);
+        krhpr_stream_put(&type_2_stream, out[0] + k * out_step[0], out_step[0], type_2_lanes, 2, here);
+        krhpr_stream_put(&margins_stream, out[1] + k * out_step[1], out_step[1], margins_lanes, 2, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&type_2_stream);
+    krhpr_stream_close(&margins_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_type_2_of_redundant(
             g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
@@ -3731,7 +3863,15 @@ KRHPR_API int krhpr_spatial_delta_b_indices_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes eta_1_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_1_stream = krhpr_stream_open(eta_1_room, out[0], out_step[0], 1, count);
+    krhpr_lanes eta_2_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_2_stream = krhpr_stream_open(eta_2_room, out[1], out_step[1], 1, count);
+    krhpr_lanes eta_3_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_3_stream = krhpr_stream_open(eta_3_room, out[2], out_step[2], 1, count);
+    krhpr_lanes condition_room[KRHPR_ROOM(3)];
+    krhpr_stream condition_stream = krhpr_stream_open(condition_room, out[3], out_step[3], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -3749,14 +3889,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_delta_b_indices_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes,
             condition_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
+        krhpr_stream_put(&eta_1_stream, out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
+        krhpr_stream_put(&eta_2_stream, out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
+        krhpr_stream_put(&eta_3_stream, out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
+        krhpr_stream_put(&condition_stream, out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&eta_1_stream);
+    krhpr_stream_close(&eta_2_stream);
+    krhpr_stream_close(&eta_3_stream);
+    krhpr_stream_close(&condition_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_indices(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -3908,7 +4052,13 @@ KRHPR_API int krhpr_spatial_delta_b_index_bounds_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes eta_1_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_1_stream = krhpr_stream_open(eta_1_room, out[0], out_step[0], 1, count);
+    krhpr_lanes eta_2_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_2_stream = krhpr_stream_open(eta_2_room, out[1], out_step[1], 1, count);
+    krhpr_lanes eta_3_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_3_stream = krhpr_stream_open(eta_3_room, out[2], out_step[2], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -3924,13 +4074,16 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes eta_3_lanes[1];
         const int doubtful = krhpr_spatial_delta_b_index_bounds_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
+        krhpr_stream_put(&eta_1_stream, out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
+        krhpr_stream_put(&eta_2_stream, out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
+        krhpr_stream_put(&eta_3_stream, out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&eta_1_stream);
+    krhpr_stream_close(&eta_2_stream);
+    krhpr_stream_close(&eta_3_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_index_bounds(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -4050,7 +4203,17 @@ KRHPR_API int krhpr_spatial_delta_b_forward_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(6)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 6, count);
+    krhpr_lanes Q_room[KRHPR_ROOM(18)];
+    krhpr_stream Q_stream = krhpr_stream_open(Q_room, out[1], out_step[1], 18, count);
+    krhpr_lanes redundant_room[KRHPR_ROOM(6)];
+    krhpr_stream redundant_stream = krhpr_stream_open(redundant_room, out[2], out_step[2], 6, count);
+    krhpr_lanes det_J_room[KRHPR_ROOM(2)];
+    krhpr_stream det_J_stream = krhpr_stream_open(det_J_room, out[3], out_step[3], 2, count);
+    krhpr_lanes count_room[KRHPR_ROOM(1)];
+    krhpr_stream count_stream = krhpr_stream_open(count_room, out[4], out_step[4], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4064,15 +4227,20 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes count_lanes[1];
         const int doubtful = krhpr_spatial_delta_b_forward_all_lanes(
             g, s_lanes, turned_lanes, p_lanes, Q_lanes, redundant_lanes, det_J_lanes, count_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 6, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 18, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 6, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], det_J_lanes, 2, here);
-        krhpr_poses_store(out[4] + k * out_step[4], out_step[4], count_lanes, 1, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 6, here);
+        krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 18, here);
+        krhpr_stream_put(&redundant_stream, out[2] + k * out_step[2], out_step[2], redundant_lanes, 6, here);
+        krhpr_stream_put(&det_J_stream, out[3] + k * out_step[3], out_step[3], det_J_lanes, 2, here);
+        krhpr_stream_put(&count_stream, out[4] + k * out_step[4], out_step[4], count_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&Q_stream);
+    krhpr_stream_close(&redundant_stream);
+    krhpr_stream_close(&det_J_stream);
+    krhpr_stream_close(&count_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_forward_all(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
@@ -4215,7 +4383,17 @@ KRHPR_API int krhpr_spatial_delta_b_forward_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(3)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 3, count);
+    krhpr_lanes Q_room[KRHPR_ROOM(9)];
+    krhpr_stream Q_stream = krhpr_stream_open(Q_room, out[1], out_step[1], 9, count);
+    krhpr_lanes redundant_room[KRHPR_ROOM(3)];
+    krhpr_stream redundant_stream = krhpr_stream_open(redundant_room, out[2], out_step[2], 3, count);
+    krhpr_lanes count_room[KRHPR_ROOM(1)];
+    krhpr_stream count_stream = krhpr_stream_open(count_room, out[3], out_step[3], 1, count);
+    krhpr_lanes certified_room[KRHPR_ROOM(1)];
+    krhpr_stream certified_stream = krhpr_stream_open(certified_room, out[4], out_step[4], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[9];
@@ -4232,15 +4410,20 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_delta_b_forward_lanes(
             g, theta_lanes, s_near_lanes, side_lanes, p_lanes, Q_lanes, redundant_lanes, count_lanes,
             certified_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], count_lanes, 1, here);
-        krhpr_poses_store(out[4] + k * out_step[4], out_step[4], certified_lanes, 1, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
+        krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
+        krhpr_stream_put(&redundant_stream, out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
+        krhpr_stream_put(&count_stream, out[3] + k * out_step[3], out_step[3], count_lanes, 1, here);
+        krhpr_stream_put(&certified_stream, out[4] + k * out_step[4], out_step[4], certified_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&Q_stream);
+    krhpr_stream_close(&redundant_stream);
+    krhpr_stream_close(&count_stream);
+    krhpr_stream_close(&certified_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_forward(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
@@ -4433,7 +4616,15 @@ KRHPR_API int krhpr_spatial_delta_b_forward_encoders_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(3)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 3, count);
+    krhpr_lanes Q_room[KRHPR_ROOM(9)];
+    krhpr_stream Q_stream = krhpr_stream_open(Q_room, out[1], out_step[1], 9, count);
+    krhpr_lanes raw_room[KRHPR_ROOM(9)];
+    krhpr_stream raw_stream = krhpr_stream_open(raw_room, out[2], out_step[2], 9, count);
+    krhpr_lanes mismatch_room[KRHPR_ROOM(1)];
+    krhpr_stream mismatch_stream = krhpr_stream_open(mismatch_room, out[3], out_step[3], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4449,14 +4640,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_delta_b_forward_encoders_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
             &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
+        krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
+        krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
+        krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&Q_stream);
+    krhpr_stream_close(&raw_stream);
+    krhpr_stream_close(&mismatch_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_forward_encoders_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
@@ -4581,7 +4776,15 @@ KRHPR_API int krhpr_spatial_delta_b_forward_encoders_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(3)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 3, count);
+    krhpr_lanes Q_room[KRHPR_ROOM(9)];
+    krhpr_stream Q_stream = krhpr_stream_open(Q_room, out[1], out_step[1], 9, count);
+    krhpr_lanes raw_room[KRHPR_ROOM(9)];
+    krhpr_stream raw_stream = krhpr_stream_open(raw_room, out[2], out_step[2], 9, count);
+    krhpr_lanes mismatch_room[KRHPR_ROOM(3)];
+    krhpr_stream mismatch_stream = krhpr_stream_open(mismatch_room, out[3], out_step[3], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4597,14 +4800,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_delta_b_forward_encoders_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
             &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
+        krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
+        krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
+        krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&Q_stream);
+    krhpr_stream_close(&raw_stream);
+    krhpr_stream_close(&mismatch_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_forward_encoders_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
@@ -4755,7 +4962,15 @@ KRHPR_API int krhpr_spatial_delta_b_forward_gauss_newton_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(3)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 3, count);
+    krhpr_lanes Q_room[KRHPR_ROOM(9)];
+    krhpr_stream Q_stream = krhpr_stream_open(Q_room, out[1], out_step[1], 9, count);
+    krhpr_lanes raw_room[KRHPR_ROOM(9)];
+    krhpr_stream raw_stream = krhpr_stream_open(raw_room, out[2], out_step[2], 9, count);
+    krhpr_lanes mismatch_room[KRHPR_ROOM(1)];
+    krhpr_stream mismatch_stream = krhpr_stream_open(mismatch_room, out[3], out_step[3], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4773,14 +4988,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_delta_b_forward_gauss_newton_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
             mismatch_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
+        krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
+        krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
+        krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&Q_stream);
+    krhpr_stream_close(&raw_stream);
+    krhpr_stream_close(&mismatch_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_forward_gauss_newton_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
@@ -4932,7 +5151,15 @@ KRHPR_API int krhpr_spatial_delta_b_forward_gauss_newton_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(3)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 3, count);
+    krhpr_lanes Q_room[KRHPR_ROOM(9)];
+    krhpr_stream Q_stream = krhpr_stream_open(Q_room, out[1], out_step[1], 9, count);
+    krhpr_lanes raw_room[KRHPR_ROOM(9)];
+    krhpr_stream raw_stream = krhpr_stream_open(raw_room, out[2], out_step[2], 9, count);
+    krhpr_lanes mismatch_room[KRHPR_ROOM(3)];
+    krhpr_stream mismatch_stream = krhpr_stream_open(mismatch_room, out[3], out_step[3], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4950,14 +5177,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_delta_b_forward_gauss_newton_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
             mismatch_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
+        krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
+        krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
+        krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&Q_stream);
+    krhpr_stream_close(&raw_stream);
+    krhpr_stream_close(&mismatch_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_delta_b_forward_gauss_newton_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),

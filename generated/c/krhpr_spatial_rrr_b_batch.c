@@ -40,18 +40,21 @@ KRHPR_API int krhpr_spatial_rrr_b_rotation_error_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes error_room[KRHPR_ROOM(1)];
+    krhpr_stream error_stream = krhpr_stream_open(error_room, out[0], out_step[0], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes Q_lanes[9];
         krhpr_poses_load(Q_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
         krhpr_lanes error_lanes[1];
         const int doubtful = krhpr_spatial_rrr_b_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], error_lanes, 1, here);
+        krhpr_stream_put(&error_stream, out[0] + k * out_step[0], out_step[0], error_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&error_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_rotation_error(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
@@ -122,7 +125,9 @@ KRHPR_API int krhpr_spatial_rrr_b_end_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes s_room[KRHPR_ROOM(9)];
+    krhpr_stream s_stream = krhpr_stream_open(s_room, out[0], out_step[0], 9, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -134,11 +139,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes s_lanes[9];
         const int doubtful = krhpr_spatial_rrr_b_end_points_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
+        krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&s_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_end_points(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -216,7 +222,9 @@ KRHPR_API int krhpr_spatial_rrr_b_redundant_coordinates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes redundant_room[KRHPR_ROOM(3)];
+    krhpr_stream redundant_stream = krhpr_stream_open(redundant_room, out[0], out_step[0], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -228,11 +236,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes redundant_lanes[3];
         const int doubtful = krhpr_spatial_rrr_b_redundant_coordinates_lanes(
             g, p_lanes, Q_lanes, s_lanes, redundant_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
+        krhpr_stream_put(&redundant_stream, out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&redundant_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_redundant_coordinates(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -317,18 +326,21 @@ KRHPR_API int krhpr_spatial_rrr_b_subleg_forward_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes s_room[KRHPR_ROOM(9)];
+    krhpr_stream s_stream = krhpr_stream_open(s_room, out[0], out_step[0], 9, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[9];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
         krhpr_lanes s_lanes[9];
         const int doubtful = krhpr_spatial_rrr_b_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
+        krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&s_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_subleg_forward(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
@@ -427,18 +439,21 @@ KRHPR_API int krhpr_spatial_rrr_b_subleg_inverse_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_room[KRHPR_ROOM(36)];
+    krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 36, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
         krhpr_poses_load(s_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
         krhpr_lanes theta_lanes[36];
         const int doubtful = krhpr_spatial_rrr_b_subleg_inverse_lanes(g, s_lanes, theta_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 36, here);
+        krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 36, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_subleg_inverse(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
@@ -522,7 +537,9 @@ KRHPR_API int krhpr_spatial_rrr_b_subleg_jacobian_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes M_room[KRHPR_ROOM(27)];
+    krhpr_stream M_stream = krhpr_stream_open(M_room, out[0], out_step[0], 27, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -532,11 +549,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes M_lanes[27];
         const int doubtful = krhpr_spatial_rrr_b_subleg_jacobian_lanes(
             g, s_lanes, theta_lanes, M_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M_lanes, 27, here);
+        krhpr_stream_put(&M_stream, out[0] + k * out_step[0], out_step[0], M_lanes, 27, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&M_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_subleg_jacobian(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
@@ -611,7 +629,9 @@ KRHPR_API int krhpr_spatial_rrr_b_constraints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes residual_room[KRHPR_ROOM(6)];
+    krhpr_stream residual_stream = krhpr_stream_open(residual_room, out[0], out_step[0], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -623,11 +643,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes residual_lanes[6];
         const int doubtful = krhpr_spatial_rrr_b_constraints_lanes(
             g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], residual_lanes, 6, here);
+        krhpr_stream_put(&residual_stream, out[0] + k * out_step[0], out_step[0], residual_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&residual_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_constraints(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -731,7 +752,11 @@ KRHPR_API int krhpr_spatial_rrr_b_jacobians_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes J_room[KRHPR_ROOM(36)];
+    krhpr_stream J_stream = krhpr_stream_open(J_room, out[0], out_step[0], 36, count);
+    krhpr_lanes K_room[KRHPR_ROOM(54)];
+    krhpr_stream K_stream = krhpr_stream_open(K_room, out[1], out_step[1], 54, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -746,12 +771,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes K_lanes[54];
         const int doubtful = krhpr_spatial_rrr_b_jacobians_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 54, here);
+        krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
+        krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 54, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&J_stream);
+    krhpr_stream_close(&K_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_jacobians(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -853,7 +880,11 @@ KRHPR_API int krhpr_spatial_rrr_b_jacobian_blocks_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes J_room[KRHPR_ROOM(36)];
+    krhpr_stream J_stream = krhpr_stream_open(J_room, out[0], out_step[0], 36, count);
+    krhpr_lanes K_room[KRHPR_ROOM(18)];
+    krhpr_stream K_stream = krhpr_stream_open(K_room, out[1], out_step[1], 18, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -868,12 +899,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes K_lanes[18];
         const int doubtful = krhpr_spatial_rrr_b_jacobian_blocks_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 18, here);
+        krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
+        krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 18, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&J_stream);
+    krhpr_stream_close(&K_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_jacobian_blocks(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -990,7 +1023,11 @@ KRHPR_API int krhpr_spatial_rrr_b_jacobians_n_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes J_room[KRHPR_ROOM(81)];
+    krhpr_stream J_stream = krhpr_stream_open(J_room, out[0], out_step[0], 81, count);
+    krhpr_lanes K_room[KRHPR_ROOM(81)];
+    krhpr_stream K_stream = krhpr_stream_open(K_room, out[1], out_step[1], 81, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1005,12 +1042,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes K_lanes[81];
         const int doubtful = krhpr_spatial_rrr_b_jacobians_n_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 81, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 81, here);
+        krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 81, here);
+        krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 81, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&J_stream);
+    krhpr_stream_close(&K_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_jacobians_n(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1121,7 +1160,9 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse_batch(
     if (in[3] == NULL) {
         krhpr_poses_load(mode_lanes, mode_default, 0, 6, KRHPR_LANES);
     }
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_room[KRHPR_ROOM(9)];
+    krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 9, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1136,11 +1177,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes theta_lanes[9];
         const int doubtful = krhpr_spatial_rrr_b_inverse_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, theta_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 9, here);
+        krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 9, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_inverse(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1255,7 +1297,9 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_room[KRHPR_ROOM(36)];
+    krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 36, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1267,11 +1311,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes theta_lanes[36];
         const int doubtful = krhpr_spatial_rrr_b_inverse_all_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, theta_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 36, here);
+        krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 36, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_inverse_all(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1416,7 +1461,9 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse_status_batch(
     if (in[3] == NULL) {
         krhpr_poses_load(mode_lanes, mode_default, 0, 6, KRHPR_LANES);
     }
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes excess_room[KRHPR_ROOM(3)];
+    krhpr_stream excess_stream = krhpr_stream_open(excess_room, out[0], out_step[0], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1431,11 +1478,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes excess_lanes[3];
         const int doubtful = krhpr_spatial_rrr_b_inverse_status_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, excess_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
+        krhpr_stream_put(&excess_stream, out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&excess_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_inverse_status(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1553,7 +1601,9 @@ KRHPR_API int krhpr_spatial_rrr_b_twist_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes twist_room[KRHPR_ROOM(6)];
+    krhpr_stream twist_stream = krhpr_stream_open(twist_room, out[0], out_step[0], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1569,11 +1619,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes twist_lanes[6];
         const int doubtful = krhpr_spatial_rrr_b_twist_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_lanes, 6, here);
+        krhpr_stream_put(&twist_stream, out[0] + k * out_step[0], out_step[0], twist_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&twist_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_twist(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1682,7 +1733,9 @@ KRHPR_API int krhpr_spatial_rrr_b_joint_rates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_dot_room[KRHPR_ROOM(9)];
+    krhpr_stream theta_dot_stream = krhpr_stream_open(theta_dot_room, out[0], out_step[0], 9, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1701,11 +1754,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_rrr_b_joint_rates_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes, theta_dot_lanes,
             &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 9, here);
+        krhpr_stream_put(&theta_dot_stream, out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 9, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_dot_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_joint_rates(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1832,7 +1886,9 @@ KRHPR_API int krhpr_spatial_rrr_b_platform_acceleration_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes twist_rate_room[KRHPR_ROOM(6)];
+    krhpr_stream twist_rate_stream = krhpr_stream_open(twist_rate_room, out[0], out_step[0], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1853,11 +1909,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_rrr_b_platform_acceleration_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
             twist_rate_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 6, here);
+        krhpr_stream_put(&twist_rate_stream, out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&twist_rate_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_platform_acceleration(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1984,7 +2041,9 @@ KRHPR_API int krhpr_spatial_rrr_b_joint_accelerations_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_ddot_room[KRHPR_ROOM(9)];
+    krhpr_stream theta_ddot_stream = krhpr_stream_open(theta_ddot_room, out[0], out_step[0], 9, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2009,11 +2068,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_rrr_b_joint_accelerations_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes, theta_dot_lanes,
             twist_rate_lanes, redundant_accelerations_lanes, theta_ddot_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 9, here);
+        krhpr_stream_put(&theta_ddot_stream, out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 9, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_ddot_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_joint_accelerations(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -2143,7 +2203,9 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes actuator_forces_room[KRHPR_ROOM(9)];
+    krhpr_stream actuator_forces_stream = krhpr_stream_open(actuator_forces_room, out[0], out_step[0], 9, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2162,11 +2224,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_rrr_b_inverse_statics_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
             actuator_forces_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 9, here);
+        krhpr_stream_put(&actuator_forces_stream, out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 9, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&actuator_forces_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_inverse_statics(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -2285,7 +2348,11 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes wrench_room[KRHPR_ROOM(6)];
+    krhpr_stream wrench_stream = krhpr_stream_open(wrench_room, out[0], out_step[0], 6, count);
+    krhpr_lanes redundant_forces_room[KRHPR_ROOM(3)];
+    krhpr_stream redundant_forces_stream = krhpr_stream_open(redundant_forces_room, out[1], out_step[1], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2303,12 +2370,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_rrr_b_forward_statics_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, actuator_forces_lanes, wrench_lanes,
             redundant_forces_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], wrench_lanes, 6, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
+        krhpr_stream_put(&wrench_stream, out[0] + k * out_step[0], out_step[0], wrench_lanes, 6, here);
+        krhpr_stream_put(&redundant_forces_stream, out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&wrench_stream);
+    krhpr_stream_close(&redundant_forces_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_forward_statics(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -2412,7 +2481,13 @@ KRHPR_API int krhpr_spatial_rrr_b_opening_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes opening_room[KRHPR_ROOM(1)];
+    krhpr_stream opening_stream = krhpr_stream_open(opening_room, out[0], out_step[0], 1, count);
+    krhpr_lanes centre_room[KRHPR_ROOM(2)];
+    krhpr_stream centre_stream = krhpr_stream_open(centre_room, out[1], out_step[1], 2, count);
+    krhpr_lanes shares_room[KRHPR_ROOM(3)];
+    krhpr_stream shares_stream = krhpr_stream_open(shares_room, out[2], out_step[2], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
@@ -2424,13 +2499,16 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes shares_lanes[3];
         const int doubtful = krhpr_spatial_rrr_b_opening_lanes(
             g, redundant_lanes, jaws_lanes, opening_lanes, centre_lanes, shares_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], opening_lanes, 1, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], centre_lanes, 2, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], shares_lanes, 3, here);
+        krhpr_stream_put(&opening_stream, out[0] + k * out_step[0], out_step[0], opening_lanes, 1, here);
+        krhpr_stream_put(&centre_stream, out[1] + k * out_step[1], out_step[1], centre_lanes, 2, here);
+        krhpr_stream_put(&shares_stream, out[2] + k * out_step[2], out_step[2], shares_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&opening_stream);
+    krhpr_stream_close(&centre_stream);
+    krhpr_stream_close(&shares_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_opening(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0],
@@ -2515,7 +2593,9 @@ KRHPR_API int krhpr_spatial_rrr_b_redundant_of_opening_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes redundant_room[KRHPR_ROOM(3)];
+    krhpr_stream redundant_stream = krhpr_stream_open(redundant_room, out[0], out_step[0], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes opening_lanes[1];
@@ -2527,11 +2607,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes redundant_lanes[3];
         const int doubtful = krhpr_spatial_rrr_b_redundant_of_opening_lanes(
             g, opening_lanes, centre_lanes, jaws_lanes, redundant_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
+        krhpr_stream_put(&redundant_stream, out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&redundant_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_redundant_of_opening(
             g, *(in[0] + k * in_step[0]), in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -2659,7 +2740,15 @@ KRHPR_API int krhpr_spatial_rrr_b_grasp_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes contact_forces_room[KRHPR_ROOM(9)];
+    krhpr_stream contact_forces_stream = krhpr_stream_open(contact_forces_room, out[0], out_step[0], 9, count);
+    krhpr_lanes wrench_room[KRHPR_ROOM(6)];
+    krhpr_stream wrench_stream = krhpr_stream_open(wrench_room, out[1], out_step[1], 6, count);
+    krhpr_lanes redundant_forces_room[KRHPR_ROOM(3)];
+    krhpr_stream redundant_forces_stream = krhpr_stream_open(redundant_forces_room, out[2], out_step[2], 3, count);
+    krhpr_lanes friction_margins_room[KRHPR_ROOM(3)];
+    krhpr_stream friction_margins_stream = krhpr_stream_open(friction_margins_room, out[3], out_step[3], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes Q_lanes[9];
@@ -2682,14 +2771,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
             g, Q_lanes, contacts_lanes, mass_centre_lanes, weight_lanes, normal_forces_lanes,
             friction_lanes, contact_forces_lanes, wrench_lanes, redundant_forces_lanes,
             friction_margins_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], contact_forces_lanes, 9, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], wrench_lanes, 6, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_forces_lanes, 3, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], friction_margins_lanes, 3, here);
+        krhpr_stream_put(&contact_forces_stream, out[0] + k * out_step[0], out_step[0], contact_forces_lanes, 9, here);
+        krhpr_stream_put(&wrench_stream, out[1] + k * out_step[1], out_step[1], wrench_lanes, 6, here);
+        krhpr_stream_put(&redundant_forces_stream, out[2] + k * out_step[2], out_step[2], redundant_forces_lanes, 3, here);
+        krhpr_stream_put(&friction_margins_stream, out[3] + k * out_step[3], out_step[3], friction_margins_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&contact_forces_stream);
+    krhpr_stream_close(&wrench_stream);
+    krhpr_stream_close(&redundant_forces_stream);
+    krhpr_stream_close(&friction_margins_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_grasp(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -2810,7 +2903,11 @@ KRHPR_API int krhpr_spatial_rrr_b_passive_joints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes spherical_room[KRHPR_ROOM(27)];
+    krhpr_stream spherical_stream = krhpr_stream_open(spherical_room, out[0], out_step[0], 27, count);
+    krhpr_lanes platform_joint_room[KRHPR_ROOM(3)];
+    krhpr_stream platform_joint_stream = krhpr_stream_open(platform_joint_room, out[1], out_step[1], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2825,12 +2922,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes platform_joint_lanes[3];
         const int doubtful = krhpr_spatial_rrr_b_passive_joints_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, spherical_lanes, platform_joint_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], spherical_lanes, 27, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], platform_joint_lanes, 3, here);
+        krhpr_stream_put(&spherical_stream, out[0] + k * out_step[0], out_step[0], spherical_lanes, 27, here);
+        krhpr_stream_put(&platform_joint_stream, out[1] + k * out_step[1], out_step[1], platform_joint_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&spherical_stream);
+    krhpr_stream_close(&platform_joint_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_passive_joints(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -2931,7 +3030,11 @@ KRHPR_API int krhpr_spatial_rrr_b_link_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes points_room[KRHPR_ROOM(36)];
+    krhpr_stream points_stream = krhpr_stream_open(points_room, out[0], out_step[0], 36, count);
+    krhpr_lanes attachment_room[KRHPR_ROOM(9)];
+    krhpr_stream attachment_stream = krhpr_stream_open(attachment_room, out[1], out_step[1], 9, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2946,12 +3049,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes attachment_lanes[9];
         const int doubtful = krhpr_spatial_rrr_b_link_points_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], points_lanes, 36, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], attachment_lanes, 9, here);
+        krhpr_stream_put(&points_stream, out[0] + k * out_step[0], out_step[0], points_lanes, 36, here);
+        krhpr_stream_put(&attachment_stream, out[1] + k * out_step[1], out_step[1], attachment_lanes, 9, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&points_stream);
+    krhpr_stream_close(&attachment_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_link_points(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -3076,7 +3181,9 @@ KRHPR_API int krhpr_spatial_rrr_b_clearances_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes distances_room[KRHPR_ROOM(57)];
+    krhpr_stream distances_stream = krhpr_stream_open(distances_room, out[0], out_step[0], 57, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -3090,11 +3197,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes distances_lanes[57];
         const int doubtful = krhpr_spatial_rrr_b_clearances_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], distances_lanes, 57, here);
+        krhpr_stream_put(&distances_stream, out[0] + k * out_step[0], out_step[0], distances_lanes, 57, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&distances_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_clearances(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -3200,7 +3308,15 @@ KRHPR_API int krhpr_spatial_rrr_b_singularity_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes type_1_room[KRHPR_ROOM(3)];
+    krhpr_stream type_1_stream = krhpr_stream_open(type_1_room, out[0], out_step[0], 3, count);
+    krhpr_lanes factors_room[KRHPR_ROOM(6)];
+    krhpr_stream factors_stream = krhpr_stream_open(factors_room, out[1], out_step[1], 6, count);
+    krhpr_lanes type_2_room[KRHPR_ROOM(2)];
+    krhpr_stream type_2_stream = krhpr_stream_open(type_2_room, out[2], out_step[2], 2, count);
+    krhpr_lanes margins_room[KRHPR_ROOM(2)];
+    krhpr_stream margins_stream = krhpr_stream_open(margins_room, out[3], out_step[3], 2, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -3218,14 +3334,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_rrr_b_singularity_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
             margins_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_1_lanes, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], factors_lanes, 6, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], type_2_lanes, 2, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], margins_lanes, 2, here);
+        krhpr_stream_put(&type_1_stream, out[0] + k * out_step[0], out_step[0], type_1_lanes, 3, here);
+        krhpr_stream_put(&factors_stream, out[1] + k * out_step[1], out_step[1], factors_lanes, 6, here);
+        krhpr_stream_put(&type_2_stream, out[2] + k * out_step[2], out_step[2], type_2_lanes, 2, here);
+        krhpr_stream_put(&margins_stream, out[3] + k * out_step[3], out_step[3], margins_lanes, 2, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&type_1_stream);
+    krhpr_stream_close(&factors_stream);
+    krhpr_stream_close(&type_2_stream);
+    krhpr_stream_close(&margins_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_singularity(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -3325,7 +3445,11 @@ KRHPR_API int krhpr_spatial_rrr_b_type_2_of_redundant_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes type_2_room[KRHPR_ROOM(2)];
+    krhpr_stream type_2_stream = krhpr_stream_open(type_2_room, out[0], out_step[0], 2, count);
+    krhpr_lanes margins_room[KRHPR_ROOM(2)];
+    krhpr_stream margins_stream = krhpr_stream_open(margins_room, out[1], out_step[1], 2, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
@@ -3334,12 +3458,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes margins_lanes[2];
         const int doubtful = krhpr_spatial_rrr_b_type_2_of_redundant_lanes(
             g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_2_lanes, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], margins_lanes, 2, here);
+        krhpr_stream_put(&type_2_stream, out[0] + k * out_step[0], out_step[0], type_2_lanes, 2, here);
+        krhpr_stream_put(&margins_stream, out[1] + k * out_step[1], out_step[1], margins_lanes, 2, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&type_2_stream);
+    krhpr_stream_close(&margins_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_type_2_of_redundant(
             g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
@@ -3473,7 +3599,15 @@ KRHPR_API int krhpr_spatial_rrr_b_indices_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes eta_1_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_1_stream = krhpr_stream_open(eta_1_room, out[0], out_step[0], 1, count);
+    krhpr_lanes eta_2_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_2_stream = krhpr_stream_open(eta_2_room, out[1], out_step[1], 1, count);
+    krhpr_lanes eta_3_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_3_stream = krhpr_stream_open(eta_3_room, out[2], out_step[2], 1, count);
+    krhpr_lanes condition_room[KRHPR_ROOM(3)];
+    krhpr_stream condition_stream = krhpr_stream_open(condition_room, out[3], out_step[3], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -3491,14 +3625,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_rrr_b_indices_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes,
             condition_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
+        krhpr_stream_put(&eta_1_stream, out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
+        krhpr_stream_put(&eta_2_stream, out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
+        krhpr_stream_put(&eta_3_stream, out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
+        krhpr_stream_put(&condition_stream, out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&eta_1_stream);
+    krhpr_stream_close(&eta_2_stream);
+    krhpr_stream_close(&eta_3_stream);
+    krhpr_stream_close(&condition_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_indices(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -3647,7 +3785,13 @@ KRHPR_API int krhpr_spatial_rrr_b_index_bounds_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes eta_1_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_1_stream = krhpr_stream_open(eta_1_room, out[0], out_step[0], 1, count);
+    krhpr_lanes eta_2_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_2_stream = krhpr_stream_open(eta_2_room, out[1], out_step[1], 1, count);
+    krhpr_lanes eta_3_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_3_stream = krhpr_stream_open(eta_3_room, out[2], out_step[2], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -3663,13 +3807,16 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes eta_3_lanes[1];
         const int doubtful = krhpr_spatial_rrr_b_index_bounds_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
+        krhpr_stream_put(&eta_1_stream, out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
+        krhpr_stream_put(&eta_2_stream, out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
+        krhpr_stream_put(&eta_3_stream, out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&eta_1_stream);
+    krhpr_stream_close(&eta_2_stream);
+    krhpr_stream_close(&eta_3_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_index_bounds(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -3788,7 +3935,17 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_all_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(6)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 6, count);
+    krhpr_lanes Q_room[KRHPR_ROOM(18)];
+    krhpr_stream Q_stream = krhpr_stream_open(Q_room, out[1], out_step[1], 18, count);
+    krhpr_lanes redundant_room[KRHPR_ROOM(6)];
+    krhpr_stream redundant_stream = krhpr_stream_open(redundant_room, out[2], out_step[2], 6, count);
+    krhpr_lanes det_J_room[KRHPR_ROOM(2)];
+    krhpr_stream det_J_stream = krhpr_stream_open(det_J_room, out[3], out_step[3], 2, count);
+    krhpr_lanes count_room[KRHPR_ROOM(1)];
+    krhpr_stream count_stream = krhpr_stream_open(count_room, out[4], out_step[4], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -3802,15 +3959,20 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes count_lanes[1];
         const int doubtful = krhpr_spatial_rrr_b_forward_all_lanes(
             g, s_lanes, turned_lanes, p_lanes, Q_lanes, redundant_lanes, det_J_lanes, count_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 6, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 18, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 6, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], det_J_lanes, 2, here);
-        krhpr_poses_store(out[4] + k * out_step[4], out_step[4], count_lanes, 1, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 6, here);
+        krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 18, here);
+        krhpr_stream_put(&redundant_stream, out[2] + k * out_step[2], out_step[2], redundant_lanes, 6, here);
+        krhpr_stream_put(&det_J_stream, out[3] + k * out_step[3], out_step[3], det_J_lanes, 2, here);
+        krhpr_stream_put(&count_stream, out[4] + k * out_step[4], out_step[4], count_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&Q_stream);
+    krhpr_stream_close(&redundant_stream);
+    krhpr_stream_close(&det_J_stream);
+    krhpr_stream_close(&count_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_forward_all(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
@@ -3943,7 +4105,17 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(3)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 3, count);
+    krhpr_lanes Q_room[KRHPR_ROOM(9)];
+    krhpr_stream Q_stream = krhpr_stream_open(Q_room, out[1], out_step[1], 9, count);
+    krhpr_lanes redundant_room[KRHPR_ROOM(3)];
+    krhpr_stream redundant_stream = krhpr_stream_open(redundant_room, out[2], out_step[2], 3, count);
+    krhpr_lanes count_room[KRHPR_ROOM(1)];
+    krhpr_stream count_stream = krhpr_stream_open(count_room, out[3], out_step[3], 1, count);
+    krhpr_lanes certified_room[KRHPR_ROOM(1)];
+    krhpr_stream certified_stream = krhpr_stream_open(certified_room, out[4], out_step[4], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[9];
@@ -3958,15 +4130,20 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_rrr_b_forward_lanes(
             g, theta_lanes, side_lanes, p_lanes, Q_lanes, redundant_lanes, count_lanes, certified_lanes,
             &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], count_lanes, 1, here);
-        krhpr_poses_store(out[4] + k * out_step[4], out_step[4], certified_lanes, 1, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
+        krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
+        krhpr_stream_put(&redundant_stream, out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
+        krhpr_stream_put(&count_stream, out[3] + k * out_step[3], out_step[3], count_lanes, 1, here);
+        krhpr_stream_put(&certified_stream, out[4] + k * out_step[4], out_step[4], certified_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&Q_stream);
+    krhpr_stream_close(&redundant_stream);
+    krhpr_stream_close(&count_stream);
+    krhpr_stream_close(&certified_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_forward(
             g, in[0] + k * in_step[0], *(in[1] + k * in_step[1]), out[0] + k * out_step[0],
@@ -4151,7 +4328,15 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_encoders_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(3)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 3, count);
+    krhpr_lanes Q_room[KRHPR_ROOM(9)];
+    krhpr_stream Q_stream = krhpr_stream_open(Q_room, out[1], out_step[1], 9, count);
+    krhpr_lanes raw_room[KRHPR_ROOM(9)];
+    krhpr_stream raw_stream = krhpr_stream_open(raw_room, out[2], out_step[2], 9, count);
+    krhpr_lanes mismatch_room[KRHPR_ROOM(1)];
+    krhpr_stream mismatch_stream = krhpr_stream_open(mismatch_room, out[3], out_step[3], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4167,14 +4352,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_rrr_b_forward_encoders_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
             &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
+        krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
+        krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
+        krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&Q_stream);
+    krhpr_stream_close(&raw_stream);
+    krhpr_stream_close(&mismatch_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_forward_encoders_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
@@ -4298,7 +4487,15 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_encoders_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(3)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 3, count);
+    krhpr_lanes Q_room[KRHPR_ROOM(9)];
+    krhpr_stream Q_stream = krhpr_stream_open(Q_room, out[1], out_step[1], 9, count);
+    krhpr_lanes raw_room[KRHPR_ROOM(9)];
+    krhpr_stream raw_stream = krhpr_stream_open(raw_room, out[2], out_step[2], 9, count);
+    krhpr_lanes mismatch_room[KRHPR_ROOM(3)];
+    krhpr_stream mismatch_stream = krhpr_stream_open(mismatch_room, out[3], out_step[3], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4314,14 +4511,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_rrr_b_forward_encoders_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
             &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
+        krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
+        krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
+        krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&Q_stream);
+    krhpr_stream_close(&raw_stream);
+    krhpr_stream_close(&mismatch_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_forward_encoders_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
@@ -4471,7 +4672,15 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_gauss_newton_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(3)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 3, count);
+    krhpr_lanes Q_room[KRHPR_ROOM(9)];
+    krhpr_stream Q_stream = krhpr_stream_open(Q_room, out[1], out_step[1], 9, count);
+    krhpr_lanes raw_room[KRHPR_ROOM(9)];
+    krhpr_stream raw_stream = krhpr_stream_open(raw_room, out[2], out_step[2], 9, count);
+    krhpr_lanes mismatch_room[KRHPR_ROOM(1)];
+    krhpr_stream mismatch_stream = krhpr_stream_open(mismatch_room, out[3], out_step[3], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4489,14 +4698,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_rrr_b_forward_gauss_newton_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
             mismatch_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
+        krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
+        krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
+        krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&Q_stream);
+    krhpr_stream_close(&raw_stream);
+    krhpr_stream_close(&mismatch_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_forward_gauss_newton_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
@@ -4647,7 +4860,15 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_gauss_newton_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(3)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 3, count);
+    krhpr_lanes Q_room[KRHPR_ROOM(9)];
+    krhpr_stream Q_stream = krhpr_stream_open(Q_room, out[1], out_step[1], 9, count);
+    krhpr_lanes raw_room[KRHPR_ROOM(9)];
+    krhpr_stream raw_stream = krhpr_stream_open(raw_room, out[2], out_step[2], 9, count);
+    krhpr_lanes mismatch_room[KRHPR_ROOM(3)];
+    krhpr_stream mismatch_stream = krhpr_stream_open(mismatch_room, out[3], out_step[3], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4665,14 +4886,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_rrr_b_forward_gauss_newton_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
             mismatch_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
+        krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
+        krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
+        krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&Q_stream);
+    krhpr_stream_close(&raw_stream);
+    krhpr_stream_close(&mismatch_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrr_b_forward_gauss_newton_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),

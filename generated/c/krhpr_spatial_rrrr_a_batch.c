@@ -42,18 +42,21 @@ KRHPR_API int krhpr_spatial_rrrr_a_rotation_error_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes error_room[KRHPR_ROOM(1)];
+    krhpr_stream error_stream = krhpr_stream_open(error_room, out[0], out_step[0], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes Q_lanes[9];
         krhpr_poses_load(Q_lanes, in[0] + k * in_step[0], in_step[0], 9, here);
         krhpr_lanes error_lanes[1];
         const int doubtful = krhpr_spatial_rrrr_a_rotation_error_lanes(g, Q_lanes, error_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], error_lanes, 1, here);
+        krhpr_stream_put(&error_stream, out[0] + k * out_step[0], out_step[0], error_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&error_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_rotation_error(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
@@ -133,7 +136,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_end_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes s_room[KRHPR_ROOM(9)];
+    krhpr_stream s_stream = krhpr_stream_open(s_room, out[0], out_step[0], 9, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -145,11 +150,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes s_lanes[9];
         const int doubtful = krhpr_spatial_rrrr_a_end_points_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, s_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
+        krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&s_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_end_points(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -236,7 +242,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_redundant_coordinates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes redundant_room[KRHPR_ROOM(3)];
+    krhpr_stream redundant_stream = krhpr_stream_open(redundant_room, out[0], out_step[0], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -248,11 +256,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes redundant_lanes[3];
         const int doubtful = krhpr_spatial_rrrr_a_redundant_coordinates_lanes(
             g, p_lanes, Q_lanes, s_lanes, redundant_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
+        krhpr_stream_put(&redundant_stream, out[0] + k * out_step[0], out_step[0], redundant_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&redundant_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_redundant_coordinates(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -338,18 +347,21 @@ KRHPR_API int krhpr_spatial_rrrr_a_subleg_forward_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes s_room[KRHPR_ROOM(9)];
+    krhpr_stream s_stream = krhpr_stream_open(s_room, out[0], out_step[0], 9, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes theta_lanes[12];
         krhpr_poses_load(theta_lanes, in[0] + k * in_step[0], in_step[0], 12, here);
         krhpr_lanes s_lanes[9];
         const int doubtful = krhpr_spatial_rrrr_a_subleg_forward_lanes(g, theta_lanes, s_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
+        krhpr_stream_put(&s_stream, out[0] + k * out_step[0], out_step[0], s_lanes, 9, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&s_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_subleg_forward(g, in[0] + k * in_step[0], out[0] + k * out_step[0]);
         first = first == KRHPR_OK ? here : first;
@@ -465,7 +477,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_subleg_inverse_batch(
     if (in[1] == NULL) {
         krhpr_poses_load(swivel_lanes, swivel_default, 0, 3, KRHPR_LANES);
     }
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_room[KRHPR_ROOM(48)];
+    krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 48, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -476,11 +490,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes theta_lanes[48];
         const int doubtful = krhpr_spatial_rrrr_a_subleg_inverse_lanes(
             g, s_lanes, swivel_lanes, theta_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 48, here);
+        krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 48, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_subleg_inverse(
             g, in[0] + k * in_step[0], in[1] ? in[1] + k * in_step[1] : NULL, out[0] + k * out_step[0]);
@@ -583,7 +598,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_swivel_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes swivel_room[KRHPR_ROOM(3)];
+    krhpr_stream swivel_stream = krhpr_stream_open(swivel_room, out[0], out_step[0], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -593,11 +610,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes swivel_lanes[3];
         const int doubtful = krhpr_spatial_rrrr_a_swivel_lanes(
             g, s_lanes, theta_lanes, swivel_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], swivel_lanes, 3, here);
+        krhpr_stream_put(&swivel_stream, out[0] + k * out_step[0], out_step[0], swivel_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&swivel_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_swivel(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
@@ -687,7 +705,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_subleg_jacobian_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes M_room[KRHPR_ROOM(36)];
+    krhpr_stream M_stream = krhpr_stream_open(M_room, out[0], out_step[0], 36, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -697,11 +717,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes M_lanes[36];
         const int doubtful = krhpr_spatial_rrrr_a_subleg_jacobian_lanes(
             g, s_lanes, theta_lanes, M_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], M_lanes, 36, here);
+        krhpr_stream_put(&M_stream, out[0] + k * out_step[0], out_step[0], M_lanes, 36, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&M_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_subleg_jacobian(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], out[0] + k * out_step[0]);
@@ -777,7 +798,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_constraints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes residual_room[KRHPR_ROOM(6)];
+    krhpr_stream residual_stream = krhpr_stream_open(residual_room, out[0], out_step[0], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -789,11 +812,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes residual_lanes[6];
         const int doubtful = krhpr_spatial_rrrr_a_constraints_lanes(
             g, p_lanes, Q_lanes, s_lanes, residual_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], residual_lanes, 6, here);
+        krhpr_stream_put(&residual_stream, out[0] + k * out_step[0], out_step[0], residual_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&residual_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_constraints(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -899,7 +923,11 @@ KRHPR_API int krhpr_spatial_rrrr_a_jacobians_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes J_room[KRHPR_ROOM(36)];
+    krhpr_stream J_stream = krhpr_stream_open(J_room, out[0], out_step[0], 36, count);
+    krhpr_lanes K_room[KRHPR_ROOM(72)];
+    krhpr_stream K_stream = krhpr_stream_open(K_room, out[1], out_step[1], 72, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -914,12 +942,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes K_lanes[72];
         const int doubtful = krhpr_spatial_rrrr_a_jacobians_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 72, here);
+        krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
+        krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 72, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&J_stream);
+    krhpr_stream_close(&K_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_jacobians(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1023,7 +1053,11 @@ KRHPR_API int krhpr_spatial_rrrr_a_jacobian_blocks_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes J_room[KRHPR_ROOM(36)];
+    krhpr_stream J_stream = krhpr_stream_open(J_room, out[0], out_step[0], 36, count);
+    krhpr_lanes K_room[KRHPR_ROOM(24)];
+    krhpr_stream K_stream = krhpr_stream_open(K_room, out[1], out_step[1], 24, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1038,12 +1072,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes K_lanes[24];
         const int doubtful = krhpr_spatial_rrrr_a_jacobian_blocks_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 24, here);
+        krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 36, here);
+        krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 24, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&J_stream);
+    krhpr_stream_close(&K_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_jacobian_blocks(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1176,7 +1212,11 @@ KRHPR_API int krhpr_spatial_rrrr_a_jacobians_n_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes J_room[KRHPR_ROOM(144)];
+    krhpr_stream J_stream = krhpr_stream_open(J_room, out[0], out_step[0], 144, count);
+    krhpr_lanes K_room[KRHPR_ROOM(144)];
+    krhpr_stream K_stream = krhpr_stream_open(K_room, out[1], out_step[1], 144, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1191,12 +1231,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes K_lanes[144];
         const int doubtful = krhpr_spatial_rrrr_a_jacobians_n_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, J_lanes, K_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], J_lanes, 144, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], K_lanes, 144, here);
+        krhpr_stream_put(&J_stream, out[0] + k * out_step[0], out_step[0], J_lanes, 144, here);
+        krhpr_stream_put(&K_stream, out[1] + k * out_step[1], out_step[1], K_lanes, 144, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&J_stream);
+    krhpr_stream_close(&K_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_jacobians_n(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1322,7 +1364,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_inverse_batch(
     if (in[4] == NULL) {
         krhpr_poses_load(swivel_lanes, swivel_default, 0, 3, KRHPR_LANES);
     }
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_room[KRHPR_ROOM(12)];
+    krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 12, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1340,11 +1384,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes theta_lanes[12];
         const int doubtful = krhpr_spatial_rrrr_a_inverse_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, swivel_lanes, theta_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 12, here);
+        krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 12, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_inverse(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1489,7 +1534,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_inverse_all_batch(
     if (in[3] == NULL) {
         krhpr_poses_load(swivel_lanes, swivel_default, 0, 3, KRHPR_LANES);
     }
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_room[KRHPR_ROOM(48)];
+    krhpr_stream theta_stream = krhpr_stream_open(theta_room, out[0], out_step[0], 48, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1504,11 +1551,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes theta_lanes[48];
         const int doubtful = krhpr_spatial_rrrr_a_inverse_all_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, swivel_lanes, theta_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_lanes, 48, here);
+        krhpr_stream_put(&theta_stream, out[0] + k * out_step[0], out_step[0], theta_lanes, 48, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_inverse_all(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1679,7 +1727,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_inverse_status_batch(
     if (in[4] == NULL) {
         krhpr_poses_load(swivel_lanes, swivel_default, 0, 3, KRHPR_LANES);
     }
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes excess_room[KRHPR_ROOM(3)];
+    krhpr_stream excess_stream = krhpr_stream_open(excess_room, out[0], out_step[0], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1697,11 +1747,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes excess_lanes[3];
         const int doubtful = krhpr_spatial_rrrr_a_inverse_status_lanes(
             g, p_lanes, Q_lanes, redundant_lanes, mode_lanes, swivel_lanes, excess_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
+        krhpr_stream_put(&excess_stream, out[0] + k * out_step[0], out_step[0], excess_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&excess_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_inverse_status(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1830,7 +1881,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_twist_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes twist_room[KRHPR_ROOM(6)];
+    krhpr_stream twist_stream = krhpr_stream_open(twist_room, out[0], out_step[0], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1846,11 +1899,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes twist_lanes[6];
         const int doubtful = krhpr_spatial_rrrr_a_twist_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, theta_dot_lanes, twist_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_lanes, 6, here);
+        krhpr_stream_put(&twist_stream, out[0] + k * out_step[0], out_step[0], twist_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&twist_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_twist(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -1964,7 +2018,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_joint_rates_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_dot_room[KRHPR_ROOM(12)];
+    krhpr_stream theta_dot_stream = krhpr_stream_open(theta_dot_room, out[0], out_step[0], 12, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -1985,11 +2041,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_rrrr_a_joint_rates_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes,
             swivel_rates_lanes, theta_dot_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 12, here);
+        krhpr_stream_put(&theta_dot_stream, out[0] + k * out_step[0], out_step[0], theta_dot_lanes, 12, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_dot_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_joint_rates(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -2123,7 +2180,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_platform_acceleration_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes twist_rate_room[KRHPR_ROOM(6)];
+    krhpr_stream twist_rate_stream = krhpr_stream_open(twist_rate_room, out[0], out_step[0], 6, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2144,11 +2203,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_rrrr_a_platform_acceleration_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, theta_dot_lanes, theta_ddot_lanes,
             twist_rate_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 6, here);
+        krhpr_stream_put(&twist_rate_stream, out[0] + k * out_step[0], out_step[0], twist_rate_lanes, 6, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&twist_rate_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_platform_acceleration(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -2283,7 +2343,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_joint_accelerations_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes theta_ddot_room[KRHPR_ROOM(12)];
+    krhpr_stream theta_ddot_stream = krhpr_stream_open(theta_ddot_room, out[0], out_step[0], 12, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2311,11 +2373,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, twist_lanes, redundant_rates_lanes, theta_dot_lanes,
             twist_rate_lanes, redundant_accelerations_lanes, swivel_accelerations_lanes, theta_ddot_lanes,
             &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 12, here);
+        krhpr_stream_put(&theta_ddot_stream, out[0] + k * out_step[0], out_step[0], theta_ddot_lanes, 12, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&theta_ddot_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_joint_accelerations(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -2460,7 +2523,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_inverse_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes actuator_forces_room[KRHPR_ROOM(12)];
+    krhpr_stream actuator_forces_stream = krhpr_stream_open(actuator_forces_room, out[0], out_step[0], 12, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2481,11 +2546,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_rrrr_a_inverse_statics_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, wrench_lanes, redundant_forces_lanes,
             swivel_forces_lanes, actuator_forces_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 12, here);
+        krhpr_stream_put(&actuator_forces_stream, out[0] + k * out_step[0], out_step[0], actuator_forces_lanes, 12, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&actuator_forces_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_inverse_statics(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -2612,7 +2678,13 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_statics_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes wrench_room[KRHPR_ROOM(6)];
+    krhpr_stream wrench_stream = krhpr_stream_open(wrench_room, out[0], out_step[0], 6, count);
+    krhpr_lanes redundant_forces_room[KRHPR_ROOM(3)];
+    krhpr_stream redundant_forces_stream = krhpr_stream_open(redundant_forces_room, out[1], out_step[1], 3, count);
+    krhpr_lanes swivel_forces_room[KRHPR_ROOM(3)];
+    krhpr_stream swivel_forces_stream = krhpr_stream_open(swivel_forces_room, out[2], out_step[2], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2631,13 +2703,16 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_rrrr_a_forward_statics_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, actuator_forces_lanes, wrench_lanes,
             redundant_forces_lanes, swivel_forces_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], wrench_lanes, 6, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], swivel_forces_lanes, 3, here);
+        krhpr_stream_put(&wrench_stream, out[0] + k * out_step[0], out_step[0], wrench_lanes, 6, here);
+        krhpr_stream_put(&redundant_forces_stream, out[1] + k * out_step[1], out_step[1], redundant_forces_lanes, 3, here);
+        krhpr_stream_put(&swivel_forces_stream, out[2] + k * out_step[2], out_step[2], swivel_forces_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&wrench_stream);
+    krhpr_stream_close(&redundant_forces_stream);
+    krhpr_stream_close(&swivel_forces_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_forward_statics(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -2759,7 +2834,11 @@ KRHPR_API int krhpr_spatial_rrrr_a_passive_joints_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes spherical_room[KRHPR_ROOM(27)];
+    krhpr_stream spherical_stream = krhpr_stream_open(spherical_room, out[0], out_step[0], 27, count);
+    krhpr_lanes platform_joint_room[KRHPR_ROOM(3)];
+    krhpr_stream platform_joint_stream = krhpr_stream_open(platform_joint_room, out[1], out_step[1], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2774,12 +2853,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes platform_joint_lanes[3];
         const int doubtful = krhpr_spatial_rrrr_a_passive_joints_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, spherical_lanes, platform_joint_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], spherical_lanes, 27, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], platform_joint_lanes, 3, here);
+        krhpr_stream_put(&spherical_stream, out[0] + k * out_step[0], out_step[0], spherical_lanes, 27, here);
+        krhpr_stream_put(&platform_joint_stream, out[1] + k * out_step[1], out_step[1], platform_joint_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&spherical_stream);
+    krhpr_stream_close(&platform_joint_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_passive_joints(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -2882,7 +2963,11 @@ KRHPR_API int krhpr_spatial_rrrr_a_link_points_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes points_room[KRHPR_ROOM(36)];
+    krhpr_stream points_stream = krhpr_stream_open(points_room, out[0], out_step[0], 36, count);
+    krhpr_lanes attachment_room[KRHPR_ROOM(9)];
+    krhpr_stream attachment_stream = krhpr_stream_open(attachment_room, out[1], out_step[1], 9, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -2897,12 +2982,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes attachment_lanes[9];
         const int doubtful = krhpr_spatial_rrrr_a_link_points_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, points_lanes, attachment_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], points_lanes, 36, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], attachment_lanes, 9, here);
+        krhpr_stream_put(&points_stream, out[0] + k * out_step[0], out_step[0], points_lanes, 36, here);
+        krhpr_stream_put(&attachment_stream, out[1] + k * out_step[1], out_step[1], attachment_lanes, 9, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&points_stream);
+    krhpr_stream_close(&attachment_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_link_points(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -3034,7 +3121,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_clearances_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes distances_room[KRHPR_ROOM(87)];
+    krhpr_stream distances_stream = krhpr_stream_open(distances_room, out[0], out_step[0], 87, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -3048,11 +3137,12 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes distances_lanes[87];
         const int doubtful = krhpr_spatial_rrrr_a_clearances_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, distances_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], distances_lanes, 87, here);
+        krhpr_stream_put(&distances_stream, out[0] + k * out_step[0], out_step[0], distances_lanes, 87, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&distances_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_clearances(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -3160,7 +3250,15 @@ KRHPR_API int krhpr_spatial_rrrr_a_singularity_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes type_1_room[KRHPR_ROOM(3)];
+    krhpr_stream type_1_stream = krhpr_stream_open(type_1_room, out[0], out_step[0], 3, count);
+    krhpr_lanes factors_room[KRHPR_ROOM(12)];
+    krhpr_stream factors_stream = krhpr_stream_open(factors_room, out[1], out_step[1], 12, count);
+    krhpr_lanes type_2_room[KRHPR_ROOM(2)];
+    krhpr_stream type_2_stream = krhpr_stream_open(type_2_room, out[2], out_step[2], 2, count);
+    krhpr_lanes margins_room[KRHPR_ROOM(2)];
+    krhpr_stream margins_stream = krhpr_stream_open(margins_room, out[3], out_step[3], 2, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -3178,14 +3276,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_rrrr_a_singularity_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, type_1_lanes, factors_lanes, type_2_lanes,
             margins_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_1_lanes, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], factors_lanes, 12, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], type_2_lanes, 2, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], margins_lanes, 2, here);
+        krhpr_stream_put(&type_1_stream, out[0] + k * out_step[0], out_step[0], type_1_lanes, 3, here);
+        krhpr_stream_put(&factors_stream, out[1] + k * out_step[1], out_step[1], factors_lanes, 12, here);
+        krhpr_stream_put(&type_2_stream, out[2] + k * out_step[2], out_step[2], type_2_lanes, 2, here);
+        krhpr_stream_put(&margins_stream, out[3] + k * out_step[3], out_step[3], margins_lanes, 2, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&type_1_stream);
+    krhpr_stream_close(&factors_stream);
+    krhpr_stream_close(&type_2_stream);
+    krhpr_stream_close(&margins_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_singularity(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -3293,7 +3395,11 @@ KRHPR_API int krhpr_spatial_rrrr_a_type_2_of_redundant_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes type_2_room[KRHPR_ROOM(2)];
+    krhpr_stream type_2_stream = krhpr_stream_open(type_2_room, out[0], out_step[0], 2, count);
+    krhpr_lanes margins_room[KRHPR_ROOM(2)];
+    krhpr_stream margins_stream = krhpr_stream_open(margins_room, out[1], out_step[1], 2, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes redundant_lanes[3];
@@ -3302,12 +3408,14 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes margins_lanes[2];
         const int doubtful = krhpr_spatial_rrrr_a_type_2_of_redundant_lanes(
             g, redundant_lanes, type_2_lanes, margins_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], type_2_lanes, 2, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], margins_lanes, 2, here);
+        krhpr_stream_put(&type_2_stream, out[0] + k * out_step[0], out_step[0], type_2_lanes, 2, here);
+        krhpr_stream_put(&margins_stream, out[1] + k * out_step[1], out_step[1], margins_lanes, 2, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&type_2_stream);
+    krhpr_stream_close(&margins_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_type_2_of_redundant(
             g, in[0] + k * in_step[0], out[0] + k * out_step[0], out[1] + k * out_step[1]);
@@ -3443,7 +3551,15 @@ KRHPR_API int krhpr_spatial_rrrr_a_indices_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes eta_1_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_1_stream = krhpr_stream_open(eta_1_room, out[0], out_step[0], 1, count);
+    krhpr_lanes eta_2_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_2_stream = krhpr_stream_open(eta_2_room, out[1], out_step[1], 1, count);
+    krhpr_lanes eta_3_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_3_stream = krhpr_stream_open(eta_3_room, out[2], out_step[2], 1, count);
+    krhpr_lanes condition_room[KRHPR_ROOM(3)];
+    krhpr_stream condition_stream = krhpr_stream_open(condition_room, out[3], out_step[3], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -3461,14 +3577,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_rrrr_a_indices_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes,
             condition_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
+        krhpr_stream_put(&eta_1_stream, out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
+        krhpr_stream_put(&eta_2_stream, out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
+        krhpr_stream_put(&eta_3_stream, out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
+        krhpr_stream_put(&condition_stream, out[3] + k * out_step[3], out_step[3], condition_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&eta_1_stream);
+    krhpr_stream_close(&eta_2_stream);
+    krhpr_stream_close(&eta_3_stream);
+    krhpr_stream_close(&condition_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_indices(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -3619,7 +3739,13 @@ KRHPR_API int krhpr_spatial_rrrr_a_index_bounds_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes eta_1_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_1_stream = krhpr_stream_open(eta_1_room, out[0], out_step[0], 1, count);
+    krhpr_lanes eta_2_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_2_stream = krhpr_stream_open(eta_2_room, out[1], out_step[1], 1, count);
+    krhpr_lanes eta_3_room[KRHPR_ROOM(1)];
+    krhpr_stream eta_3_stream = krhpr_stream_open(eta_3_room, out[2], out_step[2], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes p_lanes[3];
@@ -3635,13 +3761,16 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes eta_3_lanes[1];
         const int doubtful = krhpr_spatial_rrrr_a_index_bounds_lanes(
             g, p_lanes, Q_lanes, s_lanes, theta_lanes, eta_1_lanes, eta_2_lanes, eta_3_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
+        krhpr_stream_put(&eta_1_stream, out[0] + k * out_step[0], out_step[0], eta_1_lanes, 1, here);
+        krhpr_stream_put(&eta_2_stream, out[1] + k * out_step[1], out_step[1], eta_2_lanes, 1, here);
+        krhpr_stream_put(&eta_3_stream, out[2] + k * out_step[2], out_step[2], eta_3_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&eta_1_stream);
+    krhpr_stream_close(&eta_2_stream);
+    krhpr_stream_close(&eta_3_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_index_bounds(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -3918,7 +4047,15 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_newton_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(3)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 3, count);
+    krhpr_lanes Q_room[KRHPR_ROOM(9)];
+    krhpr_stream Q_stream = krhpr_stream_open(Q_room, out[1], out_step[1], 9, count);
+    krhpr_lanes redundant_room[KRHPR_ROOM(3)];
+    krhpr_stream redundant_stream = krhpr_stream_open(redundant_room, out[2], out_step[2], 3, count);
+    krhpr_lanes kantorovich_room[KRHPR_ROOM(1)];
+    krhpr_stream kantorovich_stream = krhpr_stream_open(kantorovich_room, out[3], out_step[3], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -3934,14 +4071,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_rrrr_a_forward_newton_lanes(
             g, s_lanes, p_near_lanes, Q_near_lanes, p_lanes, Q_lanes, redundant_lanes, kantorovich_lanes,
             &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], kantorovich_lanes, 1, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
+        krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
+        krhpr_stream_put(&redundant_stream, out[2] + k * out_step[2], out_step[2], redundant_lanes, 3, here);
+        krhpr_stream_put(&kantorovich_stream, out[3] + k * out_step[3], out_step[3], kantorovich_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&Q_stream);
+    krhpr_stream_close(&redundant_stream);
+    krhpr_stream_close(&kantorovich_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_forward_newton(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], in[2] + k * in_step[2],
@@ -4063,7 +4204,13 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_encoders_1_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(6)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 6, count);
+    krhpr_lanes Q_room[KRHPR_ROOM(18)];
+    krhpr_stream Q_stream = krhpr_stream_open(Q_room, out[1], out_step[1], 18, count);
+    krhpr_lanes mismatch_room[KRHPR_ROOM(2)];
+    krhpr_stream mismatch_stream = krhpr_stream_open(mismatch_room, out[2], out_step[2], 2, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4077,13 +4224,16 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         krhpr_lanes mismatch_lanes[2];
         const int doubtful = krhpr_spatial_rrrr_a_forward_encoders_1_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, mismatch_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 6, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 18, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], mismatch_lanes, 2, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 6, here);
+        krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 18, here);
+        krhpr_stream_put(&mismatch_stream, out[2] + k * out_step[2], out_step[2], mismatch_lanes, 2, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&Q_stream);
+    krhpr_stream_close(&mismatch_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_forward_encoders_1(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
@@ -4274,7 +4424,15 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_encoders_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(3)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 3, count);
+    krhpr_lanes Q_room[KRHPR_ROOM(9)];
+    krhpr_stream Q_stream = krhpr_stream_open(Q_room, out[1], out_step[1], 9, count);
+    krhpr_lanes raw_room[KRHPR_ROOM(9)];
+    krhpr_stream raw_stream = krhpr_stream_open(raw_room, out[2], out_step[2], 9, count);
+    krhpr_lanes mismatch_room[KRHPR_ROOM(1)];
+    krhpr_stream mismatch_stream = krhpr_stream_open(mismatch_room, out[3], out_step[3], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4290,14 +4448,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_rrrr_a_forward_encoders_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
             &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
+        krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
+        krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
+        krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&Q_stream);
+    krhpr_stream_close(&raw_stream);
+    krhpr_stream_close(&mismatch_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_forward_encoders_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
@@ -4430,7 +4592,15 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_encoders_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(3)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 3, count);
+    krhpr_lanes Q_room[KRHPR_ROOM(9)];
+    krhpr_stream Q_stream = krhpr_stream_open(Q_room, out[1], out_step[1], 9, count);
+    krhpr_lanes raw_room[KRHPR_ROOM(9)];
+    krhpr_stream raw_stream = krhpr_stream_open(raw_room, out[2], out_step[2], 9, count);
+    krhpr_lanes mismatch_room[KRHPR_ROOM(3)];
+    krhpr_stream mismatch_stream = krhpr_stream_open(mismatch_room, out[3], out_step[3], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4446,14 +4616,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_rrrr_a_forward_encoders_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, p_lanes, Q_lanes, raw_lanes, mismatch_lanes,
             &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
+        krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
+        krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
+        krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&Q_stream);
+    krhpr_stream_close(&raw_stream);
+    krhpr_stream_close(&mismatch_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_forward_encoders_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
@@ -4612,7 +4786,15 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_gauss_newton_2_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(3)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 3, count);
+    krhpr_lanes Q_room[KRHPR_ROOM(9)];
+    krhpr_stream Q_stream = krhpr_stream_open(Q_room, out[1], out_step[1], 9, count);
+    krhpr_lanes raw_room[KRHPR_ROOM(9)];
+    krhpr_stream raw_stream = krhpr_stream_open(raw_room, out[2], out_step[2], 9, count);
+    krhpr_lanes mismatch_room[KRHPR_ROOM(1)];
+    krhpr_stream mismatch_stream = krhpr_stream_open(mismatch_room, out[3], out_step[3], 1, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4630,14 +4812,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_rrrr_a_forward_gauss_newton_2_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
             mismatch_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
+        krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
+        krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
+        krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 1, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&Q_stream);
+    krhpr_stream_close(&raw_stream);
+    krhpr_stream_close(&mismatch_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_forward_gauss_newton_2(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),
@@ -4797,7 +4983,15 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_gauss_newton_3_batch(
 {
     int first = KRHPR_OK;
     const ptrdiff_t together = krhpr_poses_together(count);
-for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
+    krhpr_lanes p_room[KRHPR_ROOM(3)];
+    krhpr_stream p_stream = krhpr_stream_open(p_room, out[0], out_step[0], 3, count);
+    krhpr_lanes Q_room[KRHPR_ROOM(9)];
+    krhpr_stream Q_stream = krhpr_stream_open(Q_room, out[1], out_step[1], 9, count);
+    krhpr_lanes raw_room[KRHPR_ROOM(9)];
+    krhpr_stream raw_stream = krhpr_stream_open(raw_room, out[2], out_step[2], 9, count);
+    krhpr_lanes mismatch_room[KRHPR_ROOM(3)];
+    krhpr_stream mismatch_stream = krhpr_stream_open(mismatch_room, out[3], out_step[3], 3, count);
+    for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int here = krhpr_poses_here(count - (size_t)k);
         krhpr_ints answer;
         krhpr_lanes s_lanes[9];
@@ -4815,14 +5009,18 @@ for (ptrdiff_t k = 0; k < together; k += KRHPR_LANES) {
         const int doubtful = krhpr_spatial_rrrr_a_forward_gauss_newton_3_lanes(
             g, s_lanes, measured_lanes, tolerance_lanes, weights_lanes, p_lanes, Q_lanes, raw_lanes,
             mismatch_lanes, &answer);
-        krhpr_poses_store(out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
-        krhpr_poses_store(out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
-        krhpr_poses_store(out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
-        krhpr_poses_store(out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
+        krhpr_stream_put(&p_stream, out[0] + k * out_step[0], out_step[0], p_lanes, 3, here);
+        krhpr_stream_put(&Q_stream, out[1] + k * out_step[1], out_step[1], Q_lanes, 9, here);
+        krhpr_stream_put(&raw_stream, out[2] + k * out_step[2], out_step[2], raw_lanes, 9, here);
+        krhpr_stream_put(&mismatch_stream, out[3] + k * out_step[3], out_step[3], mismatch_lanes, 3, here);
         if (doubtful || status != NULL) {
             first = krhpr_poses_report(&answer, here, first, status == NULL ? NULL : status + k * status_step, status_step);
         }
     }
+    krhpr_stream_close(&p_stream);
+    krhpr_stream_close(&Q_stream);
+    krhpr_stream_close(&raw_stream);
+    krhpr_stream_close(&mismatch_stream);
 for (ptrdiff_t k = together; k < (ptrdiff_t)count; ++k) {
         const int here = krhpr_spatial_rrrr_a_forward_gauss_newton_3(
             g, in[0] + k * in_step[0], in[1] + k * in_step[1], *(in[2] + k * in_step[2]),

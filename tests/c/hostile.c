@@ -5,7 +5,7 @@
 
 #include <float.h>
 
-enum { FUNCTIONS = sizeof functions / sizeof functions[0], MANY = 19 /* two vectors of eight, and three left over */ };
+enum { FUNCTIONS = sizeof functions / sizeof functions[0], MANY = 19 /* two vectors of eight, and three left over */, LINE = 8 };
 
 static int failures;
 static char **unbounded;
@@ -237,10 +237,11 @@ static void scalar_calls(const struct function *f, const geometry *g, struct buf
 static void batch_calls(const struct function *f, const geometry *g, struct buffers *b, long samples)
 {
     for (long sample = 0; sample < samples; ++sample) {
-        double *in_block[PORTS], *out_block[PORTS];
+        double *in_block[PORTS], *out_room[PORTS], *out_block[PORTS];
         const double *in[PORTS], *expected_in[PORTS];
         double *out[PORTS];
         ptrdiff_t in_step[PORTS], out_step[PORTS];
+        const int before = chosen(LINE); /* where in a line of the cache outputs begin */
         const int back = chosen(2), wide = chosen(2), no_status = chosen(2);
         int status_block[2 * MANY], wild[MANY] = {0};
         for (int k = 0; k < f->n_in; ++k) {
@@ -267,8 +268,9 @@ static void batch_calls(const struct function *f, const geometry *g, struct buff
         }
         for (int k = 0; k < f->n_out; ++k) {
             const int size = f->out[k].size, step = size + 3 * wide, length = size + (MANY - 1) * step;
-            out_block[k] = block(length);
-            fill(out_block[k], length, -0.75);
+            out_room[k] = block(before + length);
+            fill(out_room[k], before + length, -0.75);
+            out_block[k] = out_room[k] + before;
             out_step[k] = back ? -step : step;
             out[k] = out_block[k] + (back ? (MANY - 1) * step : 0);
         }
@@ -297,6 +299,11 @@ static void batch_calls(const struct function *f, const geometry *g, struct buff
             }
         }
         CHECK(first == expected_first || !(EXACT || all_tame), "batch: returns %d, not %d", first, expected_first);
+        for (int k = 0; k < f->n_out; ++k) {
+            for (int j = 0; j < before; ++j) {
+                CHECK(out_room[k][j] == -0.75, "batch: writes before %s", f->out[k].name);
+            }
+        }
         for (int k = 0; k < f->n_out && wide; ++k) {
             const double *const gap = out_block[k] + f->out[k].size;
             CHECK(gap[0] == -0.75 && gap[1] == -0.75 && gap[2] == -0.75, "batch: writes between elements of %s", f->out[k].name);
@@ -305,7 +312,7 @@ static void batch_calls(const struct function *f, const geometry *g, struct buff
             free(in_block[k]);
         }
         for (int k = 0; k < f->n_out; ++k) {
-            free(out_block[k]);
+            free(out_room[k]);
         }
     }
     /* no elements: nothing is read or written */

@@ -107,6 +107,18 @@ BROKEN = {
         "to[0] = KRHPR_SHUFFLE(even, odd, 2, 0)",
         "batch: ",
     ),
+    "a line of the cache that is forgotten": (
+        "krhpr_poses.h",
+        "stream->kept = filled - whole;",
+        "stream->kept = 0;",
+        "batch: ",
+    ),
+    "a line of the cache that is not ours": (
+        "krhpr_poses.h",
+        "for (k = stream->foreign; k < KRHPR_LINE; ++k)",
+        "for (k = 0; k < KRHPR_LINE; ++k)",
+        "batch: writes before|AddressSanitizer",
+    ),
     "a row that is not the next": (
         "krhpr_poses.h",
         "krhpr_load(from + k * row)",
