@@ -22,8 +22,8 @@ from krhpr.derivations.catalogue import catalogue
 from krhpr.derivations.grasping.catalogue import grasping
 from krhpr.robot import Robot
 from tests.freebody import Array
+from tests.robot.support import configuration
 from tests.support import ROOT
-from tests.test_robot import configuration
 
 ROBOTS = ("spatial_r_fivebar_c", "spatial_rrr_c")
 

@@ -11,8 +11,8 @@ import pytest
 import krhpr
 from krhpr import Robot, Status
 from tests.freebody import GROUND, Array, Assembly, Joint
+from tests.robot.support import configuration
 from tests.support import ROOT
-from tests.test_robot import configuration
 
 GRASPS = json.loads((ROOT / "tests" / "reference" / "grasp_spatial.json").read_text(encoding="utf-8"))[
     "cases"

@@ -63,8 +63,8 @@ class SlidePlatform(Platform):
         """t_i from the geometry's fields."""
 
     def middle(self, g: dict[str, Any], normal: sp.Matrix) -> sp.Matrix:
-        """m_i from the geometry's fields, where the line misses O'."""
-        raise NotImplementedError(self.name)
+        """m_i from the geometry's fields: 0 where the lines pass through O'."""
+        return sp.zeros(2, 1)
 
     def geometry(self) -> GeometryType:
         k = KernelWriter("prepare", "Vectors and sub-expressions that depend on the geometry alone.")

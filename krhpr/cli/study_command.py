@@ -48,10 +48,23 @@ SEED = Option("--seed", "N", "of the random errors, or of the search (default: 0
 
 def processes(text: str) -> int | str:
     """A number of processes, or the address of a scheduler."""
-    return int(text) if text.isdecimal() else text
+    if not text.isdecimal():
+        return text
+    if int(text) == 0:
+        raise argparse.ArgumentTypeError(
+            "0 processes; expected 1 or more, or the address of a Dask scheduler"
+        )
+    return int(text)
 
 
 COARSER = Option("--coarser", "N", "steps N times as wide (default: 1)", 1, int)
+WORKERS = Option(
+    "--workers",
+    "N",
+    "processes that share the work, or the address of a Dask scheduler (default: 1)",
+    1,
+    processes,
+)
 STORE = Option("--store", "DIR", "keep what is made there; an interrupted study goes on", type=Path)
 SETUP = Option("--file", "FILE", "robot, object and trajectories (YAML)", type=Path)
 
@@ -141,12 +154,7 @@ STUDIES = (
         (
             ROBOT,
             COARSER,
-            Option(
-                "--cluster",
-                "ADDRESS",
-                "a Dask scheduler, or a number of processes (default: this one)",
-                type=processes,
-            ),
+            WORKERS,
             STORE,
         ),
     ),
@@ -173,13 +181,7 @@ STUDIES = (
                 "of volume, orientations, box, eta_1, eta_2, eta_3, length (default: volume,eta_2,box)",
             ),
             Option("--generations", "N", "of the search in each direction (default: 8)", 8, int),
-            Option(
-                "--workers",
-                "N",
-                "processes that judge designs, or a Dask scheduler (default: 1)",
-                1,
-                processes,
-            ),
+            WORKERS,
         ),
     ),
 )
@@ -194,7 +196,7 @@ examples:
   krhpr study grasp --file my_gripper.yaml --out build/gripper
   krhpr study grasp-control --control my_gains.yaml --controller c
   krhpr study workspace --coarser 4 --robot spatial_rrr_a
-  krhpr study workspace --cluster tcp://127.0.0.1:8786 --store build/maps
+  krhpr study workspace --workers tcp://127.0.0.1:8786 --store build/maps
   krhpr study design --workers 4 --store build/designs
   krhpr study design --robot my_robot.yaml --vary "R_p=0.08:0.15,redundant=1:2" \\
       --objectives orientations,eta_1"""

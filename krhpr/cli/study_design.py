@@ -31,8 +31,6 @@ RAYS = 360
 
 def run(options: argparse.Namespace) -> int:
     """The design study."""
-    if options.workers == 0:
-        raise WrongUse("--workers is 0; it must be 1 or more")
     for name in ("coarser", "generations"):
         if getattr(options, name) < 1:
             raise WrongUse(f"--{name} is {getattr(options, name)}; it must be 1 or more")

@@ -28,7 +28,7 @@ def run(options: argparse.Namespace) -> int:
             robot,
             coarser=options.coarser,
             store=options.store,
-            cluster=options.cluster,
+            workers=options.workers,
             progress=_tenths(step),
         )
     written = write(options.out, "workspace", _facts(found), lambda: workspace_figures(found))

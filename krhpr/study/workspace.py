@@ -105,7 +105,7 @@ def workspace_study(
     *,
     coarser: int = 1,
     store: Path | None = None,
-    cluster: str | int | None = None,
+    workers: int | str = 1,
     progress: Step | None = None,
 ) -> WorkspaceStudy:
     """Every map of Section 1.7, with steps `coarser` times those of the thesis (1 mm and 1 degree).
@@ -114,7 +114,7 @@ def workspace_study(
         robot: that of Section 1.7 unless given; its limits are those of the section.
         coarser: a divisor of 360.
         store: a folder in which maps are kept, so that an interrupted study goes on.
-        cluster: as for `workspace.run`.
+        workers: as for `workspace.run`.
         progress: called as maps are made.
     """
     one = krhpr.load(ROBOT) if robot is None else robot
@@ -137,7 +137,7 @@ def workspace_study(
         rays=rays,
         farthest=FARTHEST,
         store=kept("layers"),
-        cluster=cluster,
+        workers=workers,
         progress=told("layers"),
     ).demand()
     tilts = workspace.orientational(
@@ -147,7 +147,7 @@ def workspace_study(
         step=step,
         rays=rays,
         store=kept("tilts"),
-        cluster=cluster,
+        workers=workers,
         progress=told("tilts"),
     ).demand()
     level = workspace.orientational(

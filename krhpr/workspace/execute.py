@@ -32,7 +32,7 @@ def run(
     job: Job,
     *,
     store: str | Path | None = None,
-    cluster: str | int | None = None,
+    workers: int | str = 1,
     progress: Progress | None = None,
 ) -> Workspace:
     """Make a map.
@@ -40,7 +40,7 @@ def run(
     Args:
         job: what is to be made.
         store: where it is kept (a zarr group); an interrupted run goes on there.  In memory unless given.
-        cluster: the address of a Dask scheduler, or how many processes of this machine share the work; this
+        workers: how many processes of this machine share the work, or the address of a Dask scheduler; this
             process alone unless given.
         progress: called after each chunk.
 
@@ -63,7 +63,7 @@ def run(
     there = job.chunks - len(left)
     report = progress or (lambda done, of: None)
     report(there, job.chunks)
-    with _made(job, left, cluster) as results:
+    with _made(job, left, workers) as results:
         for number, made in results:
             if kept is not None:
                 kept.put(number, made)
@@ -76,11 +76,11 @@ def run(
 
 
 @contextmanager
-def _made(job: Job, left: list[int], cluster: str | int | None) -> Iterator[Iterable[tuple[int, Arrays]]]:
-    if cluster is None or not left:
+def _made(job: Job, left: list[int], workers: int | str) -> Iterator[Iterable[tuple[int, Arrays]]]:
+    if workers == 1 or not left:
         yield ((number, job.make(number)) for number in left)
         return
-    with connected(cluster) as client:
+    with connected(workers) as client:
         yield _by_workers(client, job, left)
 
 
@@ -92,27 +92,27 @@ def _distributed() -> Any:
 
 
 @contextmanager
-def connected(cluster: str | int) -> Iterator[Any]:
+def connected(workers: int | str) -> Iterator[Any]:
     """A Dask client: of the scheduler at an address, or of so many processes of this machine.
 
     Raises:
         WorkspaceError: no scheduler answers, or Dask is not there.
     """
     dask = _distributed()
-    if isinstance(cluster, int):
-        if cluster < 1:
-            raise WorkspaceError(f"{cluster} processes; expected 1 or more")
+    if isinstance(workers, int):
+        if workers < 1:
+            raise WorkspaceError(f"{workers} processes; expected 1 or more")
         with (
-            dask.LocalCluster(n_workers=cluster, threads_per_worker=1, dashboard_address=None) as local,
+            dask.LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as local,
             dask.Client(local) as client,
         ):
             yield client
         return
     try:
-        client = dask.Client(cluster, timeout=WAIT)
+        client = dask.Client(workers, timeout=WAIT)
     except (OSError, ValueError) as problem:
         raise WorkspaceError(
-            f"no Dask scheduler answers at {cluster!r} ({problem}); start one with `dask scheduler`, and "
+            f"no Dask scheduler answers at {workers!r} ({problem}); start one with `dask scheduler`, and "
             "workers with `dask worker ADDRESS`, or leave the address out"
         ) from problem
     with client:

@@ -57,7 +57,7 @@ def translational(
     with_indices: bool = False,
     mode: Branch | None = None,
     store: str | Path | None = None,
-    cluster: str | int | None = None,
+    workers: int | str = 1,
     progress: Progress | None = None,
 ) -> Workspace:
     """Boundaries of the layers at `heights` along rays from the z-axis, (1.38), (1.39).
@@ -79,7 +79,7 @@ def translational(
         tracing=Tracing(tracing),
         coarse=coarse,
     )
-    return run(job, store=store, cluster=cluster, progress=progress)
+    return run(job, store=store, workers=workers, progress=progress)
 
 
 def torsion(
@@ -132,7 +132,7 @@ def orientational(
     with_indices: bool = False,
     mode: Branch | None = None,
     store: str | Path | None = None,
-    cluster: str | int | None = None,
+    workers: int | str = 1,
     progress: Progress | None = None,
 ) -> Workspace:
     """The largest tilt about each direction, (1.43) to (1.45), at each torsion: the second step of 1.7.2.
@@ -150,7 +150,7 @@ def orientational(
     job = BoundaryMap(
         robot, held, chosen, family, axes, mode, with_indices, tracing=Tracing(tracing), coarse=coarse
     )
-    return run(job, store=store, cluster=cluster, progress=progress)
+    return run(job, store=store, workers=workers, progress=progress)
 
 
 def _limits(robot: Robot, given: WorkspaceLimits | None) -> WorkspaceLimits:

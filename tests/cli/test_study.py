@@ -127,9 +127,9 @@ def test_designs(cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
         ("--vary", "R_p=0.2:0.1"): "the bounds are 0.2 and 0.1",
         ("--vary", "R_b=0.9:0.95"): "designs works; the nearest",
         ("--objectives", "size"): "there is no objective 'size'",
-        ("--workers", "0"): "--workers is 0; it must be 1 or more",
+        ("--workers", "0"): "0 processes; expected 1 or more",
         ("--robot", "planar_rr_a"): "spatial robots",
-        ("--cluster", "2"): "--cluster belongs to workspace; design has no such option",
+        ("--file", "x.yaml"): "--file belongs to grasp-statics",
     }.items():
         refused = cli("study", "design", "--robot", "spatial_rrr_c", "--generations", "1", *wrong)
         assert refused.code == 2 and message in refused.err, refused.err

@@ -182,10 +182,10 @@ def test_a_cluster_gives_the_same_and_a_dead_worker_loses_nothing(tmp_path: Path
                 killed.append(first)
 
         found = W.run(
-            job(with_indices=True), cluster=cluster.scheduler_address, store=tmp_path / "map", progress=kill
+            job(with_indices=True), workers=cluster.scheduler_address, store=tmp_path / "map", progress=kill
         )
         assert killed
-        again = W.run(job(with_indices=True), cluster=cluster.scheduler_address)
+        again = W.run(job(with_indices=True), workers=cluster.scheduler_address)
     here = W.run(job(with_indices=True))
     assert same(found, here)
     assert same(again, here)
@@ -197,6 +197,6 @@ def test_a_scheduler_that_does_not_answer(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(execute, "WAIT", "300ms")
     for address in ("tcp://127.0.0.1:9", "nowhere"):
         with pytest.raises(WorkspaceError, match="no Dask scheduler answers at"):
-            W.run(job(), cluster=address)
+            W.run(job(), workers=address)
     with pytest.raises(WorkspaceError, match="0 processes; expected 1 or more"):
-        W.run(job(), cluster=0)
+        W.run(job(), workers=0)
