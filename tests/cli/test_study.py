@@ -129,7 +129,7 @@ def test_designs(cli: Cli, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
         ("--objectives", "size"): "there is no objective 'size'",
         ("--workers", "0"): "0 processes; expected 1 or more",
         ("--robot", "planar_rr_a"): "spatial robots",
-        ("--file", "x.yaml"): "--file belongs to grasp-statics",
+        ("--file", "x.yaml"): "--file belongs to grasp",
     }.items():
         refused = cli("study", "design", "--robot", "spatial_rrr_c", "--generations", "1", *wrong)
         assert refused.code == 2 and message in refused.err, refused.err
