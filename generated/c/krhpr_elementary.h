@@ -332,8 +332,10 @@ KRHPR_STATIC void krhpr_atan2_array(int n, const double *y, const double *x, dou
     for (int k = 0; k < n; k += KRHPR_LANES) {
         const krhpr_lanes at_y = krhpr_load(y + k);
         krhpr_lanes at_x = krhpr_load(x + k), found;
-        for (int lane = n - k; lane < KRHPR_LANES; ++lane) {
-            krhpr_set_lane(&at_x, lane, 1.0); /* zeros behind the array are no point */
+        for (int lane = 0; lane < KRHPR_LANES; ++lane) {
+            if (k + lane >= n) {
+                krhpr_set_lane(&at_x, lane, 1.0); /* zeros behind the array are no point */
+            }
         }
         krhpr_lanes_atan2_each(1, &at_y, &at_x, &found);
         krhpr_store(angle + k, found);

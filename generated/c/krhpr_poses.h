@@ -262,9 +262,10 @@ KRHPR_STATIC krhpr_stream krhpr_stream_open(krhpr_lanes *room, double *to, ptrdi
 KRHPR_OUTLINE void krhpr_stream_close(krhpr_stream *stream)
 {
     if (stream->whole) {
+        const int foreign = stream->foreign, rest = stream->kept;
         KRHPR_ROLLED
-        for (int k = stream->foreign; k < stream->kept; ++k) {
-            stream->at[k - stream->kept] = stream->room[k];
+        for (int k = foreign; k < rest; ++k) {
+            stream->at[k - rest] = stream->room[k];
         }
         stream->whole = 0;
     }
@@ -284,18 +285,20 @@ KRHPR_OUTLINE void krhpr_stream_put(
     const int kept = stream->kept;
     const int filled = kept + KRHPR_LANES * size;
     const int whole = filled / KRHPR_LINE * KRHPR_LINE;
-    int k = 0;
+    const int foreign = whole > 0 ? stream->foreign : 0;
+    int begin = 0;
     krhpr_poses_store(room + kept, step, from, size, KRHPR_LANES);
-    if (stream->foreign > 0 && whole > 0) {
-        for (k = stream->foreign; k < KRHPR_LINE; ++k) {
+    if (foreign > 0) {
+        for (int k = foreign; k < KRHPR_LINE; ++k) {
             at[k - kept] = room[k];
         }
+        begin = KRHPR_LINE;
         stream->foreign = 0;
     }
-    for (; k < whole; k += KRHPR_LANES) {
+    for (int k = begin; k < whole; k += KRHPR_LANES) {
         krhpr_store(at + (k - kept), krhpr_load(room + k));
     }
-    for (k = 0; k < KRHPR_LINE; k += KRHPR_LANES) {
+    for (int k = 0; k < KRHPR_LINE; k += KRHPR_LANES) {
         krhpr_store(room + k, krhpr_load(room + whole + k));
     }
     stream->at += KRHPR_LANES * size;

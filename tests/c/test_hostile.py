@@ -115,8 +115,8 @@ BROKEN = {
     ),
     "a line of the cache that is not ours": (
         "krhpr_poses.h",
-        "for (k = stream->foreign; k < KRHPR_LINE; ++k)",
-        "for (k = 0; k < KRHPR_LINE; ++k)",
+        "for (int k = foreign; k < KRHPR_LINE; ++k)",
+        "for (int k = 0; k < KRHPR_LINE; ++k)",
         "batch: writes before|AddressSanitizer",
     ),
     "a row that is not the next": (
