@@ -135,6 +135,12 @@ KRHPR_STATIC int krhpr_any(krhpr_ints condition)
 {
 #if KRHPR_LANES == 1
     return condition;
+#elif KRHPR_LANES == 8 && defined(__AVX512DQ__)
+    return __builtin_ia32_cvtq2mask512(condition) != 0;
+#elif KRHPR_LANES == 4 && defined(__AVX__)
+    return __builtin_ia32_movmskpd256((krhpr_lanes)condition) != 0;
+#elif KRHPR_LANES == 2 && defined(__SSE2__)
+    return __builtin_ia32_movmskpd((krhpr_lanes)condition) != 0;
 #elif KRHPR_LANES == 8 && defined(KRHPR_SHUFFLE)
     typedef long long krhpr_half __attribute__((vector_size(32)));
     typedef long long krhpr_quarter __attribute__((vector_size(16)));
@@ -173,11 +179,7 @@ KRHPR_STATIC krhpr_lanes krhpr_taint(const double *x, int n)
 
 KRHPR_STATIC int krhpr_is_clean(krhpr_lanes taint)
 {
-    double sum = krhpr_lane(&taint, 0);
-    for (int lane = 1; lane < KRHPR_LANES; ++lane) {
-        sum += krhpr_lane(&taint, lane);
-    }
-    return sum == 0.0;
+    return !krhpr_any((krhpr_ints)(taint != krhpr_all(0.0)));
 }
 
 /* -- functions --------------------------------------------------------------------------------------------------------- */
