@@ -83,7 +83,7 @@ BROKEN = {
     "no check of the inputs": (
         "krhpr_lanes.h",
         "return !krhpr_any((krhpr_ints)(taint != krhpr_all(0.0)));",
-        "return 1;",
+        "(void)taint;\n    return 1;",
         "for infinite input",
     ),
     "a status that is not one": (
