@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -11,8 +12,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import krhpr
-from krhpr.threads import SMALLEST, in_threads
+from krhpr.threads import in_threads
 from tests.support import THOROUGH
+
+SMALLEST = 512
+
+
+@pytest.fixture(scope="module", autouse=True)
+def small_batches_are_large() -> Iterator[None]:
+    """Threads are started for less than they are worth."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("krhpr.threads.SMALLEST", SMALLEST)
+        yield
 
 
 @pytest.fixture(scope="module", params=["compiled", "numpy"])
