@@ -138,9 +138,8 @@ class SlidePlatform(Platform):
         slides = [self.slide(g) for g in fields]
         normals = [self._across(t) for t in slides]
         points = [d * t for d, t in zip(redundant, slides, strict=True)]
-        if self.offset:
-            middles = (self.middle(g, n) for g, n in zip(fields, normals, strict=True))
-            points = [m + point for m, point in zip(middles, points, strict=True)]
+        middles = (self.middle(g, n) for g, n in zip(fields, normals, strict=True))
+        points = [m + point for m, point in zip(middles, points, strict=True)]
         det_a = concurrence(dependence(normals), normals, points)
         return [det_a] if self.space is Space.PLANAR else [det_a, _area(points)]
 

@@ -199,24 +199,19 @@ KRHPR_STATIC double krhpr_less_product(double x, double n, double p)
 
 KRHPR_STATIC krhpr_lanes krhpr_lanes_less_product(krhpr_lanes x, krhpr_lanes n, krhpr_lanes p)
 {
-#if KRHPR_LANES == 1
-    return fma(-n, p, x);
-#elif KRHPR_LANES == 2 && defined(__aarch64__)
+#if KRHPR_LANES == 2 && defined(__aarch64__)
     __asm__("fmls %0.2d, %1.2d, %2.2d" : "+w"(x) : "w"(n), "w"(p));
-    return x;
 #elif KRHPR_LANES == 8 && defined(__AVX512F__)
     __asm__("{vfnmadd231pd %2, %1, %0|vfnmadd231pd %0, %1, %2}" : "+v"(x) : "v"(n), "v"(p));
-    return x;
-#elif KRHPR_LANES <= 4 && defined(__FMA__)
+#elif KRHPR_LANES > 1 && KRHPR_LANES <= 4 && defined(__FMA__)
     __asm__("{vfnmadd231pd %2, %1, %0|vfnmadd231pd %0, %1, %2}" : "+x"(x) : "x"(n), "x"(p));
-    return x;
 #else
-    /* wider than the processor's registers */
+    /* one lane, or more than the processor's registers hold */
     for (int lane = 0; lane < KRHPR_LANES; ++lane) {
-        krhpr_set_lane(&x, lane, fma(-krhpr_lane(&n, lane), krhpr_lane(&p, lane), krhpr_lane(&x, lane)));
+        krhpr_set_lane(&x, lane, krhpr_less_product(krhpr_lane(&x, lane), krhpr_lane(&n, lane), krhpr_lane(&p, lane)));
     }
-    return x;
 #endif
+    return x;
 }
 #endif
 
