@@ -60,6 +60,26 @@ def unit_sign(k: KernelWriter, given: Any) -> Any:
 
 
 @dataclass(frozen=True)
+class Span:
+    """What spans the platform's plane: S_2 - S_1 along x_1, and s_n x (S_2 - S_1) along y_1 or against it.
+
+    Directions seen in it wait for no root but their own.
+    """
+
+    ahead: sp.Matrix
+    across: sp.Matrix
+    sense: Any
+    root: Any
+    """|s_n| |sense|"""
+
+    def direction(self, k: KernelWriter, v: sp.Matrix) -> tuple[Any, Any]:
+        """Cosine and sine of the angle from x_1 to a vector's part in the plane."""
+        along, aside = k.let("c", dot(self.ahead, v)), k.let("s", self.sense * dot(self.across, v))
+        norm = k.inverse_root("norm", along**2 * self.root**2 + aside**2)
+        return k.let("cos", along * self.root * norm), k.let("sin", aside * norm)
+
+
+@dataclass(frozen=True)
 class Plane:
     """The end points in the platform's plane, seen from S_1, and the way back."""
 
@@ -69,6 +89,8 @@ class Plane:
     """[x_1, y_1, z_1], (3.3); none in the plane, where the base frame serves."""
     points: tuple[sp.Matrix, ...]
     """r_i from S_1."""
+    span: Span | None = None
+    """What made the axes, where they are made here."""
 
     def position(self, local: sp.Matrix) -> sp.Matrix:
         """A point of the plane in the base frame."""
@@ -94,17 +116,21 @@ def plane_of(k: KernelWriter, space: Space, s: Sequence[sp.Matrix], order: Any, 
     if space is Space.PLANAR:
         return Plane(space, s[0], None, (zero, s_12, s_13))
     normal = k.let("s_n", cross(s_12, s_13))
-    square, across = k.let("s_12_2", dot(s_12, s_12)), k.let("s_n_2", dot(normal, normal))
+    across = k.let("y_n", cross(normal, s_12), "along y_1 or against it")
+    square, area = k.let("s_12_2", dot(s_12, s_12)), k.let("s_n_2", dot(normal, normal))
     sense = k.let("sense", order * turned, "positive where the legs go round z_1")
     weight = k.let("sense_2", order**2 * (unit_sign(k, turned) if turned.is_Symbol else turned))
-    weighted = k.let("s_n_w", weight * across)
+    weighted = k.let("s_n_w", weight * area)
     # not a number where the legs have no order, so that the guard fails
     k.add_output(FLATNESS, [weighted / (weight * (square * dot(s_13, s_13)))])
-    x = k.let("x_1", s_12 / k.let("v_1", sp.sqrt(square), "|s_12|"), "(3.1)")
-    z = k.let("z_1", normal * (sense / sp.sqrt(weighted)), "(3.2)")
-    y = k.let("y_1", cross(z, x))
-    r_3 = k.let("r_3", sp.Matrix([dot(x, s_13), dot(y, s_13)]))
-    return Plane(space, s[0], sp.Matrix.hstack(x, y, z), (zero, sp.Matrix([dot(x, s_12), 0]), r_3))
+    edge, root = k.signed_root("v_1", 1, square, "|s_12|"), k.signed_root("v_n", 1, weighted)
+    one_edge = k.let("w_1", 1 / edge)
+    one_normal = k.let("w_n", sense / root, "1 / |s_n|, negative where the legs go the other way")
+    x, z = k.let("x_1", s_12 * one_edge, "(3.1)"), k.let("z_1", normal * one_normal, "(3.2)")
+    y = k.let("y_1", across * k.let("w_y", one_normal * one_edge))
+    r_3 = k.let("r_3", one_edge * sp.Matrix([dot(s_12, s_13), area * one_normal]))
+    points = (zero, sp.Matrix([edge, 0]), r_3)
+    return Plane(space, s[0], sp.Matrix.hstack(x, y, z), points, Span(s_12, across, sense, root))
 
 
 @dataclass(frozen=True)

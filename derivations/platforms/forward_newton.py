@@ -85,15 +85,13 @@ def _start(plate: Platform) -> Kernel:
     d = [k.let(f"d_{i + 1}", anchors[i] - anchors[0]) for i in range(3)]
     plane = plane_of(k, plate.space, s, cross2(d[1], d[2]), sp.Integer(1))
     k.add_output(POINTS, [entry for point in plane.points for entry in point])
-    if plane.axes is None:
+    if plane.axes is None or plane.span is None:
         cosine, sine = Q[0, 0], Q[1, 0]
         a_1 = k.let("a_1", p + Q * anchors[0] - s[0])
     else:
         k.add_output(AXES, plane.axes)
         x, y = plane.axes.col(0), plane.axes.col(1)
-        along, across = k.let("c", dot(x, Q.col(0))), k.let("s", dot(y, Q.col(0)))
-        norm = k.let("norm", 1 / sp.sqrt(along**2 + across**2))
-        cosine, sine = k.let("cos", along * norm), k.let("sin", across * norm)
+        cosine, sine = plane.span.direction(k, Q.col(0))
         arm = k.let("arm", p + Q[:, :2] * anchors[0] - s[0], "S_1 to B_1")
         a_1 = k.let("a_1", sp.Matrix([dot(x, arm), dot(y, arm)]))
     k.add_output(CENTRE, [cosine, sine])

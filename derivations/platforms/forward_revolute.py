@@ -251,7 +251,7 @@ def newton_step(
     )
     right = [-v - turn * g for v, g in zip(f, slope, strict=True)]
     move = k.let(f"move{at}", lines_meet(a, right, weights))
-    norm = k.let(f"norm{at}", 1 / sp.sqrt(1 + turn**2))
+    norm = k.inverse_root(f"norm{at}", 1 + turn**2)
     return (
         k.let(f"cos{at}", (cosine - sine * turn) * norm),
         k.let(f"sin{at}", (sine + cosine * turn) * norm),

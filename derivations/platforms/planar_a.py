@@ -43,12 +43,12 @@ class PlanarA(Platform):
         return GeometryType("platform_planar_a", self.doc, FIELDS, k.kernel())
 
     def end_point(self, k: KernelWriter, pose: Pose, redundant: Any) -> sp.Matrix:
-        along_r, along_t = (
-            k.let("l_c", k.g.l_r * sp.cos(redundant)),
-            k.let("l_s", k.g.l_r * sp.sin(redundant)),
+        link = k.let("l_e", k.g.l_r * k.g.e_r)
+        local = k.let(
+            "r_l",
+            k.g.b - sp.cos(redundant) * link + sp.sin(redundant) * (E * link),
+            "r_i in the platform frame",
         )
-        e_r = k.g.e_r
-        local = k.let("r_l", k.g.b - along_r * e_r + along_t * (E * e_r), "r_i in the platform frame")
         return pose.p + pose.Q * local
 
     def redundant(self, k: KernelWriter, pose: Pose, s: sp.Matrix) -> Any:

@@ -83,17 +83,14 @@ class SpatialA(Platform):
         return GeometryType("platform_spatial_a", self.doc, FIELDS, k.kernel())
 
     def end_point(self, k: KernelWriter, pose: Pose, redundant: Any) -> sp.Matrix:
-        along_r, along_t = (
-            k.let("l_c", k.g.l_r * sp.cos(redundant)),
-            k.let("l_s", k.g.l_r * sp.sin(redundant)),
-        )
-        e_r = k.g.e_r
+        link = k.let("l_e", k.g.l_r * k.g.e_r)
+        cosine, sine = sp.cos(redundant), sp.sin(redundant)
         local = k.let(
             "s_l",
             sp.Matrix(
                 [
-                    k.g.b[0] - along_r * e_r[0] - along_t * e_r[1],
-                    k.g.b[1] - along_r * e_r[1] + along_t * e_r[0],
+                    k.g.b[0] - cosine * link[0] - sine * link[1],
+                    k.g.b[1] - cosine * link[1] + sine * link[0],
                 ]
             ),
             "S_i in the platform frame",

@@ -47,8 +47,8 @@ def two_link(
     longest, shortest = (a + b) ** 2, (a - b) ** 2
     radicand = k.let(f"h2{suffix}", (longest - d2) * (d2 - shortest), "4 a^2 b^2 sin^2")
     s = k.let(f"S{suffix}", sign * sp.sqrt(radicand), "2 a b sin")
-    c = k.let(f"C{suffix}", d2 - (a**2 + b**2), "2 a b cos")
-    reach = k.let(f"A{suffix}", d2 + (a**2 - b**2), "2 a (a + b cos)")
+    c = k.let(f"C{suffix}", d2 - k.let(f"sum{suffix}", a**2 + b**2), "2 a b cos")
+    reach = k.let(f"A{suffix}", d2 + k.let(f"difference{suffix}", a**2 - b**2), "2 a (a + b cos)")
     along, across = k.let(f"n{suffix}", x * reach + y * s), k.let(f"m{suffix}", y * reach - x * s)
     link = sp.Matrix([along, across]) / (2 * d2)
     return Solution(k.atan2(across, along), k.atan2(s, c) if elbow else None, radicand, link)

@@ -50,11 +50,20 @@
 #define KRHPR_INLINE static inline
 #endif
 
-/* Keeps a loop small where speed does not depend on it. */
+/* Keeps a loop small where speed does not depend on it, or writes it out where arrays are registers only then. */
 #if defined(__GNUC__) && !defined(__clang__)
 #define KRHPR_ROLLED _Pragma("GCC unroll 1")
+#define KRHPR_UNROLLED _Pragma("GCC unroll 64")
 #else
 #define KRHPR_ROLLED
+#define KRHPR_UNROLLED
+#endif
+
+/* A condition that almost always holds: the usual way goes straight on. */
+#if defined(__GNUC__)
+#define KRHPR_LIKELY(condition) __builtin_expect(!!(condition), 1)
+#else
+#define KRHPR_LIKELY(condition) (condition)
 #endif
 
 /* Three legs and, so that registers are full, a place that repeats the third: the length of a geometry's arrays. */

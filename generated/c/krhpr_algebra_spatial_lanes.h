@@ -112,14 +112,14 @@ KRHPR_INLINE void krhpr_algebra_spatial_segment_distance_lanes(
     *distance = krhpr_lanes_sqrt(1e-150 + gap_0 * gap_0 + gap_1 * gap_1 + gap_2 * gap_2);
 }
 
-/* Largest and smallest singular value of M, squared.  Thesis: 1.8.  (128 add, 208 multiply, 2 divide, 4
+/* Largest and smallest singular value of M, squared.  Thesis: 1.8.  (128 add, 200 multiply, 2 divide, 4
  * square root, 2 sine cosine, 2 arctangent) */
 KRHPR_INLINE void krhpr_algebra_spatial_spread_lanes(
     const krhpr_lanes_at gram[9], const krhpr_lanes_at cofactors[9], krhpr_lanes square,
     krhpr_lanes_at *KRHPR_RESTRICT largest, krhpr_lanes_at *KRHPR_RESTRICT smallest,
     krhpr_lanes_at *KRHPR_RESTRICT evenness)
 {
-    const krhpr_lanes g_m = gram[0] * (1.0 / 3.0) + gram[4] * (1.0 / 3.0) + gram[8] * (1.0 / 3.0);
+    const krhpr_lanes g_m = (gram[8] + (gram[0] + gram[4])) * (1.0 / 3.0);
     const krhpr_lanes g_f = g_m * g_m;
     const krhpr_lanes g_d_00 = gram[0] - g_m; /* without its mean */
     const krhpr_lanes g_d_11 = gram[4] - g_m;
@@ -131,8 +131,8 @@ KRHPR_INLINE void krhpr_algebra_spatial_spread_lanes(
     const krhpr_lanes t5 = t4 + (1.0 / 6.0) * (gram[2] * gram[2]) + (1.0 / 6.0) * (gram[3] * gram[3]) + (1.0 / 6.0) * (gram[5] * gram[5]);
     const krhpr_lanes g_p = t5 + (1.0 / 6.0) * (gram[6] * gram[6]) + (1.0 / 6.0) * (gram[7] * gram[7]) + g_f * 1e-48;
     const krhpr_lanes t6 = gram[5] * gram[7];
-    const krhpr_lanes t7 = g_d_00 * 0.5 * (g_d_11 * g_d_22 - t6) + gram[1] * 0.5 * (gram[5] * gram[6] - gram[3] * g_d_22);
-    const krhpr_lanes g_q = t7 + gram[2] * 0.5 * (gram[3] * gram[7] - gram[6] * g_d_11);
+    const krhpr_lanes t7 = g_d_00 * (g_d_11 * g_d_22 - t6) + gram[1] * (gram[5] * gram[6] - gram[3] * g_d_22);
+    const krhpr_lanes g_q = (t7 + gram[2] * (gram[3] * gram[7] - gram[6] * g_d_11)) * 0.5;
     const krhpr_lanes t8 = gram[1] * gram[3];
     const krhpr_lanes t9 = gram[2] * gram[6];
     const krhpr_lanes g_a2_00 = t1 + t8 + t9;
@@ -166,7 +166,7 @@ KRHPR_INLINE void krhpr_algebra_spatial_spread_lanes(
     const krhpr_lanes t26 = g_w01 * g_v02 - g_v01 * g_w02;
     const krhpr_lanes g_s = t25 + (1.0 / 108.0) * (t26 * t26) + 1e-144 * (g_f * (g_f * g_f));
     const krhpr_lanes g_t = (1.0 / 3.0) * krhpr_lanes_atan2(krhpr_lanes_sqrt(g_s), g_q);
-    const krhpr_lanes h_m = cofactors[0] * (1.0 / 3.0) + cofactors[4] * (1.0 / 3.0) + cofactors[8] * (1.0 / 3.0);
+    const krhpr_lanes h_m = (1.0 / 3.0) * (cofactors[8] + (cofactors[0] + cofactors[4]));
     const krhpr_lanes h_f = h_m * h_m;
     const krhpr_lanes h_d_00 = cofactors[0] - h_m; /* without its mean */
     const krhpr_lanes h_d_11 = cofactors[4] - h_m;
@@ -178,9 +178,9 @@ KRHPR_INLINE void krhpr_algebra_spatial_spread_lanes(
     const krhpr_lanes t31 = h_d_11 * h_d_11;
     const krhpr_lanes t32 = h_d_22 * h_d_22;
     const krhpr_lanes h_p = t29 + (1.0 / 6.0) * t30 + (1.0 / 6.0) * t31 + (1.0 / 6.0) * t32 + 1e-48 * h_f;
-    const krhpr_lanes t33 = cofactors[1] * 0.5 * (cofactors[5] * cofactors[6] - cofactors[3] * h_d_22) + cofactors[2] * 0.5 * (cofactors[3] * cofactors[7] - cofactors[6] * h_d_11);
+    const krhpr_lanes t33 = cofactors[1] * (cofactors[5] * cofactors[6] - cofactors[3] * h_d_22) + cofactors[2] * (cofactors[3] * cofactors[7] - cofactors[6] * h_d_11);
     const krhpr_lanes t34 = cofactors[5] * cofactors[7];
-    const krhpr_lanes h_q = t33 + 0.5 * h_d_00 * (h_d_11 * h_d_22 - t34);
+    const krhpr_lanes h_q = 0.5 * (t33 + h_d_00 * (h_d_11 * h_d_22 - t34));
     const krhpr_lanes t35 = cofactors[1] * cofactors[3];
     const krhpr_lanes t36 = cofactors[2] * cofactors[6];
     const krhpr_lanes h_a2_00 = t30 + t35 + t36;
@@ -221,14 +221,14 @@ KRHPR_INLINE void krhpr_algebra_spatial_spread_lanes(
     *evenness = low / high;
 }
 
-/* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (92 add, 140
+/* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (92 add, 138
  * multiply, 4 divide, 6 square root) */
 KRHPR_INLINE void krhpr_algebra_spatial_spread_bound_lanes(
     const krhpr_lanes_at gram[9], const krhpr_lanes_at cofactors[9], krhpr_lanes square,
     krhpr_lanes_at *KRHPR_RESTRICT largest, krhpr_lanes_at *KRHPR_RESTRICT smallest,
     krhpr_lanes_at *KRHPR_RESTRICT evenness)
 {
-    const krhpr_lanes g_0 = gram[0] * 0.5 + gram[4] * 0.25 + gram[8] * 0.25;
+    const krhpr_lanes g_0 = (gram[4] + gram[8] + gram[0] * 2.0) * 0.25;
     const krhpr_lanes t1 = 1.0 / g_0;
     const krhpr_lanes g_r_00 = gram[0] * t1;
     const krhpr_lanes g_r_01 = gram[1] * t1;
@@ -268,7 +268,7 @@ KRHPR_INLINE void krhpr_algebra_spatial_spread_bound_lanes(
     const krhpr_lanes g_4 = krhpr_lanes_sqrt(g_8);
     const krhpr_lanes g_2 = krhpr_lanes_sqrt(g_4);
     const krhpr_lanes g_1 = krhpr_lanes_sqrt(g_2);
-    const krhpr_lanes h_0 = cofactors[0] * 0.5 + cofactors[4] * 0.25 + cofactors[8] * 0.25;
+    const krhpr_lanes h_0 = 0.25 * (cofactors[4] + cofactors[8] + cofactors[0] * 2.0);
     const krhpr_lanes t9 = 1.0 / h_0;
     const krhpr_lanes h_r_00 = cofactors[0] * t9;
     const krhpr_lanes h_r_01 = cofactors[1] * t9;
@@ -316,14 +316,14 @@ KRHPR_INLINE void krhpr_algebra_spatial_spread_bound_lanes(
 }
 
 /* The indices: 2-norms of both parts of U = J^-1 K, condition number of J_1.  Thesis: 1.8, 4.2.2.  (128
- * add, 208 multiply, 4 divide, 10 square root, 2 sine cosine, 2 arctangent, 4 select) */
+ * add, 200 multiply, 4 divide, 10 square root, 2 sine cosine, 2 arctangent, 4 select) */
 KRHPR_INLINE void krhpr_algebra_spatial_norms_lanes(
     const krhpr_lanes_at position_gram[9], const krhpr_lanes_at rotation_gram[9],
     const krhpr_lanes_at largest[3], const krhpr_lanes_at smallest[3], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3,
     krhpr_lanes_at *KRHPR_RESTRICT condition)
 {
-    const krhpr_lanes p_m = position_gram[0] * (1.0 / 3.0) + position_gram[4] * (1.0 / 3.0) + position_gram[8] * (1.0 / 3.0);
+    const krhpr_lanes p_m = (position_gram[8] + (position_gram[0] + position_gram[4])) * (1.0 / 3.0);
     const krhpr_lanes p_f = p_m * p_m;
     const krhpr_lanes p_d_00 = position_gram[0] - p_m; /* without its mean */
     const krhpr_lanes p_d_11 = position_gram[4] - p_m;
@@ -336,9 +336,9 @@ KRHPR_INLINE void krhpr_algebra_spatial_norms_lanes(
     const krhpr_lanes t6 = t5 + (1.0 / 6.0) * (position_gram[5] * position_gram[5]) + (1.0 / 6.0) * (position_gram[6] * position_gram[6]);
     const krhpr_lanes p_p = t6 + (1.0 / 6.0) * (position_gram[7] * position_gram[7]) + p_f * 1e-48;
     const krhpr_lanes t7 = position_gram[5] * position_gram[7];
-    const krhpr_lanes t8 = position_gram[1] * 0.5 * (position_gram[5] * position_gram[6] - position_gram[3] * p_d_22);
-    const krhpr_lanes t9 = position_gram[2] * 0.5 * (position_gram[3] * position_gram[7] - position_gram[6] * p_d_11);
-    const krhpr_lanes p_q = p_d_00 * 0.5 * (p_d_11 * p_d_22 - t7) + t8 + t9;
+    const krhpr_lanes t8 = position_gram[1] * (position_gram[5] * position_gram[6] - position_gram[3] * p_d_22);
+    const krhpr_lanes t9 = position_gram[2] * (position_gram[3] * position_gram[7] - position_gram[6] * p_d_11);
+    const krhpr_lanes p_q = (p_d_00 * (p_d_11 * p_d_22 - t7) + t8 + t9) * 0.5;
     const krhpr_lanes t10 = position_gram[1] * position_gram[3];
     const krhpr_lanes t11 = position_gram[2] * position_gram[6];
     const krhpr_lanes p_a2_00 = t1 + t10 + t11;
@@ -372,7 +372,7 @@ KRHPR_INLINE void krhpr_algebra_spatial_norms_lanes(
     const krhpr_lanes t28 = p_w01 * p_v02 - p_v01 * p_w02;
     const krhpr_lanes p_s = t27 + (1.0 / 108.0) * (t28 * t28) + 1e-144 * (p_f * (p_f * p_f));
     const krhpr_lanes p_t = (1.0 / 3.0) * krhpr_lanes_atan2(krhpr_lanes_sqrt(p_s), p_q);
-    const krhpr_lanes r_m = rotation_gram[0] * (1.0 / 3.0) + rotation_gram[4] * (1.0 / 3.0) + rotation_gram[8] * (1.0 / 3.0);
+    const krhpr_lanes r_m = (1.0 / 3.0) * (rotation_gram[8] + (rotation_gram[0] + rotation_gram[4]));
     const krhpr_lanes r_f = r_m * r_m;
     const krhpr_lanes r_d_00 = rotation_gram[0] - r_m; /* without its mean */
     const krhpr_lanes r_d_11 = rotation_gram[4] - r_m;
@@ -385,9 +385,9 @@ KRHPR_INLINE void krhpr_algebra_spatial_norms_lanes(
     const krhpr_lanes t34 = t33 + (1.0 / 6.0) * (rotation_gram[5] * rotation_gram[5]) + (1.0 / 6.0) * (rotation_gram[6] * rotation_gram[6]);
     const krhpr_lanes r_p = t34 + (1.0 / 6.0) * (rotation_gram[7] * rotation_gram[7]) + 1e-48 * r_f;
     const krhpr_lanes t35 = rotation_gram[5] * rotation_gram[7];
-    const krhpr_lanes t36 = rotation_gram[1] * 0.5 * (rotation_gram[5] * rotation_gram[6] - rotation_gram[3] * r_d_22);
-    const krhpr_lanes t37 = rotation_gram[2] * 0.5 * (rotation_gram[3] * rotation_gram[7] - rotation_gram[6] * r_d_11);
-    const krhpr_lanes r_q = 0.5 * r_d_00 * (r_d_11 * r_d_22 - t35) + t36 + t37;
+    const krhpr_lanes t36 = rotation_gram[1] * (rotation_gram[5] * rotation_gram[6] - rotation_gram[3] * r_d_22);
+    const krhpr_lanes t37 = rotation_gram[2] * (rotation_gram[3] * rotation_gram[7] - rotation_gram[6] * r_d_11);
+    const krhpr_lanes r_q = 0.5 * (r_d_00 * (r_d_11 * r_d_22 - t35) + t36 + t37);
     const krhpr_lanes t38 = rotation_gram[1] * rotation_gram[3];
     const krhpr_lanes t39 = rotation_gram[2] * rotation_gram[6];
     const krhpr_lanes r_a2_00 = t29 + t38 + t39;
@@ -430,14 +430,14 @@ KRHPR_INLINE void krhpr_algebra_spatial_norms_lanes(
     condition[2] = krhpr_lanes_sqrt(largest[2] / smallest[2]);
 }
 
-/* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (100 add, 173 multiply, 7
+/* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (100 add, 169 multiply, 7
  * divide, 15 square root) */
 KRHPR_INLINE void krhpr_algebra_spatial_norm_bounds_lanes(
     const krhpr_lanes_at position_gram[9], const krhpr_lanes_at rotation_gram[9],
     const krhpr_lanes_at largest[3], const krhpr_lanes_at smallest[3], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3)
 {
-    const krhpr_lanes p_0 = position_gram[0] * 0.5 + position_gram[4] * 0.25 + position_gram[8] * 0.25;
+    const krhpr_lanes p_0 = (position_gram[4] + position_gram[8] + position_gram[0] * 2.0) * 0.25;
     const krhpr_lanes t1 = 1.0 / p_0;
     const krhpr_lanes p_r_00 = position_gram[0] * t1;
     const krhpr_lanes p_r_01 = position_gram[1] * t1;
@@ -477,7 +477,7 @@ KRHPR_INLINE void krhpr_algebra_spatial_norm_bounds_lanes(
     const krhpr_lanes p_4 = krhpr_lanes_sqrt(p_8);
     const krhpr_lanes p_2 = krhpr_lanes_sqrt(p_4);
     const krhpr_lanes p_1 = krhpr_lanes_sqrt(p_2);
-    const krhpr_lanes r_0 = rotation_gram[0] * 0.5 + rotation_gram[4] * 0.25 + rotation_gram[8] * 0.25;
+    const krhpr_lanes r_0 = 0.25 * (rotation_gram[4] + rotation_gram[8] + rotation_gram[0] * 2.0);
     const krhpr_lanes t9 = 1.0 / r_0;
     const krhpr_lanes r_r_00 = rotation_gram[0] * t9;
     const krhpr_lanes r_r_01 = rotation_gram[1] * t9;
@@ -517,7 +517,7 @@ KRHPR_INLINE void krhpr_algebra_spatial_norm_bounds_lanes(
     const krhpr_lanes r_4 = krhpr_lanes_sqrt(r_8);
     const krhpr_lanes r_2 = krhpr_lanes_sqrt(r_4);
     const krhpr_lanes r_1 = krhpr_lanes_sqrt(r_2);
-    const krhpr_lanes l_0 = largest[0] * 0.5 + largest[1] * 0.25 + largest[2] * 0.25;
+    const krhpr_lanes l_0 = 0.25 * (largest[1] + largest[2] + largest[0] * 2.0);
     const krhpr_lanes t17 = 1.0 / l_0;
     const krhpr_lanes l_r1 = largest[0] * t17;
     const krhpr_lanes l_r2 = largest[1] * t17;
@@ -535,7 +535,7 @@ KRHPR_INLINE void krhpr_algebra_spatial_norm_bounds_lanes(
     const krhpr_lanes inv_s = 1.0 / smallest[0];
     const krhpr_lanes inv_s_a = 1.0 / smallest[1];
     const krhpr_lanes inv_s_b = 1.0 / smallest[2];
-    const krhpr_lanes s_0 = 0.5 * inv_s + 0.25 * inv_s_a + 0.25 * inv_s_b;
+    const krhpr_lanes s_0 = 0.25 * (inv_s_a + inv_s_b + 2.0 * inv_s);
     const krhpr_lanes t24 = 1.0 / s_0;
     const krhpr_lanes s_r1 = inv_s * t24;
     const krhpr_lanes s_r2 = inv_s_a * t24;

@@ -256,24 +256,39 @@ KRHPR_OUTLINE void krhpr_lanes_atan2_far(int n, const krhpr_lanes *y, const krhp
     }
 }
 
-/* Sines and cosines of n vectors of angles, and the angles of n vectors of points. */
-KRHPR_STATIC void krhpr_lanes_sincos_each(int n, const krhpr_lanes *x, krhpr_lanes *sine, krhpr_lanes *cosine)
+/* Sines and cosines of n vectors of angles, and the angles of n vectors of points.  Where one is beyond those of the
+ * functions above, and not only there if anything is NaN or infinite, all go to the C library, and 0 is returned. */
+KRHPR_STATIC int krhpr_lanes_sincos_each(int n, const krhpr_lanes *x, krhpr_lanes *sine, krhpr_lanes *cosine)
 {
-#ifndef KRHPR_LIBM
-    krhpr_lanes sum = krhpr_all(0.0);
-    for (int k = 0; k < n; ++k) {
+    krhpr_lanes sum = krhpr_lanes_fabs(x[0]);
+    for (int k = 1; k < n; ++k) {
         sum += krhpr_lanes_fabs(x[k]);
+    }
+    const int near = krhpr_every(krhpr_at_most(sum, krhpr_all(1e5)));
+#ifndef KRHPR_LIBM
+    for (int k = 0; k < n; ++k) {
         krhpr_lanes_sincos_near(x[k], &sine[k], &cosine[k]);
     }
-    if (!krhpr_any(krhpr_not(krhpr_at_most(sum, krhpr_all(1e5))))) {
-        return;
+    if (KRHPR_LIKELY(near)) {
+        return 1;
     }
-    /* one of them may be beyond */
 #endif
+#ifdef KRHPR_LANES_ARE_POSES
     krhpr_lanes_sincos_far(n, x, sine, cosine);
+#else
+    KRHPR_UNROLLED
+    for (int k = 0; k < n; ++k) {
+        const krhpr_lanes at = x[k]; /* arrays stay in registers if no call gets them */
+        krhpr_lanes s, c;
+        krhpr_lanes_sincos_far(1, &at, &s, &c);
+        sine[k] = s;
+        cosine[k] = c;
+    }
+#endif
+    return near;
 }
 
-KRHPR_STATIC void krhpr_lanes_atan2_each(int n, const krhpr_lanes *y, const krhpr_lanes *x, krhpr_lanes *angle)
+KRHPR_STATIC int krhpr_lanes_atan2_each(int n, const krhpr_lanes *y, const krhpr_lanes *x, krhpr_lanes *angle)
 {
 #ifndef KRHPR_LIBM
     krhpr_lanes sum = krhpr_all(0.0);
@@ -281,12 +296,23 @@ KRHPR_STATIC void krhpr_lanes_atan2_each(int n, const krhpr_lanes *y, const krhp
         angle[k] = krhpr_lanes_atan2_near(y[k], x[k]);
         sum += krhpr_lanes_fabs(x[k]) + angle[k]; /* NaN where both are zero, where y is infinite, or of what is NaN */
     }
-    if (!krhpr_any(krhpr_not(krhpr_at_most(sum, krhpr_all(1e290))))) {
-        return;
+    if (KRHPR_LIKELY(krhpr_every(krhpr_at_most(sum, krhpr_all(1e290))))) {
+        return 1;
     }
-    /* one of them may be beyond */
 #endif
+#ifdef KRHPR_LANES_ARE_POSES
     krhpr_lanes_atan2_far(n, y, x, angle);
+#else
+    KRHPR_UNROLLED
+    for (int k = 0; k < n; ++k) {
+        const krhpr_lanes at_y = y[k];
+        const krhpr_lanes at_x = x[k];
+        krhpr_lanes found;
+        krhpr_lanes_atan2_far(1, &at_y, &at_x, &found);
+        angle[k] = found;
+    }
+#endif
+    return 0;
 }
 
 KRHPR_STATIC void krhpr_lanes_sincos(krhpr_lanes x, krhpr_lanes *sine, krhpr_lanes *cosine)

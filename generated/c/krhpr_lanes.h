@@ -160,11 +160,30 @@ KRHPR_STATIC int krhpr_any(krhpr_ints condition)
 #endif
 }
 
+KRHPR_STATIC int krhpr_every(krhpr_ints condition)
+{
+#if KRHPR_LANES == 8 && defined(__AVX512DQ__)
+    return (unsigned char)__builtin_ia32_cvtq2mask512(condition) == 0xff;
+#elif KRHPR_LANES == 4 && defined(__AVX__)
+    return __builtin_ia32_movmskpd256((krhpr_lanes)condition) == 0xf;
+#elif KRHPR_LANES == 2 && defined(__SSE2__)
+    return __builtin_ia32_movmskpd((krhpr_lanes)condition) == 0x3;
+#else
+    return !krhpr_any(krhpr_not(condition));
+#endif
+}
+
 /* Zero where all n values are finite, NaN somewhere where one is NaN or infinite; taints add up. */
 KRHPR_STATIC krhpr_lanes krhpr_taint(const double *x, int n)
 {
     const int whole = n / KRHPR_LANES * KRHPR_LANES;
     krhpr_lanes taint = krhpr_all(0.0);
+#if KRHPR_LANES == 4 && defined(KRHPR_SHUFFLE)
+    if (whole == 0 && n > 1) {
+        const krhpr_pair_at two = *(const krhpr_pair_at *)x * 0.0 + *(const krhpr_pair_at *)(x + n - 2) * 0.0;
+        return KRHPR_SHUFFLE(two, two, 0, 1, 0, 1);
+    }
+#endif
     for (int k = 0; k < whole; k += KRHPR_LANES) {
         taint += krhpr_load(x + k) * 0.0;
     }
@@ -179,7 +198,7 @@ KRHPR_STATIC krhpr_lanes krhpr_taint(const double *x, int n)
 
 KRHPR_STATIC int krhpr_is_clean(krhpr_lanes taint)
 {
-    return !krhpr_any((krhpr_ints)(taint != krhpr_all(0.0)));
+    return krhpr_every((krhpr_ints)(taint == krhpr_all(0.0)));
 }
 
 /* -- functions --------------------------------------------------------------------------------------------------------- */

@@ -91,7 +91,7 @@ KRHPR_API int krhpr_planar_fivebar_a_end_points(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1))) {
         krhpr_fill_nan(s, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -101,19 +101,24 @@ KRHPR_API int krhpr_planar_fivebar_a_end_points(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
-        krhpr_lanes s_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_platform_planar_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2];
         krhpr_platform_planar_a_end_point_lanes(
             &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
         krhpr_legs_store(s, 2, s_legs, 2, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(redundant, 3))) {
+        krhpr_fill_nan(s, 6);
+        return KRHPR_INVALID_INPUT;
     }
     return status;
 }
@@ -134,9 +139,9 @@ KRHPR_API int krhpr_planar_fivebar_a_redundant_coordinates(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes redundant_legs[1];
         krhpr_lanes tail_y_legs[1];
@@ -160,29 +165,38 @@ KRHPR_API int krhpr_planar_fivebar_a_subleg_forward(
     if (assembly == NULL) {
         assembly = assembly_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(theta, 6) + krhpr_taint(assembly, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(assembly, 3))) {
         krhpr_fill_nan(s, 6);
         return KRHPR_INVALID_INPUT;
     }
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes assembly_legs[1]; krhpr_legs_load(assembly_legs, assembly, 1, i);
-        krhpr_lanes s_legs[2];
-        krhpr_lanes radicand_legs[1];
         krhpr_lanes angle_legs[2];
         krhpr_lanes sine_legs[2];
         krhpr_lanes cosine_legs[2];
         krhpr_subleg_planar_fivebar_forward_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes assembly_legs[1]; krhpr_legs_load(assembly_legs, assembly, 1, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes radicand_legs[1];
         krhpr_subleg_planar_fivebar_forward_lanes(
             &g->subleg, i, assembly_legs, sine_legs, cosine_legs, s_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(s, 2, s_legs, 2, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(s + 2 * i, 2);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(s, 6);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(s + 2 * i, 2);
+            }
         }
     }
     return status;
@@ -193,28 +207,33 @@ KRHPR_API int krhpr_planar_fivebar_a_subleg_forward_all(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!krhpr_is_clean(krhpr_taint(theta, 6))) {
-        krhpr_fill_nan(s, 12);
-        return KRHPR_INVALID_INPUT;
-    }
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes s_legs[4];
-        krhpr_lanes radicand_legs[1];
         krhpr_lanes angle_legs[2];
         krhpr_lanes sine_legs[2];
         krhpr_lanes cosine_legs[2];
         krhpr_subleg_planar_fivebar_forward_all_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[4];
+        krhpr_lanes radicand_legs[1];
         krhpr_subleg_planar_fivebar_forward_all_lanes(
             &g->subleg, i, sine_legs, cosine_legs, s_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(s, 4, s_legs, 4, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(s + 4 * i, 4);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(s, 12);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(s + 4 * i, 4);
+            }
         }
     }
     return status;
@@ -229,6 +248,7 @@ KRHPR_API int krhpr_planar_fivebar_a_subleg_inverse(
         krhpr_fill_nan(theta, 24);
         return KRHPR_INVALID_INPUT;
     }
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes radicand_legs[1];
@@ -240,20 +260,23 @@ KRHPR_API int krhpr_planar_fivebar_a_subleg_inverse(
             &g->subleg, i, s_legs, radicand_legs, tail_y_legs, tail_x_legs);
         krhpr_lanes_atan2_each(4, tail_y_legs, tail_x_legs, tail_legs);
         theta_legs[0] = tail_legs[0];
-        theta_legs[1] = tail_legs[1];
+        theta_legs[1] = tail_legs[2];
         theta_legs[2] = tail_legs[0];
-        theta_legs[3] = tail_legs[2];
-        theta_legs[4] = tail_legs[3];
-        theta_legs[5] = tail_legs[1];
-        theta_legs[6] = tail_legs[3];
-        theta_legs[7] = tail_legs[2];
+        theta_legs[3] = tail_legs[3];
+        theta_legs[4] = tail_legs[1];
+        theta_legs[5] = tail_legs[2];
+        theta_legs[6] = tail_legs[1];
+        theta_legs[7] = tail_legs[3];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 8, theta_legs, 8, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 8 * i, 8);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 8 * i, 8);
+            }
         }
     }
     return status;
@@ -265,34 +288,43 @@ KRHPR_API int krhpr_planar_fivebar_a_subleg_jacobian(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6))) {
         krhpr_fill_nan(M, 12);
         return KRHPR_INVALID_INPUT;
     }
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_1_legs[2];
         krhpr_lanes u_2_legs[2];
         krhpr_lanes M_legs[4];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_planar_fivebar_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_planar_fivebar_jacobian_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, M_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(M, 4, M_legs, 4, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(M + 4 * i, 4);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(M, 12);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(M + 4 * i, 4);
+            }
         }
     }
     return status;
@@ -314,9 +346,9 @@ KRHPR_API int krhpr_planar_fivebar_a_constraints(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes residual_legs[1];
         krhpr_platform_planar_a_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
@@ -332,7 +364,7 @@ KRHPR_API int krhpr_planar_fivebar_a_jacobians(
     int status = KRHPR_OK;
     double Q[4];
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6))) {
         krhpr_fill_nan(J, 9);
         krhpr_fill_nan(K, 18);
         return KRHPR_INVALID_INPUT;
@@ -346,11 +378,18 @@ KRHPR_API int krhpr_planar_fivebar_a_jacobians(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes J_legs[3];
         krhpr_lanes N_legs[2];
         krhpr_lanes d_legs[2];
@@ -358,24 +397,27 @@ KRHPR_API int krhpr_planar_fivebar_a_jacobians(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes K_legs[2];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_planar_fivebar_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_planar_fivebar_project_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, N_legs, K_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(J, 3, J_legs, 3, i);
         krhpr_legs_store(K, 8, K_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(K + 8 * i + 0, 2);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(J, 9);
+        krhpr_fill_nan(K, 18);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(K + 8 * i + 0, 2);
+            }
         }
     }
     return status;
@@ -388,7 +430,7 @@ KRHPR_API int krhpr_planar_fivebar_a_jacobian_blocks(
     int status = KRHPR_OK;
     double Q[4];
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6))) {
         krhpr_fill_nan(J, 9);
         krhpr_fill_nan(K, 6);
         return KRHPR_INVALID_INPUT;
@@ -399,11 +441,18 @@ KRHPR_API int krhpr_planar_fivebar_a_jacobian_blocks(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes J_legs[3];
         krhpr_lanes N_legs[2];
         krhpr_lanes d_legs[2];
@@ -411,24 +460,27 @@ KRHPR_API int krhpr_planar_fivebar_a_jacobian_blocks(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes K_legs[2];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_planar_fivebar_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_planar_fivebar_project_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, N_legs, K_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(J, 3, J_legs, 3, i);
         krhpr_legs_store(K, 2, K_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(K + 2 * i, 2);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(J, 9);
+        krhpr_fill_nan(K, 6);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(K + 2 * i, 2);
+            }
         }
     }
     return status;
@@ -443,7 +495,7 @@ KRHPR_API int krhpr_planar_fivebar_a_jacobians_n(
     double J_lines[9];
     double along[6];
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6))) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 36);
         return KRHPR_INVALID_INPUT;
@@ -457,11 +509,18 @@ KRHPR_API int krhpr_planar_fivebar_a_jacobians_n(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes J_lines_legs[3];
         krhpr_lanes N_legs[2];
         krhpr_lanes along_legs[2];
@@ -471,11 +530,6 @@ KRHPR_API int krhpr_planar_fivebar_a_jacobians_n(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes K_legs[4];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_lines_legs, N_legs);
         krhpr_platform_planar_a_redundant_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, along_legs, redundant_line_legs);
@@ -483,18 +537,26 @@ KRHPR_API int krhpr_planar_fivebar_a_jacobians_n(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_planar_fivebar_transmission_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, N_legs, along_legs, K_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(J_lines, 3, J_lines_legs, 3, i);
         krhpr_legs_store(along, 2, along_legs, 2, i);
         krhpr_legs_store(K, 14, K_legs, 2, i);
         krhpr_legs_store(K + 6, 14, K_legs + 2, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(J, 36);
+        krhpr_fill_nan(K, 36);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_subleg_planar_fivebar_non_redundant(J_lines, along, p, s, J);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(K + 14 * i + 0, 2);
-            krhpr_fill_nan(K + 14 * i + 6, 2);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(K + 14 * i + 0, 2);
+                krhpr_fill_nan(K + 14 * i + 6, 2);
+            }
         }
     }
     return status;
@@ -510,7 +572,7 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse(
     if (mode == NULL) {
         mode = mode_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(mode, 6))) {
         krhpr_fill_nan(theta, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -520,19 +582,21 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
-        krhpr_lanes mode_legs[2]; krhpr_legs_load(mode_legs, mode, 2, i);
-        krhpr_lanes s_legs[2];
-        krhpr_lanes radicand_legs[1];
-        krhpr_lanes theta_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_platform_planar_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes mode_legs[2]; krhpr_legs_load(mode_legs, mode, 2, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[2];
         krhpr_lanes tail_y_legs[2];
         krhpr_lanes tail_x_legs[2];
         krhpr_lanes tail_legs[2];
@@ -543,13 +607,20 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse(
         krhpr_lanes_atan2_each(2, tail_y_legs, tail_x_legs, tail_legs);
         theta_legs[0] = tail_legs[0];
         theta_legs[1] = tail_legs[1];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 2, theta_legs, 2, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 2 * i, 2);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(redundant, 3))) {
+        krhpr_fill_nan(theta, 6);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 2 * i, 2);
+            }
         }
     }
     return status;
@@ -562,7 +633,7 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_all(
     int status = KRHPR_OK;
     double Q[4];
     double radicand[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1))) {
         krhpr_fill_nan(theta, 24);
         return KRHPR_INVALID_INPUT;
     }
@@ -572,18 +643,20 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_all(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
-        krhpr_lanes s_legs[2];
-        krhpr_lanes radicand_legs[1];
-        krhpr_lanes theta_legs[8];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_platform_planar_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[8];
         krhpr_lanes tail_y_legs[4];
         krhpr_lanes tail_x_legs[4];
         krhpr_lanes tail_legs[4];
@@ -593,20 +666,27 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_all(
             &g->subleg, i, s_legs, radicand_legs, tail_y_legs, tail_x_legs);
         krhpr_lanes_atan2_each(4, tail_y_legs, tail_x_legs, tail_legs);
         theta_legs[0] = tail_legs[0];
-        theta_legs[1] = tail_legs[1];
+        theta_legs[1] = tail_legs[2];
         theta_legs[2] = tail_legs[0];
-        theta_legs[3] = tail_legs[2];
-        theta_legs[4] = tail_legs[3];
-        theta_legs[5] = tail_legs[1];
-        theta_legs[6] = tail_legs[3];
-        theta_legs[7] = tail_legs[2];
+        theta_legs[3] = tail_legs[3];
+        theta_legs[4] = tail_legs[1];
+        theta_legs[5] = tail_legs[2];
+        theta_legs[6] = tail_legs[1];
+        theta_legs[7] = tail_legs[3];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 8, theta_legs, 8, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 8 * i, 8);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(redundant, 3))) {
+        krhpr_fill_nan(theta, 24);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 8 * i, 8);
+            }
         }
     }
     return status;
@@ -621,7 +701,7 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_status(
     if (mode == NULL) {
         mode = mode_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(mode, 6))) {
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
@@ -631,25 +711,34 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_status(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
-        krhpr_lanes s_legs[2];
-        krhpr_lanes excess_legs[1];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_platform_planar_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes excess_legs[1];
         krhpr_platform_planar_a_end_point_lanes(
             &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
         krhpr_subleg_planar_fivebar_reach_lanes(&g->subleg, i, s_legs, excess_legs);
+        fine &= krhpr_every(krhpr_at_most(excess_legs[0], krhpr_all(0.0)));
         krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(excess[i] <= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(redundant, 3))) {
+        krhpr_fill_nan(excess, 3);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(excess[i] <= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            }
         }
     }
     return status;
@@ -666,8 +755,7 @@ KRHPR_API int krhpr_planar_fivebar_a_twist(
     double regularity[3];
     double rate[3];
     double det_regularity[1];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
-          krhpr_taint(theta_dot, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta_dot, 6))) {
         krhpr_fill_nan(twist, 3);
         return KRHPR_INVALID_INPUT;
     }
@@ -677,11 +765,18 @@ KRHPR_API int krhpr_planar_fivebar_a_twist(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_dot_legs[2]; krhpr_legs_load(theta_dot_legs, theta_dot, 2, i);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
@@ -693,11 +788,6 @@ KRHPR_API int krhpr_planar_fivebar_a_twist(
         krhpr_lanes s_dot_legs[2];
         krhpr_lanes regularity_legs[1];
         krhpr_lanes rate_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_fivebar_posture_lanes(
@@ -705,15 +795,22 @@ KRHPR_API int krhpr_planar_fivebar_a_twist(
         krhpr_subleg_planar_fivebar_velocity_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, theta_dot_legs, s_dot_legs, regularity_legs);
         krhpr_algebra_planar_rate_lanes(N_legs, s_dot_legs, rate_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(rate, 1, rate_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(twist, 3);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_planar_a_solve(Q, line, point, rate, twist, det_regularity);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -733,8 +830,8 @@ KRHPR_API int krhpr_planar_fivebar_a_joint_rates(
     int status = KRHPR_OK;
     double Q[4];
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
-          krhpr_taint(twist, 3) + krhpr_taint(redundant_rates, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(twist, 3) +
+          krhpr_taint(redundant_rates, 3))) {
         krhpr_fill_nan(theta_dot, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -744,37 +841,46 @@ KRHPR_API int krhpr_planar_fivebar_a_joint_rates(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes s_dot_legs[2];
         krhpr_lanes d_legs[2];
         krhpr_lanes u_1_legs[2];
         krhpr_lanes u_2_legs[2];
         krhpr_lanes theta_dot_legs[2];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_a_end_velocity_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], s_dot_legs);
         krhpr_subleg_planar_fivebar_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_planar_fivebar_rates_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, s_dot_legs, theta_dot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(theta_dot, 2, theta_dot_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_dot + 2 * i, 2);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(theta_dot, 6);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_dot + 2 * i, 2);
+            }
         }
     }
     return status;
@@ -792,8 +898,8 @@ KRHPR_API int krhpr_planar_fivebar_a_platform_acceleration(
     double regularity[3];
     double rate[3];
     double det_regularity[1];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
-          krhpr_taint(twist, 3) + krhpr_taint(theta_dot, 6) + krhpr_taint(theta_ddot, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(twist, 3) +
+          krhpr_taint(theta_dot, 6) + krhpr_taint(theta_ddot, 6))) {
         krhpr_fill_nan(twist_rate, 3);
         return KRHPR_INVALID_INPUT;
     }
@@ -803,14 +909,21 @@ KRHPR_API int krhpr_planar_fivebar_a_platform_acceleration(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_bias_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_dot_legs[2]; krhpr_legs_load(theta_dot_legs, theta_dot, 2, i);
         krhpr_lanes theta_ddot_legs[2]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 2, i);
+        krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -825,11 +938,6 @@ KRHPR_API int krhpr_planar_fivebar_a_platform_acceleration(
         krhpr_lanes s_ddot_legs[2];
         krhpr_lanes row_bias_legs[1];
         krhpr_lanes rate_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_fivebar_bias_lanes(
@@ -843,16 +951,23 @@ KRHPR_API int krhpr_planar_fivebar_a_platform_acceleration(
         krhpr_platform_planar_a_row_bias_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, s_dot_legs, row_bias_legs);
         krhpr_algebra_planar_rate_with_bias_lanes(N_legs, s_ddot_legs, row_bias_legs, rate_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(rate, 1, rate_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(twist_rate, 3);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_planar_a_solve(Q, line, point, rate, twist_rate, det_regularity);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -873,9 +988,8 @@ KRHPR_API int krhpr_planar_fivebar_a_joint_accelerations(
     double Q[4];
     double parallel_regularity[3];
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
-          krhpr_taint(twist, 3) + krhpr_taint(redundant_rates, 3) + krhpr_taint(theta_dot, 6) + krhpr_taint(twist_rate, 3) +
-          krhpr_taint(redundant_accelerations, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(twist, 3) +
+          krhpr_taint(redundant_rates, 3) + krhpr_taint(theta_dot, 6) + krhpr_taint(twist_rate, 3) + krhpr_taint(redundant_accelerations, 3))) {
         krhpr_fill_nan(theta_ddot, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -885,15 +999,22 @@ KRHPR_API int krhpr_planar_fivebar_a_joint_accelerations(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
-    krhpr_lanes twist_rate_legs[3]; krhpr_legs_spread(twist_rate_legs, twist_rate, 3);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
-        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_bias_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes twist_rate_legs[3]; krhpr_legs_spread(twist_rate_legs, twist_rate, 3);
+        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_dot_legs[2]; krhpr_legs_load(theta_dot_legs, theta_dot, 2, i);
         krhpr_lanes s_dot_legs[2];
         krhpr_lanes s_ddot_legs[2];
@@ -906,11 +1027,6 @@ KRHPR_API int krhpr_planar_fivebar_a_joint_accelerations(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes theta_ddot_legs[2];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_a_end_acceleration_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], twist_rate_legs,
             redundant_accelerations_legs[0], s_dot_legs, s_ddot_legs);
@@ -922,18 +1038,26 @@ KRHPR_API int krhpr_planar_fivebar_a_joint_accelerations(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_planar_fivebar_rates_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, along_legs, theta_ddot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), parallel_regularity_legs[0]));
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(parallel_regularity, 1, parallel_regularity_legs, 1, i);
         krhpr_legs_store(theta_ddot, 2, theta_ddot_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(parallel_regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_ddot + 2 * i, 2);
-        }
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_ddot + 2 * i, 2);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(theta_ddot, 6);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(parallel_regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_ddot + 2 * i, 2);
+            }
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_ddot + 2 * i, 2);
+            }
         }
     }
     return status;
@@ -953,8 +1077,8 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_statics(
     double regularity[3];
     double line_forces[3];
     double det_regularity[1];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
-          krhpr_taint(wrench, 3) + krhpr_taint(redundant_forces, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(wrench, 3) +
+          krhpr_taint(redundant_forces, 3))) {
         krhpr_fill_nan(actuator_forces, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -964,11 +1088,18 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_statics(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -980,11 +1111,6 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_statics(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes K_n_legs[4];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_platform_planar_a_redundant_line_lanes(
@@ -993,18 +1119,25 @@ KRHPR_API int krhpr_planar_fivebar_a_inverse_statics(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_planar_fivebar_transmission_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, N_legs, along_legs, K_n_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(redundant_line, 3, redundant_line_legs, 3, i);
         krhpr_legs_store(K_n, 4, K_n_legs, 4, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(actuator_forces, 6);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_planar_a_balance(
         Q, line, point, redundant_line, redundant_forces, wrench, line_forces, det_regularity);
     krhpr_subleg_planar_fivebar_torques(K_n, line_forces, redundant_forces, actuator_forces);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1026,8 +1159,7 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_statics(
     double end_force[6];
     double regularity[3];
     double moment[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
-          krhpr_taint(actuator_forces, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(actuator_forces, 6))) {
         krhpr_fill_nan(wrench, 3);
         krhpr_fill_nan(redundant_forces, 3);
         return KRHPR_INVALID_INPUT;
@@ -1038,12 +1170,19 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_statics(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes actuator_forces_legs[2]; krhpr_legs_load(actuator_forces_legs, actuator_forces, 2, i);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_1_legs[2];
         krhpr_lanes u_2_legs[2];
@@ -1051,27 +1190,30 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_statics(
         krhpr_lanes regularity_legs[1];
         krhpr_lanes moment_legs[1];
         krhpr_lanes redundant_forces_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_planar_fivebar_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_planar_fivebar_end_force_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, actuator_forces_legs, end_force_legs, regularity_legs);
         krhpr_platform_planar_a_reaction_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, end_force_legs, moment_legs, redundant_forces_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(end_force, 2, end_force_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(moment, 1, moment_legs, 1, i);
         krhpr_legs_store(redundant_forces, 1, redundant_forces_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(wrench, 3);
+        krhpr_fill_nan(redundant_forces, 3);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_algebra_planar_total(end_force, moment, wrench);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(redundant_forces + 1 * i, 1);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(redundant_forces + 1 * i, 1);
+            }
         }
     }
     if (status != KRHPR_OK) {
@@ -1087,7 +1229,7 @@ KRHPR_API int krhpr_planar_fivebar_a_passive_joints(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6))) {
         krhpr_fill_nan(passive, 9);
         krhpr_fill_nan(wrist, 3);
         krhpr_fill_nan(platform_joint, 3);
@@ -1099,11 +1241,17 @@ KRHPR_API int krhpr_planar_fivebar_a_passive_joints(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_1_legs[2];
         krhpr_lanes u_2_legs[2];
@@ -1112,11 +1260,6 @@ KRHPR_API int krhpr_planar_fivebar_a_passive_joints(
         krhpr_lanes redundant_link_legs[2];
         krhpr_lanes platform_joint_legs[1];
         krhpr_lanes wrist_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes tail_y_legs[5];
         krhpr_lanes tail_x_legs[5];
         krhpr_lanes tail_legs[5];
@@ -1137,6 +1280,12 @@ KRHPR_API int krhpr_planar_fivebar_a_passive_joints(
         krhpr_legs_store(platform_joint, 1, platform_joint_legs, 1, i);
         krhpr_legs_store(wrist, 1, wrist_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(passive, 9);
+        krhpr_fill_nan(wrist, 3);
+        krhpr_fill_nan(platform_joint, 3);
+        return KRHPR_INVALID_INPUT;
+    }
     return status;
 }
 
@@ -1146,7 +1295,7 @@ KRHPR_API int krhpr_planar_fivebar_a_link_points(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6))) {
         krhpr_fill_nan(points, 30);
         krhpr_fill_nan(attachment, 6);
         return KRHPR_INVALID_INPUT;
@@ -1157,27 +1306,33 @@ KRHPR_API int krhpr_planar_fivebar_a_link_points(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_1_legs[2];
         krhpr_lanes u_2_legs[2];
         krhpr_lanes points_legs[10];
         krhpr_lanes attachment_legs[2];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_planar_fivebar_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_planar_fivebar_points_lanes(&g->subleg, i, u_1_legs, u_2_legs, s_legs, points_legs);
         krhpr_platform_planar_a_attachment_lanes(&g->platform, i, p_legs, Q_legs, attachment_legs);
         krhpr_legs_store(points, 10, points_legs, 10, i);
         krhpr_legs_store(attachment, 2, attachment_legs, 2, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(points, 30);
+        krhpr_fill_nan(attachment, 6);
+        return KRHPR_INVALID_INPUT;
     }
     return status;
 }
@@ -1192,7 +1347,7 @@ KRHPR_API int krhpr_planar_fivebar_a_singularity(
     double line[9];
     double point[6];
     double scale[6];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6))) {
         krhpr_fill_nan(type_1, 3);
         krhpr_fill_nan(factors, 9);
         krhpr_fill_nan(type_2, 1);
@@ -1205,11 +1360,17 @@ KRHPR_API int krhpr_planar_fivebar_a_singularity(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_1_legs[2];
         krhpr_lanes u_2_legs[2];
@@ -1219,11 +1380,6 @@ KRHPR_API int krhpr_planar_fivebar_a_singularity(
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
         krhpr_lanes scale_legs[2];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_planar_fivebar_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_planar_fivebar_determinant_lanes(
@@ -1235,6 +1391,13 @@ KRHPR_API int krhpr_planar_fivebar_a_singularity(
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(scale, 2, scale_legs, 2, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(type_1, 3);
+        krhpr_fill_nan(factors, 9);
+        krhpr_fill_nan(type_2, 1);
+        krhpr_fill_nan(margins, 1);
+        return KRHPR_INVALID_INPUT;
     }
     krhpr_platform_planar_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1248,26 +1411,27 @@ KRHPR_API int krhpr_planar_fivebar_a_type_2_of_redundant(
     double line[9];
     double point[6];
     double scale[6];
-    if (!krhpr_is_clean(krhpr_taint(redundant, 3))) {
-        krhpr_fill_nan(type_2, 1);
-        krhpr_fill_nan(margins, 1);
-        return KRHPR_INVALID_INPUT;
-    }
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
-        krhpr_lanes line_legs[3];
-        krhpr_lanes point_legs[2];
-        krhpr_lanes scale_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_platform_planar_a_line_of_redundant_angles_lanes(redundant_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes line_legs[3];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes scale_legs[2];
         krhpr_platform_planar_a_line_of_redundant_lanes(
             &g->platform, i, sine_legs, cosine_legs, line_legs, point_legs, scale_legs);
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(scale, 2, scale_legs, 2, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(redundant, 3))) {
+        krhpr_fill_nan(type_2, 1);
+        krhpr_fill_nan(margins, 1);
+        return KRHPR_INVALID_INPUT;
     }
     krhpr_platform_planar_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1290,7 +1454,7 @@ KRHPR_API int krhpr_planar_fivebar_a_indices(
     double position_gram[4];
     double rotation_gram[1];
     double det_regularity[1];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6))) {
         krhpr_fill_nan(eta_1, 1);
         krhpr_fill_nan(eta_2, 1);
         krhpr_fill_nan(eta_3, 1);
@@ -1303,11 +1467,18 @@ KRHPR_API int krhpr_planar_fivebar_a_indices(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -1323,11 +1494,6 @@ KRHPR_API int krhpr_planar_fivebar_a_indices(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_fivebar_posture_lanes(
@@ -1337,6 +1503,8 @@ KRHPR_API int krhpr_planar_fivebar_a_indices(
             reach_legs, regularity_legs);
         krhpr_algebra_planar_spread_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 1, reach_legs, 1, i);
@@ -1345,15 +1513,24 @@ KRHPR_API int krhpr_planar_fivebar_a_indices(
         krhpr_legs_store(smallest, 1, smallest_legs, 1, i);
         krhpr_legs_store(evenness, 1, evenness_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(eta_1, 1);
+        krhpr_fill_nan(eta_2, 1);
+        krhpr_fill_nan(eta_3, 1);
+        krhpr_fill_nan(condition, 3);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_planar_a_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_planar_norms(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-        }
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1385,7 +1562,7 @@ KRHPR_API int krhpr_planar_fivebar_a_index_bounds(
     double position_gram[4];
     double rotation_gram[1];
     double det_regularity[1];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6))) {
         krhpr_fill_nan(eta_1, 1);
         krhpr_fill_nan(eta_2, 1);
         krhpr_fill_nan(eta_3, 1);
@@ -1397,11 +1574,18 @@ KRHPR_API int krhpr_planar_fivebar_a_index_bounds(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -1417,11 +1601,6 @@ KRHPR_API int krhpr_planar_fivebar_a_index_bounds(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_fivebar_posture_lanes(
@@ -1431,6 +1610,8 @@ KRHPR_API int krhpr_planar_fivebar_a_index_bounds(
             reach_legs, regularity_legs);
         krhpr_algebra_planar_spread_bound_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 1, reach_legs, 1, i);
@@ -1439,14 +1620,22 @@ KRHPR_API int krhpr_planar_fivebar_a_index_bounds(
         krhpr_legs_store(smallest, 1, smallest_legs, 1, i);
         krhpr_legs_store(evenness, 1, evenness_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(eta_1, 1);
+        krhpr_fill_nan(eta_2, 1);
+        krhpr_fill_nan(eta_3, 1);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_planar_a_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_planar_norm_bounds(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-        }
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1480,12 +1669,8 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_all(
         krhpr_fill_nan(doubtful, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_planar_a_sextic(s, anchor, length, points, sextic);
     {
@@ -1576,7 +1761,7 @@ KRHPR_API int krhpr_planar_fivebar_a_forward(
     if (box == NULL) {
         box = box_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(theta, 6) + krhpr_taint(assembly, 3) + krhpr_taint(box, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(assembly, 3) + krhpr_taint(box, 6))) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(redundant, 3);
@@ -1584,25 +1769,36 @@ KRHPR_API int krhpr_planar_fivebar_a_forward(
         krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_forward_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes assembly_legs[1]; krhpr_legs_load(assembly_legs, assembly, 1, i);
         krhpr_lanes s_legs[2];
         krhpr_lanes radicand_legs[1];
         krhpr_lanes anchor_legs[2];
         krhpr_lanes length_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_forward_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_planar_fivebar_forward_lanes(
             &g->subleg, i, assembly_legs, sine_legs, cosine_legs, s_legs, radicand_legs);
         krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(s, 2, s_legs, 2, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
         krhpr_legs_store(length, 1, length_legs, 1, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(p, 2);
+        krhpr_fill_nan(phi, 1);
+        krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
+        return KRHPR_INVALID_INPUT;
     }
     krhpr_platform_planar_a_uniqueness(anchor, length, box, certificate);
     krhpr_platform_planar_a_sextic(s, anchor, length, points, sextic);
@@ -1659,11 +1855,13 @@ KRHPR_API int krhpr_planar_fivebar_a_forward(
         inside[0] = (double)(in_box + in_doubt);
         ambiguous[0] = (double)(in_box > 1 || (in_doubt && (!proven || in_box == 0)));
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(count, 1);
-            krhpr_fill_nan(certified, 1);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(count, 1);
+                krhpr_fill_nan(certified, 1);
+            }
         }
     }
     if (!(inside[0] >= 1.0)) {
@@ -1713,12 +1911,8 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_newton(
     double tail_x[KRHPR_PADDED(4)] = {0.0};
     double tail[KRHPR_PADDED(4)];
     krhpr_algebra_planar_rotation(sine, cosine, Q_near);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_planar_a_newton_start(
         s, anchor, length, p_near, Q_near, points, centre, start, kantorovich);
@@ -1790,15 +1984,9 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_1(
     double tail_x[KRHPR_PADDED(2)] = {0.0};
     double tail[KRHPR_PADDED(2)];
     krhpr_platform_planar_a_turns_1(sine, cosine, turns);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_lanes arm_legs[2];
-        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_platform_planar_a_arm_lanes(&g->platform, i, arm_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
-        krhpr_legs_store(arm, 2, arm_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_one_encoder(
         s, turns, anchor, length, arm, tolerance, radicand, p, mismatch, agreement, tail_y, tail_x);
@@ -1851,15 +2039,9 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_2(sine, cosine, turns);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_lanes arm_legs[2];
-        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_platform_planar_a_arm_lanes(&g->platform, i, arm_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
-        krhpr_legs_store(arm, 2, arm_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1916,15 +2098,9 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_encoders_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_3(sine, cosine, turns);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_lanes arm_legs[2];
-        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_platform_planar_a_arm_lanes(&g->platform, i, arm_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
-        krhpr_legs_store(arm, 2, arm_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1983,15 +2159,9 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_gauss_newton_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_2(sine, cosine, turns);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_lanes arm_legs[2];
-        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_platform_planar_a_arm_lanes(&g->platform, i, arm_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
-        krhpr_legs_store(arm, 2, arm_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -2069,15 +2239,9 @@ KRHPR_API int krhpr_planar_fivebar_a_forward_gauss_newton_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_3(sine, cosine, turns);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_lanes arm_legs[2];
-        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_platform_planar_a_arm_lanes(&g->platform, i, arm_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
-        krhpr_legs_store(arm, 2, arm_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);

@@ -19,7 +19,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_end_points_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2);
     krhpr_lanes Q[4];
     krhpr_lanes angle[4];
     krhpr_lanes sine[4];
@@ -28,7 +28,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_end_points_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_end_point_angles_lanes(redundant[i], angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_end_point_lanes(
@@ -36,12 +36,12 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_end_points_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 6);
     return 1;
@@ -128,13 +128,13 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_redundant_coordinates_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_lanes tail_y[3];
     krhpr_lanes tail_x[3];
     krhpr_lanes tail[3];
@@ -149,12 +149,12 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_redundant_coordinates_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, redundant, 3);
     return 1;
@@ -241,7 +241,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_subleg_forward_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at theta[6],
     const krhpr_lanes_at assembly[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(theta, 6) + krhpr_poses_taint(assembly, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(assembly, 3);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[6];
     krhpr_lanes sine[6];
@@ -249,7 +249,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_subleg_forward_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_forward_angles_lanes(theta + 2 * i, angle + 2 * i);
     }
-    krhpr_lanes_sincos_each(6, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_forward_lanes(
             &g->subleg, i, assembly + i, sine + 2 * i, cosine + 2 * i, s + 2 * i, &radicand[i]);
@@ -259,7 +259,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_subleg_forward_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -269,7 +269,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_subleg_forward_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, s + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 6);
     return 1;
@@ -362,7 +362,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_subleg_forward_all_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at theta[6],
     krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_all(0.0);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[6];
     krhpr_lanes sine[6];
@@ -370,7 +370,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_subleg_forward_all_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_forward_all_angles_lanes(theta + 2 * i, angle + 2 * i);
     }
-    krhpr_lanes_sincos_each(6, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_forward_all_lanes(
             &g->subleg, i, sine + 2 * i, cosine + 2 * i, s + 4 * i, &radicand[i]);
@@ -380,7 +380,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_subleg_forward_all_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -390,7 +390,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_subleg_forward_all_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, s + 4 * i, 4);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 12);
     return 1;
@@ -479,20 +479,20 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_subleg_inverse_lanes(
     krhpr_lanes_atan2_each(12, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
         theta[8 * i + 0] = tail[4 * i + 0];
-        theta[8 * i + 1] = tail[4 * i + 1];
+        theta[8 * i + 1] = tail[4 * i + 2];
         theta[8 * i + 2] = tail[4 * i + 0];
-        theta[8 * i + 3] = tail[4 * i + 2];
-        theta[8 * i + 4] = tail[4 * i + 3];
-        theta[8 * i + 5] = tail[4 * i + 1];
-        theta[8 * i + 6] = tail[4 * i + 3];
-        theta[8 * i + 7] = tail[4 * i + 2];
+        theta[8 * i + 3] = tail[4 * i + 3];
+        theta[8 * i + 4] = tail[4 * i + 1];
+        theta[8 * i + 5] = tail[4 * i + 2];
+        theta[8 * i + 6] = tail[4 * i + 1];
+        theta[8 * i + 7] = tail[4 * i + 3];
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -578,7 +578,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_subleg_jacobian_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6],
     krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 6);
     krhpr_lanes regularity[3];
     krhpr_lanes angle[6];
     krhpr_lanes sine[6];
@@ -586,7 +586,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_subleg_jacobian_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_posture_angles_lanes(theta + 2 * i, angle + 2 * i);
     }
-    krhpr_lanes_sincos_each(6, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes d[2];
         krhpr_lanes u_1[2];
@@ -600,7 +600,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_subleg_jacobian_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -610,7 +610,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_subleg_jacobian_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, M + 4 * i, 4);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, M, 12);
     return 1;
@@ -692,25 +692,25 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_constraints_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT residual, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_residual_lanes(&g->platform, i, p, Q, s + 2 * i, residual + i);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, residual, 3);
     return 1;
@@ -798,8 +798,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_jacobians_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes regularity[3];
     for (int k = 0; k < 18; ++k) {
@@ -812,7 +811,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_jacobians_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_posture_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -833,7 +832,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_jacobians_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -843,7 +842,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_jacobians_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, K + 8 * i + 0, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 9);
     krhpr_poses_keep(finite, K, 18);
@@ -945,8 +944,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_jacobian_blocks_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes regularity[3];
     krhpr_lanes angle[7];
@@ -956,7 +954,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_jacobian_blocks_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_posture_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -973,7 +971,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_jacobian_blocks_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -983,7 +981,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_jacobian_blocks_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, K + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 9);
     krhpr_poses_keep(finite, K, 6);
@@ -1085,8 +1083,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_jacobians_n_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes J_lines[9];
     krhpr_lanes along[6];
@@ -1101,7 +1098,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_jacobians_n_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_posture_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -1128,7 +1125,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_jacobians_n_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1139,7 +1136,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_jacobians_n_lanes(
         krhpr_poses_keep(kept_1, K + 14 * i + 0, 2);
         krhpr_poses_keep(kept_1, K + 14 * i + 6, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 36);
     krhpr_poses_keep(finite, K, 36);
@@ -1241,8 +1238,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_inverse_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(mode, 6);
     krhpr_lanes Q[4];
     krhpr_lanes radicand[3];
     krhpr_lanes angle[4];
@@ -1252,7 +1248,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_inverse_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_end_point_angles_lanes(redundant[i], angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_lanes tail_y[6];
     krhpr_lanes tail_x[6];
     krhpr_lanes tail[6];
@@ -1274,7 +1270,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1284,7 +1280,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_inverse_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 6);
     return 1;
@@ -1386,7 +1382,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_inverse_all_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2);
     krhpr_lanes Q[4];
     krhpr_lanes radicand[3];
     krhpr_lanes angle[4];
@@ -1396,7 +1392,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_inverse_all_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_end_point_angles_lanes(redundant[i], angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_lanes tail_y[12];
     krhpr_lanes tail_x[12];
     krhpr_lanes tail[12];
@@ -1411,20 +1407,20 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_inverse_all_lanes(
     krhpr_lanes_atan2_each(12, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
         theta[8 * i + 0] = tail[4 * i + 0];
-        theta[8 * i + 1] = tail[4 * i + 1];
+        theta[8 * i + 1] = tail[4 * i + 2];
         theta[8 * i + 2] = tail[4 * i + 0];
-        theta[8 * i + 3] = tail[4 * i + 2];
-        theta[8 * i + 4] = tail[4 * i + 3];
-        theta[8 * i + 5] = tail[4 * i + 1];
-        theta[8 * i + 6] = tail[4 * i + 3];
-        theta[8 * i + 7] = tail[4 * i + 2];
+        theta[8 * i + 3] = tail[4 * i + 3];
+        theta[8 * i + 4] = tail[4 * i + 1];
+        theta[8 * i + 5] = tail[4 * i + 2];
+        theta[8 * i + 6] = tail[4 * i + 1];
+        theta[8 * i + 7] = tail[4 * i + 3];
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1434,7 +1430,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_inverse_all_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 8 * i, 8);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 24);
     return 1;
@@ -1576,8 +1572,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_inverse_status_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], krhpr_lanes_at *KRHPR_RESTRICT excess,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(mode, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[4];
     krhpr_lanes sine[4];
@@ -1586,7 +1581,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_inverse_status_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_end_point_angles_lanes(redundant[i], angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[2];
@@ -1599,7 +1594,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_inverse_status_lanes(
         fine &= krhpr_at_most(excess[i], krhpr_all(0.0));
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1608,7 +1603,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_inverse_status_lanes(
         const krhpr_ints kept_1 = krhpr_at_most(excess[i], krhpr_all(0.0));
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 3);
     return 1;
@@ -1711,8 +1706,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_twist_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at theta_dot[6],
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(theta_dot, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta_dot, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -1726,7 +1720,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_twist_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_posture_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -1750,7 +1744,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_twist_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1762,7 +1756,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_twist_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, twist, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist, 3);
     return 1;
@@ -1858,8 +1852,8 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_joint_rates_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at twist[3],
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(twist, 3) +
+       krhpr_poses_taint(redundant_rates, 3);
     krhpr_lanes Q[4];
     krhpr_lanes regularity[3];
     krhpr_lanes angle[7];
@@ -1869,7 +1863,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_joint_rates_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_posture_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s_dot[2];
@@ -1888,7 +1882,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_joint_rates_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1898,7 +1892,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_joint_rates_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta_dot + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_dot, 6);
     return 1;
@@ -2001,9 +1995,8 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_platform_acceleration_lanes(
     const krhpr_lanes_at theta_dot[6], const krhpr_lanes_at theta_ddot[6],
     krhpr_lanes_at *KRHPR_RESTRICT twist_rate, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(theta_dot, 6) +
-        krhpr_poses_taint(theta_ddot, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(twist, 3) +
+       krhpr_poses_taint(theta_dot, 6) + krhpr_poses_taint(theta_ddot, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -2017,7 +2010,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_platform_acceleration_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_bias_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -2050,7 +2043,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_platform_acceleration_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2062,7 +2055,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_platform_acceleration_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, twist_rate, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist_rate, 3);
     return 1;
@@ -2171,9 +2164,9 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_joint_accelerations_lanes(
     const krhpr_lanes_at twist_rate[3], const krhpr_lanes_at redundant_accelerations[3],
     krhpr_lanes_at *KRHPR_RESTRICT theta_ddot, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3) +
-        krhpr_poses_taint(theta_dot, 6) + krhpr_poses_taint(twist_rate, 3) + krhpr_poses_taint(redundant_accelerations, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(twist, 3) +
+       krhpr_poses_taint(redundant_rates, 3) + krhpr_poses_taint(theta_dot, 6) + krhpr_poses_taint(twist_rate, 3) +
+       krhpr_poses_taint(redundant_accelerations, 3);
     krhpr_lanes Q[4];
     krhpr_lanes parallel_regularity[3];
     krhpr_lanes regularity[3];
@@ -2184,7 +2177,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_joint_accelerations_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_bias_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s_dot[2];
@@ -2213,7 +2206,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_joint_accelerations_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2226,7 +2219,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_joint_accelerations_lanes(
         status = krhpr_expect(kept_2, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_2, theta_ddot + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_ddot, 6);
     return 1;
@@ -2342,8 +2335,8 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_inverse_statics_lanes(
     const krhpr_lanes_at redundant_forces[3], krhpr_lanes_at *KRHPR_RESTRICT actuator_forces,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(wrench, 3) + krhpr_poses_taint(redundant_forces, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(wrench, 3) +
+       krhpr_poses_taint(redundant_forces, 3);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -2359,7 +2352,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_inverse_statics_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_posture_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -2386,7 +2379,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_inverse_statics_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2398,7 +2391,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_inverse_statics_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, actuator_forces, 6);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, actuator_forces, 6);
     return 1;
@@ -2501,8 +2494,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_statics_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT wrench, krhpr_lanes_at *KRHPR_RESTRICT redundant_forces,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(actuator_forces, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(actuator_forces, 6);
     krhpr_lanes Q[4];
     krhpr_lanes end_force[6];
     krhpr_lanes regularity[3];
@@ -2514,7 +2506,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_statics_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_posture_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes d[2];
@@ -2533,7 +2525,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_statics_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2545,7 +2537,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_statics_lanes(
     }
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, wrench, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, wrench, 3);
     krhpr_poses_keep(finite, redundant_forces, 3);
@@ -2654,8 +2646,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_passive_joints_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT passive,
     krhpr_lanes_at *KRHPR_RESTRICT wrist, krhpr_lanes_at *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[7];
     krhpr_lanes sine[7];
@@ -2664,7 +2655,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_passive_joints_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_posture_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_lanes tail_y[15];
     krhpr_lanes tail_x[15];
     krhpr_lanes tail[15];
@@ -2693,12 +2684,12 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_passive_joints_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, passive, 9);
     krhpr_poses_keep(finite, wrist, 3);
@@ -2813,8 +2804,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_link_points_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT points,
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[7];
     krhpr_lanes sine[7];
@@ -2823,7 +2813,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_link_points_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_posture_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes d[2];
@@ -2836,12 +2826,12 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_link_points_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, points, 30);
     krhpr_poses_keep(finite, attachment, 6);
@@ -2944,8 +2934,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_singularity_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
     krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -2957,7 +2946,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_singularity_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_posture_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes d[2];
@@ -2974,12 +2963,12 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_singularity_lanes(
     krhpr_platform_planar_a_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_1, 3);
     krhpr_poses_keep(finite, factors, 9);
@@ -3103,7 +3092,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_type_2_of_redundant_lanes(
     const krhpr_planar_fivebar_a_geometry *g, const krhpr_lanes_at redundant[3],
     krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_all(0.0);
     krhpr_lanes line[9];
     krhpr_lanes point[6];
     krhpr_lanes scale[6];
@@ -3113,7 +3102,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_type_2_of_redundant_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_line_of_redundant_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_line_of_redundant_lanes(
             &g->platform, i, sine + 1 * i, cosine + 1 * i, line + 3 * i, point + 2 * i, scale + 2 * i);
@@ -3121,12 +3110,12 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_type_2_of_redundant_lanes(
     krhpr_platform_planar_a_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_2, 1);
     krhpr_poses_keep(finite, margins, 1);
@@ -3216,8 +3205,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_indices_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3,
     krhpr_lanes_at *KRHPR_RESTRICT condition, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -3236,7 +3224,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_indices_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_posture_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -3266,7 +3254,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_indices_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3283,7 +3271,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_indices_lanes(
     krhpr_poses_keep(valid, eta_2, 1);
     krhpr_poses_keep(valid, eta_3, 1);
     krhpr_poses_keep(valid, condition, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
@@ -3408,8 +3396,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_index_bounds_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -3428,7 +3415,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_index_bounds_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_posture_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -3459,7 +3446,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_index_bounds_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3475,7 +3462,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_index_bounds_lanes(
     krhpr_poses_keep(valid, eta_1, 1);
     krhpr_poses_keep(valid, eta_2, 1);
     krhpr_poses_keep(valid, eta_3, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
@@ -3713,7 +3700,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_newton_lanes(
     const krhpr_lanes_at phi_near[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT kantorovich, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(p_near, 2) + krhpr_poses_taint(phi_near, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(p_near, 2);
     krhpr_lanes Q_near[4];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -3727,7 +3714,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_newton_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi_near[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_lanes tail_y[4];
     krhpr_lanes tail_x[4];
     krhpr_lanes tail[4];
@@ -3772,7 +3759,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_newton_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-20));
     fine &= krhpr_at_most(misfit[0], krhpr_all(1e-12));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3784,7 +3771,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_newton_lanes(
     krhpr_poses_keep(valid, phi, 1);
     krhpr_poses_keep(valid, redundant, 3);
     krhpr_poses_keep(valid, kantorovich, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi_near, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 2);
     krhpr_poses_keep(finite, phi, 1);
@@ -3905,7 +3892,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_encoders_1_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 1) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[2];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -3916,7 +3903,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_encoders_1_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_platform_planar_a_turns_1_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_lanes tail_y[2];
     krhpr_lanes tail_x[2];
     krhpr_lanes tail[2];
@@ -3934,7 +3921,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_encoders_1_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3945,7 +3932,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_encoders_1_lanes(
     krhpr_poses_keep(valid, p, 4);
     krhpr_poses_keep(valid, phi, 2);
     krhpr_poses_keep(valid, mismatch, 2);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 4);
     krhpr_poses_keep(finite, phi, 2);
@@ -4122,7 +4109,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_encoders_2_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[4];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4137,7 +4124,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_encoders_2_lanes(
     krhpr_lanes sine[2];
     krhpr_lanes cosine[2];
     krhpr_platform_planar_a_turns_2_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(2, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(2, angle, sine, cosine);
     krhpr_lanes tail_y[1];
     krhpr_lanes tail_x[1];
     krhpr_lanes tail[1];
@@ -4156,7 +4143,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4169,7 +4156,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_encoders_2_lanes(
     krhpr_poses_keep(valid, phi, 1);
     krhpr_poses_keep(valid, raw, 4);
     krhpr_poses_keep(valid, mismatch, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 2) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 2);
     krhpr_poses_keep(finite, phi, 1);
@@ -4290,7 +4277,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_encoders_3_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[6];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4305,7 +4292,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_encoders_3_lanes(
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     krhpr_platform_planar_a_turns_3_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_lanes tail_y[1];
     krhpr_lanes tail_x[1];
     krhpr_lanes tail[1];
@@ -4324,7 +4311,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4337,7 +4324,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_encoders_3_lanes(
     krhpr_poses_keep(valid, phi, 1);
     krhpr_poses_keep(valid, raw, 4);
     krhpr_poses_keep(valid, mismatch, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 2);
     krhpr_poses_keep(finite, phi, 1);
@@ -4459,8 +4446,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_gauss_newton_2_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT phi, krhpr_lanes_at *KRHPR_RESTRICT raw,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(tolerance, 1) + krhpr_poses_taint(weights, 3);
     krhpr_lanes turns[4];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4477,7 +4463,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_gauss_newton_2_lanes(
     krhpr_lanes sine[2];
     krhpr_lanes cosine[2];
     krhpr_platform_planar_a_turns_2_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(2, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(2, angle, sine, cosine);
     krhpr_lanes tail_y[1];
     krhpr_lanes tail_x[1];
     krhpr_lanes tail[1];
@@ -4517,7 +4503,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4531,7 +4517,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_gauss_newton_2_lanes(
     krhpr_poses_keep(valid, phi, 1);
     krhpr_poses_keep(valid, raw, 4);
     krhpr_poses_keep(valid, mismatch, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 2) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 2);
     krhpr_poses_keep(finite, phi, 1);
@@ -4657,8 +4643,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_gauss_newton_3_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT phi, krhpr_lanes_at *KRHPR_RESTRICT raw,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(tolerance, 1) + krhpr_poses_taint(weights, 3);
     krhpr_lanes turns[6];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4675,7 +4660,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_gauss_newton_3_lanes(
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     krhpr_platform_planar_a_turns_3_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_lanes tail_y[1];
     krhpr_lanes tail_x[1];
     krhpr_lanes tail[1];
@@ -4714,7 +4699,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4728,7 +4713,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_a_forward_gauss_newton_3_lanes(
     krhpr_poses_keep(valid, phi, 1);
     krhpr_poses_keep(valid, raw, 4);
     krhpr_poses_keep(valid, mismatch, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 2);
     krhpr_poses_keep(finite, phi, 1);

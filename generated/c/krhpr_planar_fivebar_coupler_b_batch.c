@@ -19,25 +19,25 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_end_points_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(redundant, 3);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_b_end_point_lanes(&g->platform, i, p, Q, redundant[i], s + 2 * i);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 6);
     return 1;
@@ -124,25 +124,25 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_redundant_coordinates_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_b_redundant_lanes(&g->platform, i, p, Q, s + 2 * i, &redundant[i]);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, redundant, 3);
     return 1;
@@ -229,7 +229,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_subleg_forward_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at theta[6],
     const krhpr_lanes_at assembly[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(theta, 6) + krhpr_poses_taint(assembly, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(assembly, 3);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[6];
     krhpr_lanes sine[6];
@@ -237,7 +237,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_subleg_forward_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_coupler_forward_angles_lanes(theta + 2 * i, angle + 2 * i);
     }
-    krhpr_lanes_sincos_each(6, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_coupler_forward_lanes(
             &g->subleg, i, assembly + i, sine + 2 * i, cosine + 2 * i, s + 2 * i, &radicand[i]);
@@ -247,7 +247,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_subleg_forward_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -257,7 +257,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_subleg_forward_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, s + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 6);
     return 1;
@@ -350,7 +350,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_subleg_forward_all_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at theta[6],
     krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_all(0.0);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[6];
     krhpr_lanes sine[6];
@@ -358,7 +358,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_subleg_forward_all_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_coupler_forward_all_angles_lanes(theta + 2 * i, angle + 2 * i);
     }
-    krhpr_lanes_sincos_each(6, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_coupler_forward_all_lanes(
             &g->subleg, i, sine + 2 * i, cosine + 2 * i, s + 4 * i, &radicand[i]);
@@ -368,7 +368,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_subleg_forward_all_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -378,7 +378,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_subleg_forward_all_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, s + 4 * i, 4);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 12);
     return 1;
@@ -468,12 +468,12 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_subleg_inverse_lanes(
     krhpr_lanes_atan2_each(18, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
         theta[8 * i + 0] = tail[6 * i + 0];
-        theta[8 * i + 1] = tail[6 * i + 1];
+        theta[8 * i + 1] = tail[6 * i + 2];
         theta[8 * i + 2] = tail[6 * i + 0];
-        theta[8 * i + 3] = tail[6 * i + 2];
-        theta[8 * i + 4] = tail[6 * i + 3];
+        theta[8 * i + 3] = tail[6 * i + 3];
+        theta[8 * i + 4] = tail[6 * i + 1];
         theta[8 * i + 5] = tail[6 * i + 4];
-        theta[8 * i + 6] = tail[6 * i + 3];
+        theta[8 * i + 6] = tail[6 * i + 1];
         theta[8 * i + 7] = tail[6 * i + 5];
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
@@ -481,7 +481,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_subleg_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -568,7 +568,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_subleg_jacobian_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at s[6],
     const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 6);
     krhpr_lanes regularity[3];
     krhpr_lanes angle[6];
     krhpr_lanes sine[6];
@@ -576,7 +576,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_subleg_jacobian_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta + 2 * i, angle + 2 * i);
     }
-    krhpr_lanes_sincos_each(6, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes d[2];
         krhpr_lanes u_1[2];
@@ -591,7 +591,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_subleg_jacobian_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -601,7 +601,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_subleg_jacobian_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, M + 4 * i, 4);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, M, 12);
     return 1;
@@ -683,25 +683,25 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_constraints_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT residual, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_b_residual_lanes(&g->platform, i, p, Q, s + 2 * i, residual + i);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, residual, 3);
     return 1;
@@ -789,8 +789,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_jacobians_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes regularity[3];
     for (int k = 0; k < 18; ++k) {
@@ -803,7 +802,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_jacobians_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -825,7 +824,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_jacobians_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -835,7 +834,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_jacobians_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, K + 8 * i + 0, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 9);
     krhpr_poses_keep(finite, K, 18);
@@ -937,8 +936,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_jacobian_blocks_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes regularity[3];
     krhpr_lanes angle[7];
@@ -948,7 +946,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_jacobian_blocks_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -966,7 +964,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_jacobian_blocks_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -976,7 +974,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_jacobian_blocks_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, K + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 9);
     krhpr_poses_keep(finite, K, 6);
@@ -1078,8 +1076,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_jacobians_n_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes J_lines[9];
     krhpr_lanes along[6];
@@ -1094,7 +1091,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_jacobians_n_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -1121,7 +1118,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_jacobians_n_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1132,7 +1129,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_jacobians_n_lanes(
         krhpr_poses_keep(kept_1, K + 14 * i + 0, 2);
         krhpr_poses_keep(kept_1, K + 14 * i + 6, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 36);
     krhpr_poses_keep(finite, K, 36);
@@ -1234,15 +1231,14 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_inverse_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(redundant, 3) + krhpr_poses_taint(mode, 6);
     krhpr_lanes Q[4];
     krhpr_lanes radicand[3];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_lanes tail_y[6];
     krhpr_lanes tail_x[6];
     krhpr_lanes tail[6];
@@ -1263,7 +1259,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1273,7 +1269,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_inverse_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 6);
     return 1;
@@ -1375,14 +1371,14 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_inverse_all_lanes(
     const krhpr_planar_fivebar_coupler_b_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(redundant, 3);
     krhpr_lanes Q[4];
     krhpr_lanes radicand[3];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_lanes tail_y[18];
     krhpr_lanes tail_x[18];
     krhpr_lanes tail[18];
@@ -1396,12 +1392,12 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_inverse_all_lanes(
     krhpr_lanes_atan2_each(18, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
         theta[8 * i + 0] = tail[6 * i + 0];
-        theta[8 * i + 1] = tail[6 * i + 1];
+        theta[8 * i + 1] = tail[6 * i + 2];
         theta[8 * i + 2] = tail[6 * i + 0];
-        theta[8 * i + 3] = tail[6 * i + 2];
-        theta[8 * i + 4] = tail[6 * i + 3];
+        theta[8 * i + 3] = tail[6 * i + 3];
+        theta[8 * i + 4] = tail[6 * i + 1];
         theta[8 * i + 5] = tail[6 * i + 4];
-        theta[8 * i + 6] = tail[6 * i + 3];
+        theta[8 * i + 6] = tail[6 * i + 1];
         theta[8 * i + 7] = tail[6 * i + 5];
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
@@ -1409,7 +1405,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_inverse_all_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1419,7 +1415,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_inverse_all_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 8 * i, 8);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 24);
     return 1;
@@ -1561,14 +1557,13 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_inverse_status_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], krhpr_lanes_at *KRHPR_RESTRICT excess,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(redundant, 3) + krhpr_poses_taint(mode, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[2];
@@ -1580,7 +1575,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_inverse_status_lanes(
         fine &= krhpr_at_most(excess[i], krhpr_all(0.0));
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1589,7 +1584,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_inverse_status_lanes(
         const krhpr_ints kept_1 = krhpr_at_most(excess[i], krhpr_all(0.0));
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 3);
     return 1;
@@ -1692,8 +1687,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_twist_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at theta_dot[6],
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(theta_dot, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta_dot, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -1707,7 +1701,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_twist_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -1731,7 +1725,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_twist_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1743,7 +1737,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_twist_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, twist, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist, 3);
     return 1;
@@ -1839,8 +1833,8 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_joint_rates_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at twist[3],
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(twist, 3) +
+       krhpr_poses_taint(redundant_rates, 3);
     krhpr_lanes Q[4];
     krhpr_lanes regularity[3];
     krhpr_lanes angle[7];
@@ -1850,7 +1844,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_joint_rates_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s_dot[2];
@@ -1869,7 +1863,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_joint_rates_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1879,7 +1873,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_joint_rates_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta_dot + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_dot, 6);
     return 1;
@@ -1982,9 +1976,8 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_platform_acceleration_lanes(
     const krhpr_lanes_at theta_dot[6], const krhpr_lanes_at theta_ddot[6],
     krhpr_lanes_at *KRHPR_RESTRICT twist_rate, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(theta_dot, 6) +
-        krhpr_poses_taint(theta_ddot, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(twist, 3) +
+       krhpr_poses_taint(theta_dot, 6) + krhpr_poses_taint(theta_ddot, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -1998,7 +1991,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_platform_acceleration_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_coupler_bias_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -2031,7 +2024,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_platform_acceleration_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2043,7 +2036,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_platform_acceleration_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, twist_rate, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist_rate, 3);
     return 1;
@@ -2152,9 +2145,9 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_joint_accelerations_lanes(
     const krhpr_lanes_at twist_rate[3], const krhpr_lanes_at redundant_accelerations[3],
     krhpr_lanes_at *KRHPR_RESTRICT theta_ddot, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3) +
-        krhpr_poses_taint(theta_dot, 6) + krhpr_poses_taint(twist_rate, 3) + krhpr_poses_taint(redundant_accelerations, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(twist, 3) +
+       krhpr_poses_taint(redundant_rates, 3) + krhpr_poses_taint(theta_dot, 6) + krhpr_poses_taint(twist_rate, 3) +
+       krhpr_poses_taint(redundant_accelerations, 3);
     krhpr_lanes Q[4];
     krhpr_lanes parallel_regularity[3];
     krhpr_lanes regularity[3];
@@ -2165,7 +2158,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_joint_accelerations_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_coupler_bias_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s_dot[2];
@@ -2194,7 +2187,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_joint_accelerations_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2207,7 +2200,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_joint_accelerations_lanes(
         status = krhpr_expect(kept_2, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_2, theta_ddot + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_ddot, 6);
     return 1;
@@ -2323,8 +2316,8 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_inverse_statics_lanes(
     const krhpr_lanes_at redundant_forces[3], krhpr_lanes_at *KRHPR_RESTRICT actuator_forces,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(wrench, 3) + krhpr_poses_taint(redundant_forces, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(wrench, 3) +
+       krhpr_poses_taint(redundant_forces, 3);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -2340,7 +2333,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_inverse_statics_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -2367,7 +2360,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_inverse_statics_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2379,7 +2372,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_inverse_statics_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, actuator_forces, 6);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, actuator_forces, 6);
     return 1;
@@ -2482,8 +2475,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_forward_statics_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT wrench, krhpr_lanes_at *KRHPR_RESTRICT redundant_forces,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(actuator_forces, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(actuator_forces, 6);
     krhpr_lanes Q[4];
     krhpr_lanes end_force[6];
     krhpr_lanes regularity[3];
@@ -2495,7 +2487,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_forward_statics_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes d[2];
@@ -2514,7 +2506,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_forward_statics_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2526,7 +2518,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_forward_statics_lanes(
     }
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, wrench, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, wrench, 3);
     krhpr_poses_keep(finite, redundant_forces, 3);
@@ -2648,7 +2640,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_opening_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), shares[1]);
     fine &= krhpr_at_most(krhpr_all(0.0), shares[2]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2770,7 +2762,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_redundant_of_opening_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2866,8 +2858,8 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_grasp_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT redundant_forces, krhpr_lanes_at *KRHPR_RESTRICT friction_margins,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(phi, 1) + krhpr_poses_taint(contacts, 6) + krhpr_poses_taint(mass_centre, 2) +
-        krhpr_poses_taint(weight, 2) + krhpr_poses_taint(normal_forces, 3) + krhpr_poses_taint(friction, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(contacts, 6) + krhpr_poses_taint(mass_centre, 2) + krhpr_poses_taint(weight, 2) +
+       krhpr_poses_taint(normal_forces, 3) + krhpr_poses_taint(friction, 1);
     krhpr_lanes Q[4];
     krhpr_lanes slide[6];
     krhpr_lanes determined[1];
@@ -2875,7 +2867,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_grasp_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes distance;
@@ -2894,7 +2886,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_grasp_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[1]);
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[2]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2921,7 +2913,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_grasp_lanes(
     krhpr_poses_keep(kept_7, redundant_forces, 3);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, wrench, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, contact_forces, 6);
     krhpr_poses_keep(finite, wrench, 3);
@@ -3057,8 +3049,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_passive_joints_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT passive,
     krhpr_lanes_at *KRHPR_RESTRICT wrist, krhpr_lanes_at *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[7];
     krhpr_lanes sine[7];
@@ -3067,7 +3058,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_passive_joints_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_lanes tail_y[12];
     krhpr_lanes tail_x[12];
     krhpr_lanes tail[12];
@@ -3095,12 +3086,12 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_passive_joints_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, passive, 9);
     krhpr_poses_keep(finite, wrist, 3);
@@ -3215,8 +3206,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_link_points_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT points,
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[7];
     krhpr_lanes sine[7];
@@ -3225,7 +3215,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_link_points_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes d[2];
@@ -3239,12 +3229,12 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_link_points_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, points, 36);
     krhpr_poses_keep(finite, attachment, 6);
@@ -3347,8 +3337,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_singularity_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
     krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -3360,7 +3349,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_singularity_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes d[2];
@@ -3377,12 +3366,12 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_singularity_lanes(
     krhpr_platform_planar_b_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_1, 3);
     krhpr_poses_keep(finite, factors, 9);
@@ -3517,7 +3506,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_type_2_of_redundant_lanes(
     krhpr_platform_planar_b_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3612,8 +3601,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_indices_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3,
     krhpr_lanes_at *KRHPR_RESTRICT condition, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -3632,7 +3620,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_indices_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -3662,7 +3650,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_indices_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3679,7 +3667,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_indices_lanes(
     krhpr_poses_keep(valid, eta_2, 1);
     krhpr_poses_keep(valid, eta_3, 1);
     krhpr_poses_keep(valid, condition, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
@@ -3804,8 +3792,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_index_bounds_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -3824,7 +3811,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_index_bounds_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta + 2 * i, angle + 1 + 2 * i);
     }
-    krhpr_lanes_sincos_each(7, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(7, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -3855,7 +3842,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_index_bounds_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3871,7 +3858,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_index_bounds_lanes(
     krhpr_poses_keep(valid, eta_1, 1);
     krhpr_poses_keep(valid, eta_2, 1);
     krhpr_poses_keep(valid, eta_3, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
@@ -4006,7 +3993,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_forward_all_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), breadth[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4140,7 +4127,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_forward_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT phi, krhpr_lanes_at *KRHPR_RESTRICT redundant,
     krhpr_lanes_at *KRHPR_RESTRICT count, krhpr_lanes_at *KRHPR_RESTRICT certified, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(theta, 6) + krhpr_poses_taint(assembly, 3) + krhpr_poses_taint(side, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(assembly, 3) + krhpr_poses_taint(side, 1);
     krhpr_lanes s[6];
     krhpr_lanes radicand[3];
     krhpr_lanes slide[6];
@@ -4155,7 +4142,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_forward_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_fivebar_coupler_forward_angles_lanes(theta + 2 * i, angle + 2 * i);
     }
-    krhpr_lanes_sincos_each(6, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(6, angle, sine, cosine);
     krhpr_lanes tail_y[1];
     krhpr_lanes tail_x[1];
     krhpr_lanes tail[1];
@@ -4177,7 +4164,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_forward_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), breadth[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), assembly_radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4195,7 +4182,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_forward_lanes(
     krhpr_poses_keep(valid, redundant, 3);
     krhpr_poses_keep(valid, count, 1);
     krhpr_poses_keep(valid, certified, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 2);
     krhpr_poses_keep(finite, phi, 1);
@@ -4430,7 +4417,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4591,7 +4578,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4727,7 +4714,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_forward_gauss_newton_2_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+       krhpr_poses_taint(weights, 3);
     krhpr_lanes slide[6];
     krhpr_lanes distance[3];
     krhpr_lanes start[3];
@@ -4776,7 +4763,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4917,7 +4904,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_forward_gauss_newton_3_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+       krhpr_poses_taint(weights, 3);
     krhpr_lanes slide[6];
     krhpr_lanes distance[3];
     krhpr_lanes start[3];
@@ -4965,7 +4952,7 @@ KRHPR_OUTLINE int krhpr_planar_fivebar_coupler_b_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */

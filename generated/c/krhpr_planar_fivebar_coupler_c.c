@@ -96,9 +96,9 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_end_points(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[2];
         krhpr_platform_planar_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
@@ -123,9 +123,9 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_redundant_coordinates(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes redundant_legs[1];
         krhpr_platform_planar_c_redundant_lanes(&g->platform, i, p_legs, Q_legs, s_legs, redundant_legs);
@@ -143,29 +143,38 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_subleg_forward(
     if (assembly == NULL) {
         assembly = assembly_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(theta, 6) + krhpr_taint(assembly, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(assembly, 3))) {
         krhpr_fill_nan(s, 6);
         return KRHPR_INVALID_INPUT;
     }
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes assembly_legs[1]; krhpr_legs_load(assembly_legs, assembly, 1, i);
-        krhpr_lanes s_legs[2];
-        krhpr_lanes radicand_legs[1];
         krhpr_lanes angle_legs[2];
         krhpr_lanes sine_legs[2];
         krhpr_lanes cosine_legs[2];
         krhpr_subleg_planar_fivebar_coupler_forward_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes assembly_legs[1]; krhpr_legs_load(assembly_legs, assembly, 1, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes radicand_legs[1];
         krhpr_subleg_planar_fivebar_coupler_forward_lanes(
             &g->subleg, i, assembly_legs, sine_legs, cosine_legs, s_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(s, 2, s_legs, 2, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(s + 2 * i, 2);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(s, 6);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(s + 2 * i, 2);
+            }
         }
     }
     return status;
@@ -176,28 +185,33 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_subleg_forward_all(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!krhpr_is_clean(krhpr_taint(theta, 6))) {
-        krhpr_fill_nan(s, 12);
-        return KRHPR_INVALID_INPUT;
-    }
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes s_legs[4];
-        krhpr_lanes radicand_legs[1];
         krhpr_lanes angle_legs[2];
         krhpr_lanes sine_legs[2];
         krhpr_lanes cosine_legs[2];
         krhpr_subleg_planar_fivebar_coupler_forward_all_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[4];
+        krhpr_lanes radicand_legs[1];
         krhpr_subleg_planar_fivebar_coupler_forward_all_lanes(
             &g->subleg, i, sine_legs, cosine_legs, s_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(s, 4, s_legs, 4, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(s + 4 * i, 4);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(s, 12);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(s + 4 * i, 4);
+            }
         }
     }
     return status;
@@ -212,6 +226,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_subleg_inverse(
         krhpr_fill_nan(theta, 24);
         return KRHPR_INVALID_INPUT;
     }
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes radicand_legs[1];
@@ -223,20 +238,23 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_subleg_inverse(
             &g->subleg, i, s_legs, radicand_legs, tail_y_legs, tail_x_legs);
         krhpr_lanes_atan2_each(6, tail_y_legs, tail_x_legs, tail_legs);
         theta_legs[0] = tail_legs[0];
-        theta_legs[1] = tail_legs[1];
+        theta_legs[1] = tail_legs[2];
         theta_legs[2] = tail_legs[0];
-        theta_legs[3] = tail_legs[2];
-        theta_legs[4] = tail_legs[3];
+        theta_legs[3] = tail_legs[3];
+        theta_legs[4] = tail_legs[1];
         theta_legs[5] = tail_legs[4];
-        theta_legs[6] = tail_legs[3];
+        theta_legs[6] = tail_legs[1];
         theta_legs[7] = tail_legs[5];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 8, theta_legs, 8, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 8 * i, 8);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 8 * i, 8);
+            }
         }
     }
     return status;
@@ -248,34 +266,43 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_subleg_jacobian(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6))) {
         krhpr_fill_nan(M, 12);
         return KRHPR_INVALID_INPUT;
     }
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_1_legs[2];
         krhpr_lanes u_2_legs[2];
         krhpr_lanes M_legs[4];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_planar_fivebar_coupler_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_planar_fivebar_coupler_jacobian_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, M_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(M, 4, M_legs, 4, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(M + 4 * i, 4);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(M, 12);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(M + 4 * i, 4);
+            }
         }
     }
     return status;
@@ -297,9 +324,9 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_constraints(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes residual_legs[1];
         krhpr_platform_planar_c_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
@@ -315,7 +342,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_jacobians(
     int status = KRHPR_OK;
     double Q[4];
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6))) {
         krhpr_fill_nan(J, 9);
         krhpr_fill_nan(K, 18);
         return KRHPR_INVALID_INPUT;
@@ -329,11 +356,18 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_jacobians(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes J_legs[3];
         krhpr_lanes N_legs[2];
         krhpr_lanes d_legs[2];
@@ -341,24 +375,27 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_jacobians(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes K_legs[2];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_c_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_planar_fivebar_coupler_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_planar_fivebar_coupler_project_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, N_legs, K_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(J, 3, J_legs, 3, i);
         krhpr_legs_store(K, 8, K_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(K + 8 * i + 0, 2);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(J, 9);
+        krhpr_fill_nan(K, 18);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(K + 8 * i + 0, 2);
+            }
         }
     }
     return status;
@@ -371,7 +408,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_jacobian_blocks(
     int status = KRHPR_OK;
     double Q[4];
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6))) {
         krhpr_fill_nan(J, 9);
         krhpr_fill_nan(K, 6);
         return KRHPR_INVALID_INPUT;
@@ -382,11 +419,18 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_jacobian_blocks(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes J_legs[3];
         krhpr_lanes N_legs[2];
         krhpr_lanes d_legs[2];
@@ -394,24 +438,27 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_jacobian_blocks(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes K_legs[2];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_c_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_planar_fivebar_coupler_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_planar_fivebar_coupler_project_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, N_legs, K_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(J, 3, J_legs, 3, i);
         krhpr_legs_store(K, 2, K_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(K + 2 * i, 2);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(J, 9);
+        krhpr_fill_nan(K, 6);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(K + 2 * i, 2);
+            }
         }
     }
     return status;
@@ -426,7 +473,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_jacobians_n(
     double J_lines[9];
     double along[6];
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6))) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 36);
         return KRHPR_INVALID_INPUT;
@@ -440,11 +487,18 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_jacobians_n(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes J_lines_legs[3];
         krhpr_lanes N_legs[2];
         krhpr_lanes along_legs[2];
@@ -454,11 +508,6 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_jacobians_n(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes K_legs[4];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_c_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_lines_legs, N_legs);
         krhpr_platform_planar_c_redundant_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, along_legs, redundant_line_legs);
@@ -466,18 +515,26 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_jacobians_n(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_planar_fivebar_coupler_transmission_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, N_legs, along_legs, K_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(J_lines, 3, J_lines_legs, 3, i);
         krhpr_legs_store(along, 2, along_legs, 2, i);
         krhpr_legs_store(K, 14, K_legs, 2, i);
         krhpr_legs_store(K + 6, 14, K_legs + 2, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(J, 36);
+        krhpr_fill_nan(K, 36);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_subleg_planar_fivebar_coupler_non_redundant(J_lines, along, p, s, J);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(K + 14 * i + 0, 2);
-            krhpr_fill_nan(K + 14 * i + 6, 2);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(K + 14 * i + 0, 2);
+                krhpr_fill_nan(K + 14 * i + 6, 2);
+            }
         }
     }
     return status;
@@ -503,9 +560,10 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_inverse(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes mode_legs[2]; krhpr_legs_load(mode_legs, mode, 2, i);
         krhpr_lanes s_legs[2];
@@ -520,13 +578,16 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_inverse(
         krhpr_lanes_atan2_each(2, tail_y_legs, tail_x_legs, tail_legs);
         theta_legs[0] = tail_legs[0];
         theta_legs[1] = tail_legs[1];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 2, theta_legs, 2, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 2 * i, 2);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 2 * i, 2);
+            }
         }
     }
     return status;
@@ -549,9 +610,10 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_inverse_all(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[2];
         krhpr_lanes radicand_legs[1];
@@ -564,20 +626,23 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_inverse_all(
             &g->subleg, i, s_legs, radicand_legs, tail_y_legs, tail_x_legs);
         krhpr_lanes_atan2_each(6, tail_y_legs, tail_x_legs, tail_legs);
         theta_legs[0] = tail_legs[0];
-        theta_legs[1] = tail_legs[1];
+        theta_legs[1] = tail_legs[2];
         theta_legs[2] = tail_legs[0];
-        theta_legs[3] = tail_legs[2];
-        theta_legs[4] = tail_legs[3];
+        theta_legs[3] = tail_legs[3];
+        theta_legs[4] = tail_legs[1];
         theta_legs[5] = tail_legs[4];
-        theta_legs[6] = tail_legs[3];
+        theta_legs[6] = tail_legs[1];
         theta_legs[7] = tail_legs[5];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 8, theta_legs, 8, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 8 * i, 8);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 8 * i, 8);
+            }
         }
     }
     return status;
@@ -602,20 +667,24 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_inverse_status(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes mode_legs[2]; krhpr_legs_load(mode_legs, mode, 2, i);
         krhpr_lanes s_legs[2];
         krhpr_lanes excess_legs[1];
         krhpr_platform_planar_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
         krhpr_subleg_planar_fivebar_coupler_reach_lanes(&g->subleg, i, s_legs, mode_legs, excess_legs);
+        fine &= krhpr_every(krhpr_at_most(excess_legs[0], krhpr_all(0.0)));
         krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(excess[i] <= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(excess[i] <= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            }
         }
     }
     return status;
@@ -632,8 +701,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_twist(
     double regularity[3];
     double rate[3];
     double det_regularity[1];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
-          krhpr_taint(theta_dot, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta_dot, 6))) {
         krhpr_fill_nan(twist, 3);
         return KRHPR_INVALID_INPUT;
     }
@@ -643,11 +711,18 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_twist(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_dot_legs[2]; krhpr_legs_load(theta_dot_legs, theta_dot, 2, i);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
@@ -659,11 +734,6 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_twist(
         krhpr_lanes s_dot_legs[2];
         krhpr_lanes regularity_legs[1];
         krhpr_lanes rate_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_c_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_fivebar_coupler_posture_lanes(
@@ -671,15 +741,22 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_twist(
         krhpr_subleg_planar_fivebar_coupler_velocity_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, theta_dot_legs, s_dot_legs, regularity_legs);
         krhpr_algebra_planar_rate_lanes(N_legs, s_dot_legs, rate_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(rate, 1, rate_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(twist, 3);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_planar_c_solve(Q, line, point, rate, twist, det_regularity);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -699,8 +776,8 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_joint_rates(
     int status = KRHPR_OK;
     double Q[4];
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
-          krhpr_taint(twist, 3) + krhpr_taint(redundant_rates, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(twist, 3) +
+          krhpr_taint(redundant_rates, 3))) {
         krhpr_fill_nan(theta_dot, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -710,37 +787,46 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_joint_rates(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes s_dot_legs[2];
         krhpr_lanes d_legs[2];
         krhpr_lanes u_1_legs[2];
         krhpr_lanes u_2_legs[2];
         krhpr_lanes theta_dot_legs[2];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_c_end_velocity_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], s_dot_legs);
         krhpr_subleg_planar_fivebar_coupler_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_planar_fivebar_coupler_rates_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, s_dot_legs, theta_dot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(theta_dot, 2, theta_dot_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_dot + 2 * i, 2);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(theta_dot, 6);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_dot + 2 * i, 2);
+            }
         }
     }
     return status;
@@ -758,8 +844,8 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_platform_acceleration(
     double regularity[3];
     double rate[3];
     double det_regularity[1];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
-          krhpr_taint(twist, 3) + krhpr_taint(theta_dot, 6) + krhpr_taint(theta_ddot, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(twist, 3) +
+          krhpr_taint(theta_dot, 6) + krhpr_taint(theta_ddot, 6))) {
         krhpr_fill_nan(twist_rate, 3);
         return KRHPR_INVALID_INPUT;
     }
@@ -769,14 +855,21 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_platform_acceleration(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_coupler_bias_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_dot_legs[2]; krhpr_legs_load(theta_dot_legs, theta_dot, 2, i);
         krhpr_lanes theta_ddot_legs[2]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 2, i);
+        krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -791,11 +884,6 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_platform_acceleration(
         krhpr_lanes s_ddot_legs[2];
         krhpr_lanes row_bias_legs[1];
         krhpr_lanes rate_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_coupler_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_c_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_fivebar_coupler_bias_lanes(
@@ -809,16 +897,23 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_platform_acceleration(
         krhpr_platform_planar_c_row_bias_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, s_dot_legs, row_bias_legs);
         krhpr_algebra_planar_rate_with_bias_lanes(N_legs, s_ddot_legs, row_bias_legs, rate_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(rate, 1, rate_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(twist_rate, 3);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_planar_c_solve(Q, line, point, rate, twist_rate, det_regularity);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -839,9 +934,8 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_joint_accelerations(
     double Q[4];
     double parallel_regularity[3];
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
-          krhpr_taint(twist, 3) + krhpr_taint(redundant_rates, 3) + krhpr_taint(theta_dot, 6) + krhpr_taint(twist_rate, 3) +
-          krhpr_taint(redundant_accelerations, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(twist, 3) +
+          krhpr_taint(redundant_rates, 3) + krhpr_taint(theta_dot, 6) + krhpr_taint(twist_rate, 3) + krhpr_taint(redundant_accelerations, 3))) {
         krhpr_fill_nan(theta_ddot, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -851,15 +945,22 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_joint_accelerations(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
-    krhpr_lanes twist_rate_legs[3]; krhpr_legs_spread(twist_rate_legs, twist_rate, 3);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
-        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_coupler_bias_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes twist_rate_legs[3]; krhpr_legs_spread(twist_rate_legs, twist_rate, 3);
+        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_dot_legs[2]; krhpr_legs_load(theta_dot_legs, theta_dot, 2, i);
         krhpr_lanes s_dot_legs[2];
         krhpr_lanes s_ddot_legs[2];
@@ -872,11 +973,6 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_joint_accelerations(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes theta_ddot_legs[2];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_coupler_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_c_end_acceleration_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], twist_rate_legs,
             redundant_accelerations_legs[0], s_dot_legs, s_ddot_legs);
@@ -888,18 +984,26 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_joint_accelerations(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_planar_fivebar_coupler_rates_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, along_legs, theta_ddot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), parallel_regularity_legs[0]));
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(parallel_regularity, 1, parallel_regularity_legs, 1, i);
         krhpr_legs_store(theta_ddot, 2, theta_ddot_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(parallel_regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_ddot + 2 * i, 2);
-        }
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_ddot + 2 * i, 2);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(theta_ddot, 6);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(parallel_regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_ddot + 2 * i, 2);
+            }
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_ddot + 2 * i, 2);
+            }
         }
     }
     return status;
@@ -919,8 +1023,8 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_inverse_statics(
     double regularity[3];
     double line_forces[3];
     double det_regularity[1];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
-          krhpr_taint(wrench, 3) + krhpr_taint(redundant_forces, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(wrench, 3) +
+          krhpr_taint(redundant_forces, 3))) {
         krhpr_fill_nan(actuator_forces, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -930,11 +1034,18 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_inverse_statics(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -946,11 +1057,6 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_inverse_statics(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes K_n_legs[4];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_c_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_platform_planar_c_redundant_line_lanes(
@@ -959,18 +1065,25 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_inverse_statics(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_planar_fivebar_coupler_transmission_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, N_legs, along_legs, K_n_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(redundant_line, 3, redundant_line_legs, 3, i);
         krhpr_legs_store(K_n, 4, K_n_legs, 4, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(actuator_forces, 6);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_planar_c_balance(
         Q, line, point, redundant_line, redundant_forces, wrench, line_forces, det_regularity);
     krhpr_subleg_planar_fivebar_coupler_torques(K_n, line_forces, redundant_forces, actuator_forces);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -992,8 +1105,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_statics(
     double end_force[6];
     double regularity[3];
     double moment[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6) +
-          krhpr_taint(actuator_forces, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(actuator_forces, 6))) {
         krhpr_fill_nan(wrench, 3);
         krhpr_fill_nan(redundant_forces, 3);
         return KRHPR_INVALID_INPUT;
@@ -1004,12 +1116,19 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_statics(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes actuator_forces_legs[2]; krhpr_legs_load(actuator_forces_legs, actuator_forces, 2, i);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_1_legs[2];
         krhpr_lanes u_2_legs[2];
@@ -1017,27 +1136,30 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_statics(
         krhpr_lanes regularity_legs[1];
         krhpr_lanes moment_legs[1];
         krhpr_lanes redundant_forces_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_planar_fivebar_coupler_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_planar_fivebar_coupler_end_force_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, actuator_forces_legs, end_force_legs, regularity_legs);
         krhpr_platform_planar_c_reaction_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, end_force_legs, moment_legs, redundant_forces_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(end_force, 2, end_force_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(moment, 1, moment_legs, 1, i);
         krhpr_legs_store(redundant_forces, 1, redundant_forces_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(wrench, 3);
+        krhpr_fill_nan(redundant_forces, 3);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_algebra_planar_total(end_force, moment, wrench);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(redundant_forces + 1 * i, 1);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(redundant_forces + 1 * i, 1);
+            }
         }
     }
     if (status != KRHPR_OK) {
@@ -1058,10 +1180,8 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_opening(
         krhpr_fill_nan(shares, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_opening(slide, redundant, jaws, opening, centre, shares);
     if (!(shares[0] >= 0.0)) {
@@ -1089,9 +1209,9 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_redundant_of_opening(
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes opening_legs[1]; krhpr_legs_spread(opening_legs, &opening, 1);
-    krhpr_lanes centre_legs[2]; krhpr_legs_spread(centre_legs, centre, 2);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes opening_legs[1]; krhpr_legs_spread(opening_legs, &opening, 1);
+        krhpr_lanes centre_legs[2]; krhpr_legs_spread(centre_legs, centre, 2);
         krhpr_lanes jaws_legs[1]; krhpr_legs_load(jaws_legs, jaws, 1, i);
         krhpr_lanes redundant_legs[1];
         krhpr_platform_planar_c_redundant_of_opening_lanes(
@@ -1125,10 +1245,8 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_grasp(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_grasp(
         Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
@@ -1180,7 +1298,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_passive_joints(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6))) {
         krhpr_fill_nan(passive, 9);
         krhpr_fill_nan(wrist, 3);
         krhpr_fill_nan(platform_joint, 3);
@@ -1192,11 +1310,17 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_passive_joints(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_1_legs[2];
         krhpr_lanes u_2_legs[2];
@@ -1205,11 +1329,6 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_passive_joints(
         krhpr_lanes redundant_link_legs[2];
         krhpr_lanes platform_joint_legs[1];
         krhpr_lanes wrist_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes tail_y_legs[4];
         krhpr_lanes tail_x_legs[4];
         krhpr_lanes tail_legs[4];
@@ -1229,6 +1348,12 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_passive_joints(
         krhpr_legs_store(platform_joint, 1, platform_joint_legs, 1, i);
         krhpr_legs_store(wrist, 1, wrist_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(passive, 9);
+        krhpr_fill_nan(wrist, 3);
+        krhpr_fill_nan(platform_joint, 3);
+        return KRHPR_INVALID_INPUT;
+    }
     return status;
 }
 
@@ -1238,7 +1363,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_link_points(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6))) {
         krhpr_fill_nan(points, 36);
         krhpr_fill_nan(attachment, 6);
         return KRHPR_INVALID_INPUT;
@@ -1249,19 +1374,20 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_link_points(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_1_legs[2];
         krhpr_lanes u_2_legs[2];
         krhpr_lanes points_legs[12];
         krhpr_lanes attachment_legs[2];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_planar_fivebar_coupler_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_planar_fivebar_coupler_points_lanes(
@@ -1269,6 +1395,11 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_link_points(
         krhpr_platform_planar_c_attachment_lanes(&g->platform, i, s_legs, attachment_legs);
         krhpr_legs_store(points, 12, points_legs, 12, i);
         krhpr_legs_store(attachment, 2, attachment_legs, 2, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(points, 36);
+        krhpr_fill_nan(attachment, 6);
+        return KRHPR_INVALID_INPUT;
     }
     return status;
 }
@@ -1283,7 +1414,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_singularity(
     double line[9];
     double point[6];
     double scale[6];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6))) {
         krhpr_fill_nan(type_1, 3);
         krhpr_fill_nan(factors, 9);
         krhpr_fill_nan(type_2, 1);
@@ -1296,11 +1427,17 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_singularity(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_1_legs[2];
         krhpr_lanes u_2_legs[2];
@@ -1310,11 +1447,6 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_singularity(
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
         krhpr_lanes scale_legs[2];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_planar_fivebar_coupler_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_planar_fivebar_coupler_determinant_lanes(
@@ -1326,6 +1458,13 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_singularity(
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(scale, 2, scale_legs, 2, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(type_1, 3);
+        krhpr_fill_nan(factors, 9);
+        krhpr_fill_nan(type_2, 1);
+        krhpr_fill_nan(margins, 1);
+        return KRHPR_INVALID_INPUT;
     }
     krhpr_platform_planar_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1376,7 +1515,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_indices(
     double position_gram[4];
     double rotation_gram[1];
     double det_regularity[1];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6))) {
         krhpr_fill_nan(eta_1, 1);
         krhpr_fill_nan(eta_2, 1);
         krhpr_fill_nan(eta_3, 1);
@@ -1389,11 +1528,18 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_indices(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -1409,11 +1555,6 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_indices(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_c_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_fivebar_coupler_posture_lanes(
@@ -1423,6 +1564,8 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_indices(
             reach_legs, regularity_legs);
         krhpr_algebra_planar_spread_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 1, reach_legs, 1, i);
@@ -1431,15 +1574,24 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_indices(
         krhpr_legs_store(smallest, 1, smallest_legs, 1, i);
         krhpr_legs_store(evenness, 1, evenness_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(eta_1, 1);
+        krhpr_fill_nan(eta_2, 1);
+        krhpr_fill_nan(eta_3, 1);
+        krhpr_fill_nan(condition, 3);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_planar_c_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_planar_norms(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-        }
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1471,7 +1623,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_index_bounds(
     double position_gram[4];
     double rotation_gram[1];
     double det_regularity[1];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6) + krhpr_taint(theta, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(s, 6))) {
         krhpr_fill_nan(eta_1, 1);
         krhpr_fill_nan(eta_2, 1);
         krhpr_fill_nan(eta_3, 1);
@@ -1483,11 +1635,18 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_index_bounds(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -1503,11 +1662,6 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_index_bounds(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_fivebar_coupler_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_c_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_fivebar_coupler_posture_lanes(
@@ -1517,6 +1671,8 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_index_bounds(
             reach_legs, regularity_legs);
         krhpr_algebra_planar_spread_bound_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 1, reach_legs, 1, i);
@@ -1525,14 +1681,22 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_index_bounds(
         krhpr_legs_store(smallest, 1, smallest_legs, 1, i);
         krhpr_legs_store(evenness, 1, evenness_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(eta_1, 1);
+        krhpr_fill_nan(eta_2, 1);
+        krhpr_fill_nan(eta_3, 1);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_planar_c_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_planar_norm_bounds(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-        }
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1566,10 +1730,8 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_all(
     double tail_y[KRHPR_PADDED(2)] = {0.0};
     double tail_x[KRHPR_PADDED(2)] = {0.0};
     double tail[KRHPR_PADDED(2)];
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_modes(
         s, slide, breadth, radicand, p, redundant, det_J, count, tail_y, tail_x);
@@ -1607,7 +1769,7 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward(
     if (assembly == NULL) {
         assembly = assembly_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(theta, 6) + krhpr_taint(assembly, 3) + krhpr_taint(&side, 1))) {
+    if (!krhpr_is_clean(krhpr_taint(assembly, 3) + krhpr_taint(&side, 1))) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(redundant, 3);
@@ -1618,31 +1780,44 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward(
     double tail_y[KRHPR_PADDED(1)] = {0.0};
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes assembly_legs[1]; krhpr_legs_load(assembly_legs, assembly, 1, i);
-        krhpr_lanes s_legs[2];
-        krhpr_lanes radicand_legs[1];
-        krhpr_lanes slide_legs[2];
         krhpr_lanes angle_legs[2];
         krhpr_lanes sine_legs[2];
         krhpr_lanes cosine_legs[2];
         krhpr_subleg_planar_fivebar_coupler_forward_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes assembly_legs[1]; krhpr_legs_load(assembly_legs, assembly, 1, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes slide_legs[2];
         krhpr_subleg_planar_fivebar_coupler_forward_lanes(
             &g->subleg, i, assembly_legs, sine_legs, cosine_legs, s_legs, radicand_legs);
         krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(s, 2, s_legs, 2, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(p, 2);
+        krhpr_fill_nan(phi, 1);
+        krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
+        return KRHPR_INVALID_INPUT;
     }
     krhpr_platform_planar_c_assembly_mode(
         s, slide, side, breadth, assembly_radicand, sign, p, redundant, count, certified, tail_y, tail_x);
     krhpr_atan2_array(1, tail_y, tail_x, tail);
     *phi = tail[0];
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            }
         }
     }
     if (!(sign[0] >= 0.5)) {
@@ -1687,10 +1862,8 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_encoders_2(
     double tail_y[KRHPR_PADDED(1)] = {0.0};
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_two_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1738,10 +1911,8 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_encoders_3(
     double tail_y[KRHPR_PADDED(1)] = {0.0};
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_three_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1791,10 +1962,8 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_gauss_newton_2(
     double tail_y[KRHPR_PADDED(1)] = {0.0};
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_two_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1862,10 +2031,8 @@ KRHPR_API int krhpr_planar_fivebar_coupler_c_forward_gauss_newton_3(
     double tail_y[KRHPR_PADDED(1)] = {0.0};
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_three_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);

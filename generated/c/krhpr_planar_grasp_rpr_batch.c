@@ -18,26 +18,26 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_end_points_lanes(
     const krhpr_planar_grasp_rpr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at angles[2],
     krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(pivot, 2) + krhpr_poses_taint(angles, 2);
+    const krhpr_lanes taint = krhpr_poses_taint(pivot, 2);
     krhpr_lanes angle[2];
     krhpr_lanes sine[2];
     krhpr_lanes cosine[2];
     for (int i = 0; i < 2; ++i) {
         krhpr_platform_planar_jaws_end_point_angles_lanes(angles[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(2, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(2, angle, sine, cosine);
     for (int i = 0; i < 2; ++i) {
         krhpr_platform_planar_jaws_end_point_lanes(
             &g->platform, i, pivot, sine + 1 * i, cosine + 1 * i, s + 2 * i);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(angles, 2) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 4);
     return 1;
@@ -130,7 +130,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_subleg_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -216,7 +216,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_inverse_lanes(
     const krhpr_planar_grasp_rpr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at angles[2],
     krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(pivot, 2) + krhpr_poses_taint(angles, 2);
+    const krhpr_lanes taint = krhpr_poses_taint(pivot, 2);
     krhpr_lanes radicand[2];
     krhpr_lanes angle[2];
     krhpr_lanes sine[2];
@@ -224,7 +224,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_inverse_lanes(
     for (int i = 0; i < 2; ++i) {
         krhpr_platform_planar_jaws_end_point_angles_lanes(angles[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(2, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(2, angle, sine, cosine);
     for (int i = 0; i < 2; ++i) {
         krhpr_lanes s[2];
         krhpr_platform_planar_jaws_end_point_lanes(&g->platform, i, pivot, sine + 1 * i, cosine + 1 * i, s);
@@ -235,7 +235,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -245,7 +245,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_inverse_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(angles, 2) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 4);
     return 1;
@@ -327,7 +327,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_inverse_all_lanes(
     const krhpr_planar_grasp_rpr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at angles[2],
     krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(pivot, 2) + krhpr_poses_taint(angles, 2);
+    const krhpr_lanes taint = krhpr_poses_taint(pivot, 2);
     krhpr_lanes radicand[2];
     krhpr_lanes angle[2];
     krhpr_lanes sine[2];
@@ -335,7 +335,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_inverse_all_lanes(
     for (int i = 0; i < 2; ++i) {
         krhpr_platform_planar_jaws_end_point_angles_lanes(angles[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(2, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(2, angle, sine, cosine);
     for (int i = 0; i < 2; ++i) {
         krhpr_lanes s[2];
         krhpr_platform_planar_jaws_end_point_lanes(&g->platform, i, pivot, sine + 1 * i, cosine + 1 * i, s);
@@ -346,7 +346,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_inverse_all_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -356,7 +356,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_inverse_all_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(angles, 2) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 4);
     return 1;
@@ -438,14 +438,14 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_inverse_status_lanes(
     const krhpr_planar_grasp_rpr_geometry *g, const krhpr_lanes_at pivot[2], const krhpr_lanes_at angles[2],
     krhpr_lanes_at *KRHPR_RESTRICT excess, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(pivot, 2) + krhpr_poses_taint(angles, 2);
+    const krhpr_lanes taint = krhpr_poses_taint(pivot, 2);
     krhpr_lanes angle[2];
     krhpr_lanes sine[2];
     krhpr_lanes cosine[2];
     for (int i = 0; i < 2; ++i) {
         krhpr_platform_planar_jaws_end_point_angles_lanes(angles[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(2, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(2, angle, sine, cosine);
     for (int i = 0; i < 2; ++i) {
         krhpr_lanes s[2];
         krhpr_platform_planar_jaws_end_point_lanes(&g->platform, i, pivot, sine + 1 * i, cosine + 1 * i, s);
@@ -456,7 +456,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_inverse_status_lanes(
         fine &= krhpr_at_most(excess[i], krhpr_all(0.0));
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -465,7 +465,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_inverse_status_lanes(
         const krhpr_ints kept_1 = krhpr_at_most(excess[i], krhpr_all(0.0));
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(angles, 2) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 2);
     return 1;
@@ -558,7 +558,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_subleg_forward_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -685,7 +685,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_forward_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(0.0), radicands[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -841,7 +841,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_forward_all_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -950,7 +950,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_link_points_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1050,7 +1050,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_subleg_jacobian_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1153,7 +1153,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_jacobians_n_lanes(
     krhpr_platform_planar_jaws_non_redundant_lanes(pivot, s, w, b, J, K);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1268,7 +1268,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_jacobians_k_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     fine &= krhpr_at_most(krhpr_all(1e-24), aligned[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1383,7 +1383,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_jacobians_r_lanes(
     krhpr_platform_planar_jaws_redundantly_actuated_lanes(s, w, b, J, K);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1484,7 +1484,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_twist_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(pivot, 2) + krhpr_poses_taint(s, 4) + krhpr_poses_taint(theta, 4) +
-        krhpr_poses_taint(theta_dot, 4);
+       krhpr_poses_taint(theta_dot, 4);
     krhpr_lanes s_dot[4];
     krhpr_lanes regularity[2];
     krhpr_lanes aligned[1];
@@ -1502,7 +1502,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_twist_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), aligned[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1632,7 +1632,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_joint_rates_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(pivot, 2) + krhpr_poses_taint(s, 4) + krhpr_poses_taint(theta, 4) +
-        krhpr_poses_taint(pivot_rate, 2) + krhpr_poses_taint(angle_rates, 2);
+       krhpr_poses_taint(pivot_rate, 2) + krhpr_poses_taint(angle_rates, 2);
     krhpr_lanes regularity[2];
     for (int i = 0; i < 2; ++i) {
         krhpr_lanes s_dot[2];
@@ -1648,7 +1648,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_joint_rates_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1771,7 +1771,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_singularity_lanes(
     krhpr_platform_planar_jaws_type_2_lanes(pivot, s, w, length, determinants, sine);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1898,7 +1898,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_inverse_statics_n_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT actuator_forces, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(pivot, 2) + krhpr_poses_taint(s, 4) + krhpr_poses_taint(theta, 4) +
-        krhpr_poses_taint(loads, 4);
+       krhpr_poses_taint(loads, 4);
     krhpr_lanes M[8];
     krhpr_lanes regularity[2];
     krhpr_lanes aligned[1];
@@ -1915,7 +1915,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_inverse_statics_n_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), aligned[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2020,7 +2020,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_inverse_statics_k_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT actuator_forces, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(pivot, 2) + krhpr_poses_taint(s, 4) + krhpr_poses_taint(theta, 4) +
-        krhpr_poses_taint(wrench, 3);
+       krhpr_poses_taint(wrench, 3);
     krhpr_lanes M[8];
     krhpr_lanes regularity[2];
     krhpr_lanes aligned[1];
@@ -2037,7 +2037,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_inverse_statics_k_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), aligned[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2143,7 +2143,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_inverse_statics_r_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT null_space, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(s, 4) + krhpr_poses_taint(theta, 4) + krhpr_poses_taint(wrench, 3) +
-        krhpr_poses_taint(internal_force, 1);
+       krhpr_poses_taint(internal_force, 1);
     krhpr_lanes M[8];
     krhpr_lanes regularity[2];
     krhpr_lanes apart[2];
@@ -2162,7 +2162,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_inverse_statics_r_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), apart[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), apart[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2293,7 +2293,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_forward_statics_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT loads, krhpr_lanes_at *KRHPR_RESTRICT wrench, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(pivot, 2) + krhpr_poses_taint(s, 4) + krhpr_poses_taint(theta, 4) +
-        krhpr_poses_taint(actuator_forces, 4);
+       krhpr_poses_taint(actuator_forces, 4);
     krhpr_lanes end_force[4];
     krhpr_lanes regularity[2];
     for (int i = 0; i < 2; ++i) {
@@ -2309,7 +2309,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_forward_statics_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2429,9 +2429,8 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_grasp_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT pulls, krhpr_ints *answer)
 {
     (void)g;
-    const krhpr_lanes taint = krhpr_poses_taint(angles, 2) + krhpr_poses_taint(contacts, 4) + krhpr_poses_taint(faces, 2) +
-        krhpr_poses_taint(mass_centre, 2) + krhpr_poses_taint(weight, 2) + krhpr_poses_taint(sensor, 4) +
-        krhpr_poses_taint(measured_force, 1) + krhpr_poses_taint(friction, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(contacts, 4) + krhpr_poses_taint(mass_centre, 2) + krhpr_poses_taint(weight, 2) +
+       krhpr_poses_taint(sensor, 4) + krhpr_poses_taint(measured_force, 1) + krhpr_poses_taint(friction, 1);
     krhpr_lanes v[4];
     krhpr_lanes n[4];
     krhpr_lanes x[4];
@@ -2442,7 +2441,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_grasp_lanes(
     for (int i = 0; i < 2; ++i) {
         krhpr_platform_planar_jaws_contact_angles_lanes(angles[i], faces[i], angle + 2 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     for (int i = 0; i < 2; ++i) {
         krhpr_platform_planar_jaws_contact_lanes(
             contacts + 2 * i, sine + 2 * i, cosine + 2 * i, v + 2 * i, n + 2 * i, x + 2 * i);
@@ -2459,7 +2458,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_grasp_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2482,7 +2481,7 @@ KRHPR_OUTLINE int krhpr_planar_grasp_rpr_grasp_lanes(
     status = krhpr_expect(kept_7, status, KRHPR_SLIPS);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, loads, 4);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(angles, 2) + krhpr_poses_taint(faces, 2) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, contact_forces, 4);
     krhpr_poses_keep(finite, loads, 4);

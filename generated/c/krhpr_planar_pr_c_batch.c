@@ -18,25 +18,25 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_end_points_lanes(
     const krhpr_planar_pr_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(redundant, 3);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_end_point_lanes(&g->platform, i, p, Q, redundant[i], s + 2 * i);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 6);
     return 1;
@@ -122,25 +122,25 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_redundant_coordinates_lanes(
     const krhpr_planar_pr_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_redundant_lanes(&g->platform, i, p, Q, s + 2 * i, &redundant[i]);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, redundant, 3);
     return 1;
@@ -240,7 +240,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_subleg_forward_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -329,7 +329,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_subleg_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -428,7 +428,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_subleg_jacobian_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -514,25 +514,25 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_constraints_lanes(
     const krhpr_planar_pr_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT residual, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_residual_lanes(&g->platform, i, p, Q, s + 2 * i, residual + i);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, residual, 3);
     return 1;
@@ -619,8 +619,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_jacobians_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     for (int k = 0; k < 18; ++k) {
         K[k] = krhpr_all(0.0);
@@ -632,7 +631,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_jacobians_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_pr_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -647,12 +646,12 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_jacobians_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 9);
     krhpr_poses_keep(finite, K, 18);
@@ -753,8 +752,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_jacobian_blocks_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[4];
     krhpr_lanes sine[4];
@@ -763,7 +761,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_jacobian_blocks_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_pr_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -774,12 +772,12 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_jacobian_blocks_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 9);
     krhpr_poses_keep(finite, K, 6);
@@ -880,8 +878,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_jacobians_n_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes J_lines[9];
     krhpr_lanes along[6];
@@ -895,7 +892,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_jacobians_n_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_pr_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -915,12 +912,12 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_jacobians_n_lanes(
     krhpr_subleg_planar_pr_non_redundant_lanes(J_lines, along, p, s, J);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 36);
     krhpr_poses_keep(finite, K, 36);
@@ -1021,15 +1018,14 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_inverse_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[3], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(redundant, 3) + krhpr_poses_taint(mode, 3);
     krhpr_lanes Q[4];
     krhpr_lanes radicand[3];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[2];
@@ -1041,7 +1037,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1051,7 +1047,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_inverse_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 6);
     return 1;
@@ -1152,14 +1148,14 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_inverse_all_lanes(
     const krhpr_planar_pr_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(redundant, 3);
     krhpr_lanes Q[4];
     krhpr_lanes radicand[3];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[2];
@@ -1171,7 +1167,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_inverse_all_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1181,7 +1177,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_inverse_all_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 4 * i, 4);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 12);
     return 1;
@@ -1321,14 +1317,13 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_inverse_status_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[3], krhpr_lanes_at *KRHPR_RESTRICT excess,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(redundant, 3) + krhpr_poses_taint(mode, 3);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[2];
@@ -1340,7 +1335,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_inverse_status_lanes(
         fine &= krhpr_at_most(excess[i], krhpr_all(0.0));
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1349,7 +1344,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_inverse_status_lanes(
         const krhpr_ints kept_1 = krhpr_at_most(excess[i], krhpr_all(0.0));
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 3);
     return 1;
@@ -1451,8 +1446,8 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_twist_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at theta_dot[6],
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(theta_dot, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(theta_dot, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -1465,7 +1460,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_twist_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_pr_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -1482,7 +1477,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_twist_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1490,7 +1485,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_twist_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, twist, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist, 3);
     return 1;
@@ -1585,8 +1580,8 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_joint_rates_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at twist[3],
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3);
     krhpr_lanes Q[4];
     krhpr_lanes regularity[3];
     krhpr_lanes angle[4];
@@ -1596,7 +1591,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_joint_rates_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_pr_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s_dot[2];
@@ -1611,7 +1606,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_joint_rates_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1621,7 +1616,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_joint_rates_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta_dot + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_dot, 6);
     return 1;
@@ -1723,9 +1718,8 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_platform_acceleration_lanes(
     const krhpr_lanes_at theta_dot[6], const krhpr_lanes_at theta_ddot[6],
     krhpr_lanes_at *KRHPR_RESTRICT twist_rate, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(theta_dot, 6) +
-        krhpr_poses_taint(theta_ddot, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(twist, 3) + krhpr_poses_taint(theta_dot, 6) + krhpr_poses_taint(theta_ddot, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -1738,7 +1732,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_platform_acceleration_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_pr_bias_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -1763,7 +1757,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_platform_acceleration_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1771,7 +1765,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_platform_acceleration_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, twist_rate, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist_rate, 3);
     return 1;
@@ -1879,9 +1873,9 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_joint_accelerations_lanes(
     const krhpr_lanes_at twist_rate[3], const krhpr_lanes_at redundant_accelerations[3],
     krhpr_lanes_at *KRHPR_RESTRICT theta_ddot, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3) +
-        krhpr_poses_taint(theta_dot, 6) + krhpr_poses_taint(twist_rate, 3) + krhpr_poses_taint(redundant_accelerations, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3) + krhpr_poses_taint(theta_dot, 6) +
+       krhpr_poses_taint(twist_rate, 3) + krhpr_poses_taint(redundant_accelerations, 3);
     krhpr_lanes Q[4];
     krhpr_lanes regularity[3];
     krhpr_lanes angle[4];
@@ -1891,7 +1885,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_joint_accelerations_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_pr_bias_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s_dot[2];
@@ -1914,7 +1908,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_joint_accelerations_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1924,7 +1918,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_joint_accelerations_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta_ddot + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_ddot, 6);
     return 1;
@@ -2039,8 +2033,8 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_inverse_statics_lanes(
     const krhpr_lanes_at redundant_forces[3], krhpr_lanes_at *KRHPR_RESTRICT actuator_forces,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(wrench, 3) + krhpr_poses_taint(redundant_forces, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(wrench, 3) + krhpr_poses_taint(redundant_forces, 3);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -2055,7 +2049,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_inverse_statics_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_pr_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -2075,7 +2069,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_inverse_statics_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2083,7 +2077,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_inverse_statics_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, actuator_forces, 6);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, actuator_forces, 6);
     return 1;
@@ -2185,8 +2179,8 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_forward_statics_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT wrench, krhpr_lanes_at *KRHPR_RESTRICT redundant_forces,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(actuator_forces, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(actuator_forces, 6);
     krhpr_lanes Q[4];
     krhpr_lanes end_force[6];
     krhpr_lanes regularity[3];
@@ -2198,7 +2192,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_forward_statics_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_pr_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes u[2];
@@ -2214,7 +2208,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_forward_statics_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2226,7 +2220,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_forward_statics_lanes(
     }
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, wrench, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, wrench, 3);
     krhpr_poses_keep(finite, redundant_forces, 3);
@@ -2345,7 +2339,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_opening_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), shares[1]);
     fine &= krhpr_at_most(krhpr_all(0.0), shares[2]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2465,7 +2459,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_redundant_of_opening_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2560,8 +2554,8 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_grasp_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT redundant_forces, krhpr_lanes_at *KRHPR_RESTRICT friction_margins,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(phi, 1) + krhpr_poses_taint(contacts, 6) + krhpr_poses_taint(mass_centre, 2) +
-        krhpr_poses_taint(weight, 2) + krhpr_poses_taint(normal_forces, 3) + krhpr_poses_taint(friction, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(contacts, 6) + krhpr_poses_taint(mass_centre, 2) + krhpr_poses_taint(weight, 2) +
+       krhpr_poses_taint(normal_forces, 3) + krhpr_poses_taint(friction, 1);
     krhpr_lanes Q[4];
     krhpr_lanes slide[6];
     krhpr_lanes determined[1];
@@ -2569,7 +2563,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_grasp_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide + 2 * i);
@@ -2586,7 +2580,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_grasp_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[1]);
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[2]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2613,7 +2607,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_grasp_lanes(
     krhpr_poses_keep(kept_7, redundant_forces, 3);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, wrench, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, contact_forces, 6);
     krhpr_poses_keep(finite, wrench, 3);
@@ -2748,8 +2742,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_passive_joints_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT wrist,
     krhpr_lanes_at *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[4];
     krhpr_lanes sine[4];
@@ -2758,7 +2751,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_passive_joints_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_pr_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_lanes tail_y[3];
     krhpr_lanes tail_x[3];
     krhpr_lanes tail[3];
@@ -2779,12 +2772,12 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_passive_joints_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, wrist, 3);
     krhpr_poses_keep(finite, platform_joint, 3);
@@ -2885,8 +2878,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_link_points_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT points,
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[4];
     krhpr_lanes sine[4];
@@ -2895,7 +2887,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_link_points_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_pr_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes u[2];
@@ -2905,12 +2897,12 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_link_points_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, points, 18);
     krhpr_poses_keep(finite, attachment, 6);
@@ -3012,8 +3004,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_singularity_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
     krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -3025,7 +3016,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_singularity_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_pr_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes u[2];
@@ -3038,12 +3029,12 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_singularity_lanes(
     krhpr_platform_planar_c_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_1, 3);
     krhpr_poses_keep(finite, factors, 3);
@@ -3177,7 +3168,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_type_2_of_redundant_lanes(
     krhpr_platform_planar_c_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3271,8 +3262,8 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_indices_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT eta_1, krhpr_lanes_at *KRHPR_RESTRICT eta_2,
     krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_lanes_at *KRHPR_RESTRICT condition, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(characteristic_length, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(characteristic_length, 1);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -3290,7 +3281,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_indices_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_pr_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -3316,7 +3307,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_indices_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3331,7 +3322,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_indices_lanes(
     krhpr_poses_keep(valid, eta_2, 1);
     krhpr_poses_keep(valid, eta_3, 1);
     krhpr_poses_keep(valid, condition, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
@@ -3460,8 +3451,8 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_index_bounds_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT eta_1, krhpr_lanes_at *KRHPR_RESTRICT eta_2,
     krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(characteristic_length, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(characteristic_length, 1);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -3479,7 +3470,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_index_bounds_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_pr_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -3506,7 +3497,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_index_bounds_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3520,7 +3511,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_index_bounds_lanes(
     krhpr_poses_keep(valid, eta_1, 1);
     krhpr_poses_keep(valid, eta_2, 1);
     krhpr_poses_keep(valid, eta_3, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
@@ -3657,7 +3648,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_forward_all_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), breadth[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3820,7 +3811,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_forward_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), breadth[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), assembly_radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4043,7 +4034,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4200,7 +4191,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4335,7 +4326,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_forward_gauss_newton_2_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+       krhpr_poses_taint(weights, 3);
     krhpr_lanes slide[6];
     krhpr_lanes points[6];
     krhpr_lanes ends[4];
@@ -4382,7 +4373,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4522,7 +4513,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_forward_gauss_newton_3_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+       krhpr_poses_taint(weights, 3);
     krhpr_lanes slide[6];
     krhpr_lanes points[6];
     krhpr_lanes ends[6];
@@ -4568,7 +4559,7 @@ KRHPR_OUTLINE int krhpr_planar_pr_c_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */

@@ -19,25 +19,25 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_end_points_lanes(
     const krhpr_planar_prr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(redundant, 3);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_end_point_lanes(&g->platform, i, p, Q, redundant[i], s + 2 * i);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 6);
     return 1;
@@ -123,25 +123,25 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_redundant_coordinates_lanes(
     const krhpr_planar_prr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_redundant_lanes(&g->platform, i, p, Q, s + 2 * i, &redundant[i]);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, redundant, 3);
     return 1;
@@ -238,7 +238,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_subleg_forward_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -350,7 +350,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_subleg_forward_all_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -445,7 +445,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_subleg_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -542,7 +542,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_subleg_jacobian_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -633,25 +633,25 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_constraints_lanes(
     const krhpr_planar_prr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT residual, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_residual_lanes(&g->platform, i, p, Q, s + 2 * i, residual + i);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, residual, 3);
     return 1;
@@ -738,8 +738,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_jacobians_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes regularity[3];
     for (int k = 0; k < 18; ++k) {
@@ -749,7 +748,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_jacobians_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -768,7 +767,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_jacobians_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -778,7 +777,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_jacobians_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, K + 8 * i + 0, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 9);
     krhpr_poses_keep(finite, K, 18);
@@ -879,15 +878,14 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_jacobian_blocks_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes regularity[3];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -902,7 +900,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_jacobian_blocks_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -912,7 +910,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_jacobian_blocks_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, K + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 9);
     krhpr_poses_keep(finite, K, 6);
@@ -1013,8 +1011,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_jacobians_n_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes J_lines[9];
     krhpr_lanes along[6];
@@ -1026,7 +1023,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_jacobians_n_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -1051,7 +1048,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_jacobians_n_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1062,7 +1059,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_jacobians_n_lanes(
         krhpr_poses_keep(kept_1, K + 14 * i + 0, 2);
         krhpr_poses_keep(kept_1, K + 14 * i + 6, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 36);
     krhpr_poses_keep(finite, K, 36);
@@ -1163,15 +1160,14 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_inverse_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(redundant, 3) + krhpr_poses_taint(mode, 6);
     krhpr_lanes Q[4];
     krhpr_lanes radicand[3];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[2];
@@ -1183,7 +1179,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1193,7 +1189,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_inverse_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 6);
     return 1;
@@ -1294,14 +1290,14 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_inverse_all_lanes(
     const krhpr_planar_prr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(redundant, 3);
     krhpr_lanes Q[4];
     krhpr_lanes radicand[3];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[2];
@@ -1313,7 +1309,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_inverse_all_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1323,7 +1319,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_inverse_all_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 8 * i, 8);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 24);
     return 1;
@@ -1463,14 +1459,13 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_inverse_status_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], krhpr_lanes_at *KRHPR_RESTRICT excess,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(redundant, 3) + krhpr_poses_taint(mode, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[2];
@@ -1482,7 +1477,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_inverse_status_lanes(
         fine &= krhpr_at_most(excess[i], krhpr_all(0.0));
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1491,7 +1486,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_inverse_status_lanes(
         const krhpr_ints kept_1 = krhpr_at_most(excess[i], krhpr_all(0.0));
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 3);
     return 1;
@@ -1593,8 +1588,8 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_twist_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at theta_dot[6],
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(theta_dot, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(theta_dot, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -1605,7 +1600,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_twist_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -1627,7 +1622,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_twist_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1639,7 +1634,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_twist_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, twist, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist, 3);
     return 1;
@@ -1734,15 +1729,15 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_joint_rates_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at twist[3],
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3);
     krhpr_lanes Q[4];
     krhpr_lanes regularity[3];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s_dot[2];
@@ -1758,7 +1753,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_joint_rates_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1768,7 +1763,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_joint_rates_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta_dot + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_dot, 6);
     return 1;
@@ -1870,9 +1865,8 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_platform_acceleration_lanes(
     const krhpr_lanes_at theta_dot[6], const krhpr_lanes_at theta_ddot[6],
     krhpr_lanes_at *KRHPR_RESTRICT twist_rate, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(theta_dot, 6) +
-        krhpr_poses_taint(theta_ddot, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(twist, 3) + krhpr_poses_taint(theta_dot, 6) + krhpr_poses_taint(theta_ddot, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -1883,7 +1877,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_platform_acceleration_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -1913,7 +1907,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_platform_acceleration_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1925,7 +1919,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_platform_acceleration_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, twist_rate, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist_rate, 3);
     return 1;
@@ -2033,9 +2027,9 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_joint_accelerations_lanes(
     const krhpr_lanes_at twist_rate[3], const krhpr_lanes_at redundant_accelerations[3],
     krhpr_lanes_at *KRHPR_RESTRICT theta_ddot, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3) +
-        krhpr_poses_taint(theta_dot, 6) + krhpr_poses_taint(twist_rate, 3) + krhpr_poses_taint(redundant_accelerations, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3) + krhpr_poses_taint(theta_dot, 6) +
+       krhpr_poses_taint(twist_rate, 3) + krhpr_poses_taint(redundant_accelerations, 3);
     krhpr_lanes Q[4];
     krhpr_lanes parallel_regularity[3];
     krhpr_lanes regularity[3];
@@ -2043,7 +2037,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_joint_accelerations_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s_dot[2];
@@ -2069,7 +2063,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_joint_accelerations_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2082,7 +2076,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_joint_accelerations_lanes(
         status = krhpr_expect(kept_2, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_2, theta_ddot + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_ddot, 6);
     return 1;
@@ -2197,8 +2191,8 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_inverse_statics_lanes(
     const krhpr_lanes_at redundant_forces[3], krhpr_lanes_at *KRHPR_RESTRICT actuator_forces,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(wrench, 3) + krhpr_poses_taint(redundant_forces, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(wrench, 3) + krhpr_poses_taint(redundant_forces, 3);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -2211,7 +2205,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_inverse_statics_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -2236,7 +2230,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_inverse_statics_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2248,7 +2242,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_inverse_statics_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, actuator_forces, 6);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, actuator_forces, 6);
     return 1;
@@ -2350,8 +2344,8 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_forward_statics_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT wrench, krhpr_lanes_at *KRHPR_RESTRICT redundant_forces,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(actuator_forces, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(actuator_forces, 6);
     krhpr_lanes Q[4];
     krhpr_lanes end_force[6];
     krhpr_lanes regularity[3];
@@ -2360,7 +2354,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_forward_statics_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes w[4];
@@ -2377,7 +2371,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_forward_statics_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2389,7 +2383,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_forward_statics_lanes(
     }
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, wrench, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, wrench, 3);
     krhpr_poses_keep(finite, redundant_forces, 3);
@@ -2508,7 +2502,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_opening_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), shares[1]);
     fine &= krhpr_at_most(krhpr_all(0.0), shares[2]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2628,7 +2622,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_redundant_of_opening_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2723,8 +2717,8 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_grasp_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT redundant_forces, krhpr_lanes_at *KRHPR_RESTRICT friction_margins,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(phi, 1) + krhpr_poses_taint(contacts, 6) + krhpr_poses_taint(mass_centre, 2) +
-        krhpr_poses_taint(weight, 2) + krhpr_poses_taint(normal_forces, 3) + krhpr_poses_taint(friction, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(contacts, 6) + krhpr_poses_taint(mass_centre, 2) + krhpr_poses_taint(weight, 2) +
+       krhpr_poses_taint(normal_forces, 3) + krhpr_poses_taint(friction, 1);
     krhpr_lanes Q[4];
     krhpr_lanes slide[6];
     krhpr_lanes determined[1];
@@ -2732,7 +2726,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_grasp_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide + 2 * i);
@@ -2749,7 +2743,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_grasp_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[1]);
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[2]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2776,7 +2770,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_grasp_lanes(
     krhpr_poses_keep(kept_7, redundant_forces, 3);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, wrench, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, contact_forces, 6);
     krhpr_poses_keep(finite, wrench, 3);
@@ -2911,14 +2905,13 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_passive_joints_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT passive,
     krhpr_lanes_at *KRHPR_RESTRICT wrist, krhpr_lanes_at *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_lanes tail_y[12];
     krhpr_lanes tail_x[12];
     krhpr_lanes tail[12];
@@ -2943,12 +2936,12 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_passive_joints_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, passive, 9);
     krhpr_poses_keep(finite, wrist, 3);
@@ -3062,14 +3055,13 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_link_points_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT points,
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes w[4];
@@ -3080,12 +3072,12 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_link_points_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, points, 30);
     krhpr_poses_keep(finite, attachment, 6);
@@ -3187,8 +3179,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_singularity_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
     krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -3197,7 +3188,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_singularity_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes w[4];
@@ -3211,12 +3202,12 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_singularity_lanes(
     krhpr_platform_planar_c_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_1, 3);
     krhpr_poses_keep(finite, factors, 9);
@@ -3350,7 +3341,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_type_2_of_redundant_lanes(
     krhpr_platform_planar_c_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3444,8 +3435,8 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_indices_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT eta_1, krhpr_lanes_at *KRHPR_RESTRICT eta_2,
     krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_lanes_at *KRHPR_RESTRICT condition, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(characteristic_length, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(characteristic_length, 1);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -3461,7 +3452,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_indices_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -3490,7 +3481,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_indices_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3507,7 +3498,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_indices_lanes(
     krhpr_poses_keep(valid, eta_2, 1);
     krhpr_poses_keep(valid, eta_3, 1);
     krhpr_poses_keep(valid, condition, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
@@ -3636,8 +3627,8 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_index_bounds_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT eta_1, krhpr_lanes_at *KRHPR_RESTRICT eta_2,
     krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(characteristic_length, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(characteristic_length, 1);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -3653,7 +3644,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_index_bounds_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -3683,7 +3674,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_index_bounds_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3699,7 +3690,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_index_bounds_lanes(
     krhpr_poses_keep(valid, eta_1, 1);
     krhpr_poses_keep(valid, eta_2, 1);
     krhpr_poses_keep(valid, eta_3, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
@@ -3836,7 +3827,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_forward_all_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), breadth[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3996,7 +3987,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_forward_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), breadth[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), assembly_radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4244,7 +4235,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4401,7 +4392,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4536,7 +4527,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_forward_gauss_newton_2_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+       krhpr_poses_taint(weights, 3);
     krhpr_lanes slide[6];
     krhpr_lanes points[6];
     krhpr_lanes ends[4];
@@ -4583,7 +4574,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4723,7 +4714,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_forward_gauss_newton_3_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+       krhpr_poses_taint(weights, 3);
     krhpr_lanes slide[6];
     krhpr_lanes points[6];
     krhpr_lanes ends[6];
@@ -4769,7 +4760,7 @@ KRHPR_OUTLINE int krhpr_planar_prr2_c_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */

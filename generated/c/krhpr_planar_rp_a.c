@@ -74,7 +74,7 @@ KRHPR_API int krhpr_planar_rp_a_end_points(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1))) {
         krhpr_fill_nan(s, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -84,19 +84,24 @@ KRHPR_API int krhpr_planar_rp_a_end_points(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
-        krhpr_lanes s_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_platform_planar_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2];
         krhpr_platform_planar_a_end_point_lanes(
             &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
         krhpr_legs_store(s, 2, s_legs, 2, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(redundant, 3))) {
+        krhpr_fill_nan(s, 6);
+        return KRHPR_INVALID_INPUT;
     }
     return status;
 }
@@ -117,9 +122,9 @@ KRHPR_API int krhpr_planar_rp_a_redundant_coordinates(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes redundant_legs[1];
         krhpr_lanes tail_y_legs[1];
@@ -144,12 +149,12 @@ KRHPR_API int krhpr_planar_rp_a_subleg_forward(
     }
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes s_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rp_forward_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[2];
         krhpr_subleg_planar_rp_forward_lanes(&g->subleg, i, theta_legs, sine_legs, cosine_legs, s_legs);
         krhpr_legs_store(s, 2, s_legs, 2, i);
     }
@@ -165,18 +170,22 @@ KRHPR_API int krhpr_planar_rp_a_subleg_inverse(
         krhpr_fill_nan(theta, 12);
         return KRHPR_INVALID_INPUT;
     }
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[4];
         krhpr_lanes radicand_legs[1];
         krhpr_subleg_planar_rp_inverse_all_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(theta, 4, theta_legs, 4, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 4 * i, 4);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 4 * i, 4);
+            }
         }
     }
     return status;
@@ -192,15 +201,15 @@ KRHPR_API int krhpr_planar_rp_a_subleg_jacobian(
     }
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes d_legs[2];
-        krhpr_lanes u_legs[2];
-        krhpr_lanes M_legs[4];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_legs[2];
+        krhpr_lanes M_legs[4];
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
         krhpr_subleg_planar_rp_jacobian_lanes(&g->subleg, i, d_legs, u_legs, M_legs);
         krhpr_legs_store(M, 4, M_legs, 4, i);
@@ -224,9 +233,9 @@ KRHPR_API int krhpr_planar_rp_a_constraints(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes residual_legs[1];
         krhpr_platform_planar_a_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
@@ -255,21 +264,21 @@ KRHPR_API int krhpr_planar_rp_a_jacobians(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes J_legs[3];
-        krhpr_lanes N_legs[2];
-        krhpr_lanes d_legs[2];
-        krhpr_lanes u_legs[2];
-        krhpr_lanes K_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes J_legs[3];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_legs[2];
+        krhpr_lanes K_legs[2];
         krhpr_platform_planar_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
         krhpr_subleg_planar_rp_project_lanes(&g->subleg, i, d_legs, u_legs, N_legs, K_legs);
@@ -296,21 +305,21 @@ KRHPR_API int krhpr_planar_rp_a_jacobian_blocks(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes J_legs[3];
-        krhpr_lanes N_legs[2];
-        krhpr_lanes d_legs[2];
-        krhpr_lanes u_legs[2];
-        krhpr_lanes K_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes J_legs[3];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_legs[2];
+        krhpr_lanes K_legs[2];
         krhpr_platform_planar_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
         krhpr_subleg_planar_rp_project_lanes(&g->subleg, i, d_legs, u_legs, N_legs, K_legs);
@@ -342,11 +351,16 @@ KRHPR_API int krhpr_planar_rp_a_jacobians_n(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes J_lines_legs[3];
         krhpr_lanes N_legs[2];
         krhpr_lanes along_legs[2];
@@ -354,11 +368,6 @@ KRHPR_API int krhpr_planar_rp_a_jacobians_n(
         krhpr_lanes d_legs[2];
         krhpr_lanes u_legs[2];
         krhpr_lanes K_legs[4];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_lines_legs, N_legs);
         krhpr_platform_planar_a_redundant_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, along_legs, redundant_line_legs);
@@ -383,7 +392,7 @@ KRHPR_API int krhpr_planar_rp_a_inverse(
     if (mode == NULL) {
         mode = mode_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(mode, 3))) {
         krhpr_fill_nan(theta, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -393,29 +402,38 @@ KRHPR_API int krhpr_planar_rp_a_inverse(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
-        krhpr_lanes mode_legs[1]; krhpr_legs_load(mode_legs, mode, 1, i);
-        krhpr_lanes s_legs[2];
-        krhpr_lanes theta_legs[2];
-        krhpr_lanes radicand_legs[1];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_platform_planar_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes mode_legs[1]; krhpr_legs_load(mode_legs, mode, 1, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes theta_legs[2];
+        krhpr_lanes radicand_legs[1];
         krhpr_platform_planar_a_end_point_lanes(
             &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
         krhpr_subleg_planar_rp_inverse_lanes(&g->subleg, i, s_legs, mode_legs, theta_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(theta, 2, theta_legs, 2, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 2 * i, 2);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(redundant, 3))) {
+        krhpr_fill_nan(theta, 6);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 2 * i, 2);
+            }
         }
     }
     return status;
@@ -428,7 +446,7 @@ KRHPR_API int krhpr_planar_rp_a_inverse_all(
     int status = KRHPR_OK;
     double Q[4];
     double radicand[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1))) {
         krhpr_fill_nan(theta, 12);
         return KRHPR_INVALID_INPUT;
     }
@@ -438,28 +456,37 @@ KRHPR_API int krhpr_planar_rp_a_inverse_all(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
-        krhpr_lanes s_legs[2];
-        krhpr_lanes theta_legs[4];
-        krhpr_lanes radicand_legs[1];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_platform_planar_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes theta_legs[4];
+        krhpr_lanes radicand_legs[1];
         krhpr_platform_planar_a_end_point_lanes(
             &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
         krhpr_subleg_planar_rp_inverse_all_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(theta, 4, theta_legs, 4, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 4 * i, 4);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(redundant, 3))) {
+        krhpr_fill_nan(theta, 12);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 4 * i, 4);
+            }
         }
     }
     return status;
@@ -474,7 +501,7 @@ KRHPR_API int krhpr_planar_rp_a_inverse_status(
     if (mode == NULL) {
         mode = mode_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(mode, 3))) {
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
@@ -484,25 +511,34 @@ KRHPR_API int krhpr_planar_rp_a_inverse_status(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
-        krhpr_lanes s_legs[2];
-        krhpr_lanes excess_legs[1];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_platform_planar_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes excess_legs[1];
         krhpr_platform_planar_a_end_point_lanes(
             &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
         krhpr_subleg_planar_rp_reach_lanes(&g->subleg, i, s_legs, excess_legs);
+        fine &= krhpr_every(krhpr_at_most(excess_legs[0], krhpr_all(0.0)));
         krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(excess[i] <= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(redundant, 3))) {
+        krhpr_fill_nan(excess, 3);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(excess[i] <= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            }
         }
     }
     return status;
@@ -529,11 +565,16 @@ KRHPR_API int krhpr_planar_rp_a_twist(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_dot_legs[2]; krhpr_legs_load(theta_dot_legs, theta_dot, 2, i);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
@@ -543,11 +584,6 @@ KRHPR_API int krhpr_planar_rp_a_twist(
         krhpr_lanes u_legs[2];
         krhpr_lanes s_dot_legs[2];
         krhpr_lanes rate_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
@@ -586,35 +622,39 @@ KRHPR_API int krhpr_planar_rp_a_joint_rates(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes s_dot_legs[2];
-        krhpr_lanes d_legs[2];
-        krhpr_lanes u_legs[2];
-        krhpr_lanes theta_dot_legs[2];
-        krhpr_lanes regularity_legs[1];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes s_dot_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_legs[2];
+        krhpr_lanes theta_dot_legs[2];
+        krhpr_lanes regularity_legs[1];
         krhpr_platform_planar_a_end_velocity_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], s_dot_legs);
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
         krhpr_subleg_planar_rp_rates_lanes(
             &g->subleg, i, d_legs, u_legs, s_dot_legs, theta_dot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(theta_dot, 2, theta_dot_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_dot + 2 * i, 2);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_dot + 2 * i, 2);
+            }
         }
     }
     return status;
@@ -642,14 +682,19 @@ KRHPR_API int krhpr_planar_rp_a_platform_acceleration(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_dot_legs[2]; krhpr_legs_load(theta_dot_legs, theta_dot, 2, i);
         krhpr_lanes theta_ddot_legs[2]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 2, i);
+        krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -662,11 +707,6 @@ KRHPR_API int krhpr_planar_rp_a_platform_acceleration(
         krhpr_lanes s_ddot_legs[2];
         krhpr_lanes row_bias_legs[1];
         krhpr_lanes rate_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_rp_bias_lanes(
@@ -711,15 +751,21 @@ KRHPR_API int krhpr_planar_rp_a_joint_accelerations(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
-    krhpr_lanes twist_rate_legs[3]; krhpr_legs_spread(twist_rate_legs, twist_rate, 3);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
-        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes twist_rate_legs[3]; krhpr_legs_spread(twist_rate_legs, twist_rate, 3);
+        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_dot_legs[2]; krhpr_legs_load(theta_dot_legs, theta_dot, 2, i);
         krhpr_lanes s_dot_legs[2];
         krhpr_lanes s_ddot_legs[2];
@@ -730,11 +776,6 @@ KRHPR_API int krhpr_planar_rp_a_joint_accelerations(
         krhpr_lanes u_legs[2];
         krhpr_lanes theta_ddot_legs[2];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_a_end_acceleration_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], twist_rate_legs,
             redundant_accelerations_legs[0], s_dot_legs, s_ddot_legs);
@@ -744,13 +785,16 @@ KRHPR_API int krhpr_planar_rp_a_joint_accelerations(
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
         krhpr_subleg_planar_rp_rates_lanes(
             &g->subleg, i, d_legs, u_legs, along_legs, theta_ddot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(theta_ddot, 2, theta_ddot_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_ddot + 2 * i, 2);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_ddot + 2 * i, 2);
+            }
         }
     }
     return status;
@@ -780,11 +824,16 @@ KRHPR_API int krhpr_planar_rp_a_inverse_statics(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -794,11 +843,6 @@ KRHPR_API int krhpr_planar_rp_a_inverse_statics(
         krhpr_lanes d_legs[2];
         krhpr_lanes u_legs[2];
         krhpr_lanes K_n_legs[4];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_platform_planar_a_redundant_line_lanes(
@@ -845,38 +889,42 @@ KRHPR_API int krhpr_planar_rp_a_forward_statics(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes actuator_forces_legs[2]; krhpr_legs_load(actuator_forces_legs, actuator_forces, 2, i);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_legs[2];
         krhpr_lanes end_force_legs[2];
         krhpr_lanes regularity_legs[1];
         krhpr_lanes moment_legs[1];
         krhpr_lanes redundant_forces_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
         krhpr_subleg_planar_rp_end_force_lanes(
             &g->subleg, i, d_legs, u_legs, actuator_forces_legs, end_force_legs, regularity_legs);
         krhpr_platform_planar_a_reaction_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, end_force_legs, moment_legs, redundant_forces_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(end_force, 2, end_force_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(moment, 1, moment_legs, 1, i);
         krhpr_legs_store(redundant_forces, 1, redundant_forces_legs, 1, i);
     }
     krhpr_algebra_planar_total(end_force, moment, wrench);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(redundant_forces + 1 * i, 1);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(redundant_forces + 1 * i, 1);
+            }
         }
     }
     if (status != KRHPR_OK) {
@@ -902,22 +950,22 @@ KRHPR_API int krhpr_planar_rp_a_passive_joints(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_legs[2];
         krhpr_lanes link_legs[2];
         krhpr_lanes redundant_link_legs[2];
         krhpr_lanes platform_joint_legs[1];
         krhpr_lanes wrist_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes tail_y_legs[2];
         krhpr_lanes tail_x_legs[2];
         krhpr_lanes tail_legs[2];
@@ -952,20 +1000,20 @@ KRHPR_API int krhpr_planar_rp_a_link_points(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes d_legs[2];
-        krhpr_lanes u_legs[2];
-        krhpr_lanes points_legs[6];
-        krhpr_lanes attachment_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_legs[2];
+        krhpr_lanes points_legs[6];
+        krhpr_lanes attachment_legs[2];
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
         krhpr_subleg_planar_rp_points_lanes(&g->subleg, i, u_legs, s_legs, points_legs);
         krhpr_platform_planar_a_attachment_lanes(&g->platform, i, p_legs, Q_legs, attachment_legs);
@@ -998,11 +1046,16 @@ KRHPR_API int krhpr_planar_rp_a_singularity(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_legs[2];
         krhpr_lanes type_1_legs[1];
@@ -1011,11 +1064,6 @@ KRHPR_API int krhpr_planar_rp_a_singularity(
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
         krhpr_lanes scale_legs[2];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
         krhpr_subleg_planar_rp_determinant_lanes(&g->subleg, i, d_legs, u_legs, type_1_legs, factors_legs);
         krhpr_platform_planar_a_line_lanes(
@@ -1038,26 +1086,27 @@ KRHPR_API int krhpr_planar_rp_a_type_2_of_redundant(
     double line[9];
     double point[6];
     double scale[6];
-    if (!krhpr_is_clean(krhpr_taint(redundant, 3))) {
-        krhpr_fill_nan(type_2, 1);
-        krhpr_fill_nan(margins, 1);
-        return KRHPR_INVALID_INPUT;
-    }
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
-        krhpr_lanes line_legs[3];
-        krhpr_lanes point_legs[2];
-        krhpr_lanes scale_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_platform_planar_a_line_of_redundant_angles_lanes(redundant_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes line_legs[3];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes scale_legs[2];
         krhpr_platform_planar_a_line_of_redundant_lanes(
             &g->platform, i, sine_legs, cosine_legs, line_legs, point_legs, scale_legs);
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(scale, 2, scale_legs, 2, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(redundant, 3))) {
+        krhpr_fill_nan(type_2, 1);
+        krhpr_fill_nan(margins, 1);
+        return KRHPR_INVALID_INPUT;
     }
     krhpr_platform_planar_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1093,12 +1142,18 @@ KRHPR_API int krhpr_planar_rp_a_indices(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -1112,11 +1167,6 @@ KRHPR_API int krhpr_planar_rp_a_indices(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
@@ -1125,6 +1175,7 @@ KRHPR_API int krhpr_planar_rp_a_indices(
             square_legs, reach_legs);
         krhpr_algebra_planar_spread_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 1, reach_legs, 1, i);
@@ -1135,9 +1186,11 @@ KRHPR_API int krhpr_planar_rp_a_indices(
     krhpr_platform_planar_a_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_planar_norms(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
-    for (int i = 0; i < 3; ++i) {
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1181,12 +1234,18 @@ KRHPR_API int krhpr_planar_rp_a_index_bounds(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -1200,11 +1259,6 @@ KRHPR_API int krhpr_planar_rp_a_index_bounds(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
@@ -1213,6 +1267,7 @@ KRHPR_API int krhpr_planar_rp_a_index_bounds(
             square_legs, reach_legs);
         krhpr_algebra_planar_spread_bound_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 1, reach_legs, 1, i);
@@ -1222,9 +1277,11 @@ KRHPR_API int krhpr_planar_rp_a_index_bounds(
     }
     krhpr_platform_planar_a_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_planar_norm_bounds(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
-    for (int i = 0; i < 3; ++i) {
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1258,12 +1315,8 @@ KRHPR_API int krhpr_planar_rp_a_forward_all(
         krhpr_fill_nan(doubtful, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_planar_a_sextic(s, anchor, length, points, sextic);
     {
@@ -1360,14 +1413,14 @@ KRHPR_API int krhpr_planar_rp_a_forward(
     }
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes s_legs[2];
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rp_forward_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
         krhpr_subleg_planar_rp_forward_lanes(&g->subleg, i, theta_legs, sine_legs, cosine_legs, s_legs);
         krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
         krhpr_legs_store(s, 2, s_legs, 2, i);
@@ -1476,12 +1529,8 @@ KRHPR_API int krhpr_planar_rp_a_forward_newton(
     double tail_x[KRHPR_PADDED(4)] = {0.0};
     double tail[KRHPR_PADDED(4)];
     krhpr_algebra_planar_rotation(sine, cosine, Q_near);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_planar_a_newton_start(
         s, anchor, length, p_near, Q_near, points, centre, start, kantorovich);
@@ -1553,15 +1602,9 @@ KRHPR_API int krhpr_planar_rp_a_forward_encoders_1(
     double tail_x[KRHPR_PADDED(2)] = {0.0};
     double tail[KRHPR_PADDED(2)];
     krhpr_platform_planar_a_turns_1(sine, cosine, turns);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_lanes arm_legs[2];
-        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_platform_planar_a_arm_lanes(&g->platform, i, arm_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
-        krhpr_legs_store(arm, 2, arm_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_one_encoder(
         s, turns, anchor, length, arm, tolerance, radicand, p, mismatch, agreement, tail_y, tail_x);
@@ -1614,15 +1657,9 @@ KRHPR_API int krhpr_planar_rp_a_forward_encoders_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_2(sine, cosine, turns);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_lanes arm_legs[2];
-        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_platform_planar_a_arm_lanes(&g->platform, i, arm_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
-        krhpr_legs_store(arm, 2, arm_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1679,15 +1716,9 @@ KRHPR_API int krhpr_planar_rp_a_forward_encoders_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_3(sine, cosine, turns);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_lanes arm_legs[2];
-        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_platform_planar_a_arm_lanes(&g->platform, i, arm_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
-        krhpr_legs_store(arm, 2, arm_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1746,15 +1777,9 @@ KRHPR_API int krhpr_planar_rp_a_forward_gauss_newton_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_2(sine, cosine, turns);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_lanes arm_legs[2];
-        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_platform_planar_a_arm_lanes(&g->platform, i, arm_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
-        krhpr_legs_store(arm, 2, arm_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1832,15 +1857,9 @@ KRHPR_API int krhpr_planar_rp_a_forward_gauss_newton_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_3(sine, cosine, turns);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_lanes arm_legs[2];
-        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_platform_planar_a_arm_lanes(&g->platform, i, arm_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
-        krhpr_legs_store(arm, 2, arm_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);

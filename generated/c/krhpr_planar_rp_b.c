@@ -84,9 +84,9 @@ KRHPR_API int krhpr_planar_rp_b_end_points(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[2];
         krhpr_platform_planar_b_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
@@ -111,9 +111,9 @@ KRHPR_API int krhpr_planar_rp_b_redundant_coordinates(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes redundant_legs[1];
         krhpr_platform_planar_b_redundant_lanes(&g->platform, i, p_legs, Q_legs, s_legs, redundant_legs);
@@ -132,12 +132,12 @@ KRHPR_API int krhpr_planar_rp_b_subleg_forward(
     }
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes s_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rp_forward_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[2];
         krhpr_subleg_planar_rp_forward_lanes(&g->subleg, i, theta_legs, sine_legs, cosine_legs, s_legs);
         krhpr_legs_store(s, 2, s_legs, 2, i);
     }
@@ -153,18 +153,22 @@ KRHPR_API int krhpr_planar_rp_b_subleg_inverse(
         krhpr_fill_nan(theta, 12);
         return KRHPR_INVALID_INPUT;
     }
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[4];
         krhpr_lanes radicand_legs[1];
         krhpr_subleg_planar_rp_inverse_all_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(theta, 4, theta_legs, 4, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 4 * i, 4);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 4 * i, 4);
+            }
         }
     }
     return status;
@@ -180,15 +184,15 @@ KRHPR_API int krhpr_planar_rp_b_subleg_jacobian(
     }
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes d_legs[2];
-        krhpr_lanes u_legs[2];
-        krhpr_lanes M_legs[4];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_legs[2];
+        krhpr_lanes M_legs[4];
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
         krhpr_subleg_planar_rp_jacobian_lanes(&g->subleg, i, d_legs, u_legs, M_legs);
         krhpr_legs_store(M, 4, M_legs, 4, i);
@@ -212,9 +216,9 @@ KRHPR_API int krhpr_planar_rp_b_constraints(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes residual_legs[1];
         krhpr_platform_planar_b_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
@@ -243,21 +247,21 @@ KRHPR_API int krhpr_planar_rp_b_jacobians(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes J_legs[3];
-        krhpr_lanes N_legs[2];
-        krhpr_lanes d_legs[2];
-        krhpr_lanes u_legs[2];
-        krhpr_lanes K_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes J_legs[3];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_legs[2];
+        krhpr_lanes K_legs[2];
         krhpr_platform_planar_b_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
         krhpr_subleg_planar_rp_project_lanes(&g->subleg, i, d_legs, u_legs, N_legs, K_legs);
@@ -284,21 +288,21 @@ KRHPR_API int krhpr_planar_rp_b_jacobian_blocks(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes J_legs[3];
-        krhpr_lanes N_legs[2];
-        krhpr_lanes d_legs[2];
-        krhpr_lanes u_legs[2];
-        krhpr_lanes K_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes J_legs[3];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_legs[2];
+        krhpr_lanes K_legs[2];
         krhpr_platform_planar_b_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
         krhpr_subleg_planar_rp_project_lanes(&g->subleg, i, d_legs, u_legs, N_legs, K_legs);
@@ -330,11 +334,16 @@ KRHPR_API int krhpr_planar_rp_b_jacobians_n(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes J_lines_legs[3];
         krhpr_lanes N_legs[2];
         krhpr_lanes along_legs[2];
@@ -342,11 +351,6 @@ KRHPR_API int krhpr_planar_rp_b_jacobians_n(
         krhpr_lanes d_legs[2];
         krhpr_lanes u_legs[2];
         krhpr_lanes K_legs[4];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_b_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_lines_legs, N_legs);
         krhpr_platform_planar_b_redundant_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, along_legs, redundant_line_legs);
@@ -381,9 +385,10 @@ KRHPR_API int krhpr_planar_rp_b_inverse(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes mode_legs[1]; krhpr_legs_load(mode_legs, mode, 1, i);
         krhpr_lanes s_legs[2];
@@ -391,13 +396,16 @@ KRHPR_API int krhpr_planar_rp_b_inverse(
         krhpr_lanes radicand_legs[1];
         krhpr_platform_planar_b_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
         krhpr_subleg_planar_rp_inverse_lanes(&g->subleg, i, s_legs, mode_legs, theta_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(theta, 2, theta_legs, 2, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 2 * i, 2);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 2 * i, 2);
+            }
         }
     }
     return status;
@@ -420,22 +428,26 @@ KRHPR_API int krhpr_planar_rp_b_inverse_all(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[2];
         krhpr_lanes theta_legs[4];
         krhpr_lanes radicand_legs[1];
         krhpr_platform_planar_b_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
         krhpr_subleg_planar_rp_inverse_all_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(theta, 4, theta_legs, 4, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 4 * i, 4);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 4 * i, 4);
+            }
         }
     }
     return status;
@@ -460,19 +472,23 @@ KRHPR_API int krhpr_planar_rp_b_inverse_status(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[2];
         krhpr_lanes excess_legs[1];
         krhpr_platform_planar_b_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
         krhpr_subleg_planar_rp_reach_lanes(&g->subleg, i, s_legs, excess_legs);
+        fine &= krhpr_every(krhpr_at_most(excess_legs[0], krhpr_all(0.0)));
         krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(excess[i] <= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(excess[i] <= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            }
         }
     }
     return status;
@@ -499,11 +515,16 @@ KRHPR_API int krhpr_planar_rp_b_twist(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_dot_legs[2]; krhpr_legs_load(theta_dot_legs, theta_dot, 2, i);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
@@ -513,11 +534,6 @@ KRHPR_API int krhpr_planar_rp_b_twist(
         krhpr_lanes u_legs[2];
         krhpr_lanes s_dot_legs[2];
         krhpr_lanes rate_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
@@ -556,35 +572,39 @@ KRHPR_API int krhpr_planar_rp_b_joint_rates(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes s_dot_legs[2];
-        krhpr_lanes d_legs[2];
-        krhpr_lanes u_legs[2];
-        krhpr_lanes theta_dot_legs[2];
-        krhpr_lanes regularity_legs[1];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes s_dot_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_legs[2];
+        krhpr_lanes theta_dot_legs[2];
+        krhpr_lanes regularity_legs[1];
         krhpr_platform_planar_b_end_velocity_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], s_dot_legs);
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
         krhpr_subleg_planar_rp_rates_lanes(
             &g->subleg, i, d_legs, u_legs, s_dot_legs, theta_dot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(theta_dot, 2, theta_dot_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_dot + 2 * i, 2);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_dot + 2 * i, 2);
+            }
         }
     }
     return status;
@@ -612,14 +632,19 @@ KRHPR_API int krhpr_planar_rp_b_platform_acceleration(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_dot_legs[2]; krhpr_legs_load(theta_dot_legs, theta_dot, 2, i);
         krhpr_lanes theta_ddot_legs[2]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 2, i);
+        krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -632,11 +657,6 @@ KRHPR_API int krhpr_planar_rp_b_platform_acceleration(
         krhpr_lanes s_ddot_legs[2];
         krhpr_lanes row_bias_legs[1];
         krhpr_lanes rate_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_rp_bias_lanes(
@@ -681,15 +701,21 @@ KRHPR_API int krhpr_planar_rp_b_joint_accelerations(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
-    krhpr_lanes twist_rate_legs[3]; krhpr_legs_spread(twist_rate_legs, twist_rate, 3);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
-        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes twist_rate_legs[3]; krhpr_legs_spread(twist_rate_legs, twist_rate, 3);
+        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_dot_legs[2]; krhpr_legs_load(theta_dot_legs, theta_dot, 2, i);
         krhpr_lanes s_dot_legs[2];
         krhpr_lanes s_ddot_legs[2];
@@ -700,11 +726,6 @@ KRHPR_API int krhpr_planar_rp_b_joint_accelerations(
         krhpr_lanes u_legs[2];
         krhpr_lanes theta_ddot_legs[2];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_b_end_acceleration_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], twist_rate_legs,
             redundant_accelerations_legs[0], s_dot_legs, s_ddot_legs);
@@ -714,13 +735,16 @@ KRHPR_API int krhpr_planar_rp_b_joint_accelerations(
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
         krhpr_subleg_planar_rp_rates_lanes(
             &g->subleg, i, d_legs, u_legs, along_legs, theta_ddot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(theta_ddot, 2, theta_ddot_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_ddot + 2 * i, 2);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_ddot + 2 * i, 2);
+            }
         }
     }
     return status;
@@ -750,11 +774,16 @@ KRHPR_API int krhpr_planar_rp_b_inverse_statics(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -764,11 +793,6 @@ KRHPR_API int krhpr_planar_rp_b_inverse_statics(
         krhpr_lanes d_legs[2];
         krhpr_lanes u_legs[2];
         krhpr_lanes K_n_legs[4];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_platform_planar_b_redundant_line_lanes(
@@ -815,38 +839,42 @@ KRHPR_API int krhpr_planar_rp_b_forward_statics(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes actuator_forces_legs[2]; krhpr_legs_load(actuator_forces_legs, actuator_forces, 2, i);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_legs[2];
         krhpr_lanes end_force_legs[2];
         krhpr_lanes regularity_legs[1];
         krhpr_lanes moment_legs[1];
         krhpr_lanes redundant_forces_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
         krhpr_subleg_planar_rp_end_force_lanes(
             &g->subleg, i, d_legs, u_legs, actuator_forces_legs, end_force_legs, regularity_legs);
         krhpr_platform_planar_b_reaction_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, end_force_legs, moment_legs, redundant_forces_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(end_force, 2, end_force_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(moment, 1, moment_legs, 1, i);
         krhpr_legs_store(redundant_forces, 1, redundant_forces_legs, 1, i);
     }
     krhpr_algebra_planar_total(end_force, moment, wrench);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(redundant_forces + 1 * i, 1);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(redundant_forces + 1 * i, 1);
+            }
         }
     }
     if (status != KRHPR_OK) {
@@ -868,13 +896,9 @@ KRHPR_API int krhpr_planar_rp_b_opening(
         krhpr_fill_nan(shares, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_planar_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        double distance;
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance, &start[i]);
     }
     krhpr_platform_planar_b_opening(slide, redundant, jaws, start, opening, centre, shares);
     if (!(shares[0] >= 0.0)) {
@@ -902,9 +926,9 @@ KRHPR_API int krhpr_planar_rp_b_redundant_of_opening(
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes opening_legs[1]; krhpr_legs_spread(opening_legs, &opening, 1);
-    krhpr_lanes centre_legs[2]; krhpr_legs_spread(centre_legs, centre, 2);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes opening_legs[1]; krhpr_legs_spread(opening_legs, &opening, 1);
+        krhpr_lanes centre_legs[2]; krhpr_legs_spread(centre_legs, centre, 2);
         krhpr_lanes jaws_legs[1]; krhpr_legs_load(jaws_legs, jaws, 1, i);
         krhpr_lanes redundant_legs[1];
         krhpr_platform_planar_b_redundant_of_opening_lanes(
@@ -938,12 +962,10 @@ KRHPR_API int krhpr_planar_rp_b_grasp(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_planar_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        double distance;
+        double start;
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance, &start);
     }
     krhpr_platform_planar_b_grasp(
         Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
@@ -1005,22 +1027,22 @@ KRHPR_API int krhpr_planar_rp_b_passive_joints(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_legs[2];
         krhpr_lanes link_legs[2];
         krhpr_lanes redundant_link_legs[2];
         krhpr_lanes platform_joint_legs[1];
         krhpr_lanes wrist_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes tail_y_legs[1];
         krhpr_lanes tail_x_legs[1];
         krhpr_lanes tail_legs[1];
@@ -1054,19 +1076,19 @@ KRHPR_API int krhpr_planar_rp_b_link_points(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes d_legs[2];
-        krhpr_lanes u_legs[2];
-        krhpr_lanes points_legs[6];
-        krhpr_lanes attachment_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_legs[2];
+        krhpr_lanes points_legs[6];
+        krhpr_lanes attachment_legs[2];
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
         krhpr_subleg_planar_rp_points_lanes(&g->subleg, i, u_legs, s_legs, points_legs);
         krhpr_platform_planar_b_attachment_lanes(&g->platform, i, Q_legs, s_legs, attachment_legs);
@@ -1099,11 +1121,16 @@ KRHPR_API int krhpr_planar_rp_b_singularity(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_legs[2];
         krhpr_lanes type_1_legs[1];
@@ -1112,11 +1139,6 @@ KRHPR_API int krhpr_planar_rp_b_singularity(
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
         krhpr_lanes scale_legs[2];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
         krhpr_subleg_planar_rp_determinant_lanes(&g->subleg, i, d_legs, u_legs, type_1_legs, factors_legs);
         krhpr_platform_planar_b_line_lanes(
@@ -1189,12 +1211,18 @@ KRHPR_API int krhpr_planar_rp_b_indices(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -1208,11 +1236,6 @@ KRHPR_API int krhpr_planar_rp_b_indices(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
@@ -1221,6 +1244,7 @@ KRHPR_API int krhpr_planar_rp_b_indices(
             square_legs, reach_legs);
         krhpr_algebra_planar_spread_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 1, reach_legs, 1, i);
@@ -1231,9 +1255,11 @@ KRHPR_API int krhpr_planar_rp_b_indices(
     krhpr_platform_planar_b_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_planar_norms(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
-    for (int i = 0; i < 3; ++i) {
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1277,12 +1303,18 @@ KRHPR_API int krhpr_planar_rp_b_index_bounds(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -1296,11 +1328,6 @@ KRHPR_API int krhpr_planar_rp_b_index_bounds(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
@@ -1309,6 +1336,7 @@ KRHPR_API int krhpr_planar_rp_b_index_bounds(
             square_legs, reach_legs);
         krhpr_algebra_planar_spread_bound_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 1, reach_legs, 1, i);
@@ -1318,9 +1346,11 @@ KRHPR_API int krhpr_planar_rp_b_index_bounds(
     }
     krhpr_platform_planar_b_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_planar_norm_bounds(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
-    for (int i = 0; i < 3; ++i) {
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1356,14 +1386,8 @@ KRHPR_API int krhpr_planar_rp_b_forward_all(
     double tail_y[KRHPR_PADDED(2)] = {0.0};
     double tail_x[KRHPR_PADDED(2)] = {0.0};
     double tail[KRHPR_PADDED(2)];
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_planar_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(distance, 1, distance_legs, 1, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_assembly_modes(
         s, slide, distance, start, breadth, radicand, p, redundant, det_J, count, tail_y, tail_x);
@@ -1412,15 +1436,15 @@ KRHPR_API int krhpr_planar_rp_b_forward(
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes s_legs[2];
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rp_forward_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes slide_legs[2];
+        krhpr_lanes distance_legs[1];
+        krhpr_lanes start_legs[1];
         krhpr_subleg_planar_rp_forward_lanes(&g->subleg, i, theta_legs, sine_legs, cosine_legs, s_legs);
         krhpr_platform_planar_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
         krhpr_legs_store(s, 2, s_legs, 2, i);
@@ -1477,14 +1501,8 @@ KRHPR_API int krhpr_planar_rp_b_forward_encoders_2(
     double tail_y[KRHPR_PADDED(1)] = {0.0};
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_planar_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(distance, 1, distance_legs, 1, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_two_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1534,14 +1552,8 @@ KRHPR_API int krhpr_planar_rp_b_forward_encoders_3(
     double tail_y[KRHPR_PADDED(1)] = {0.0};
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_planar_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(distance, 1, distance_legs, 1, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_three_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1593,14 +1605,8 @@ KRHPR_API int krhpr_planar_rp_b_forward_gauss_newton_2(
     double tail_y[KRHPR_PADDED(1)] = {0.0};
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_planar_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(distance, 1, distance_legs, 1, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_two_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1671,14 +1677,8 @@ KRHPR_API int krhpr_planar_rp_b_forward_gauss_newton_3(
     double tail_y[KRHPR_PADDED(1)] = {0.0};
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_planar_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(distance, 1, distance_legs, 1, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_three_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);

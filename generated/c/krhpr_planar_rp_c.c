@@ -74,9 +74,9 @@ KRHPR_API int krhpr_planar_rp_c_end_points(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[2];
         krhpr_platform_planar_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
@@ -101,9 +101,9 @@ KRHPR_API int krhpr_planar_rp_c_redundant_coordinates(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes redundant_legs[1];
         krhpr_platform_planar_c_redundant_lanes(&g->platform, i, p_legs, Q_legs, s_legs, redundant_legs);
@@ -122,12 +122,12 @@ KRHPR_API int krhpr_planar_rp_c_subleg_forward(
     }
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes s_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rp_forward_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[2];
         krhpr_subleg_planar_rp_forward_lanes(&g->subleg, i, theta_legs, sine_legs, cosine_legs, s_legs);
         krhpr_legs_store(s, 2, s_legs, 2, i);
     }
@@ -143,18 +143,22 @@ KRHPR_API int krhpr_planar_rp_c_subleg_inverse(
         krhpr_fill_nan(theta, 12);
         return KRHPR_INVALID_INPUT;
     }
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[4];
         krhpr_lanes radicand_legs[1];
         krhpr_subleg_planar_rp_inverse_all_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(theta, 4, theta_legs, 4, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 4 * i, 4);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 4 * i, 4);
+            }
         }
     }
     return status;
@@ -170,15 +174,15 @@ KRHPR_API int krhpr_planar_rp_c_subleg_jacobian(
     }
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes d_legs[2];
-        krhpr_lanes u_legs[2];
-        krhpr_lanes M_legs[4];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_legs[2];
+        krhpr_lanes M_legs[4];
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
         krhpr_subleg_planar_rp_jacobian_lanes(&g->subleg, i, d_legs, u_legs, M_legs);
         krhpr_legs_store(M, 4, M_legs, 4, i);
@@ -202,9 +206,9 @@ KRHPR_API int krhpr_planar_rp_c_constraints(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes residual_legs[1];
         krhpr_platform_planar_c_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
@@ -233,21 +237,21 @@ KRHPR_API int krhpr_planar_rp_c_jacobians(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes J_legs[3];
-        krhpr_lanes N_legs[2];
-        krhpr_lanes d_legs[2];
-        krhpr_lanes u_legs[2];
-        krhpr_lanes K_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes J_legs[3];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_legs[2];
+        krhpr_lanes K_legs[2];
         krhpr_platform_planar_c_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
         krhpr_subleg_planar_rp_project_lanes(&g->subleg, i, d_legs, u_legs, N_legs, K_legs);
@@ -274,21 +278,21 @@ KRHPR_API int krhpr_planar_rp_c_jacobian_blocks(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes J_legs[3];
-        krhpr_lanes N_legs[2];
-        krhpr_lanes d_legs[2];
-        krhpr_lanes u_legs[2];
-        krhpr_lanes K_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes J_legs[3];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_legs[2];
+        krhpr_lanes K_legs[2];
         krhpr_platform_planar_c_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
         krhpr_subleg_planar_rp_project_lanes(&g->subleg, i, d_legs, u_legs, N_legs, K_legs);
@@ -320,11 +324,16 @@ KRHPR_API int krhpr_planar_rp_c_jacobians_n(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes J_lines_legs[3];
         krhpr_lanes N_legs[2];
         krhpr_lanes along_legs[2];
@@ -332,11 +341,6 @@ KRHPR_API int krhpr_planar_rp_c_jacobians_n(
         krhpr_lanes d_legs[2];
         krhpr_lanes u_legs[2];
         krhpr_lanes K_legs[4];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_c_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_lines_legs, N_legs);
         krhpr_platform_planar_c_redundant_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, along_legs, redundant_line_legs);
@@ -371,9 +375,10 @@ KRHPR_API int krhpr_planar_rp_c_inverse(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes mode_legs[1]; krhpr_legs_load(mode_legs, mode, 1, i);
         krhpr_lanes s_legs[2];
@@ -381,13 +386,16 @@ KRHPR_API int krhpr_planar_rp_c_inverse(
         krhpr_lanes radicand_legs[1];
         krhpr_platform_planar_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
         krhpr_subleg_planar_rp_inverse_lanes(&g->subleg, i, s_legs, mode_legs, theta_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(theta, 2, theta_legs, 2, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 2 * i, 2);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 2 * i, 2);
+            }
         }
     }
     return status;
@@ -410,22 +418,26 @@ KRHPR_API int krhpr_planar_rp_c_inverse_all(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[2];
         krhpr_lanes theta_legs[4];
         krhpr_lanes radicand_legs[1];
         krhpr_platform_planar_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
         krhpr_subleg_planar_rp_inverse_all_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(theta, 4, theta_legs, 4, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 4 * i, 4);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 4 * i, 4);
+            }
         }
     }
     return status;
@@ -450,19 +462,23 @@ KRHPR_API int krhpr_planar_rp_c_inverse_status(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[2];
         krhpr_lanes excess_legs[1];
         krhpr_platform_planar_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
         krhpr_subleg_planar_rp_reach_lanes(&g->subleg, i, s_legs, excess_legs);
+        fine &= krhpr_every(krhpr_at_most(excess_legs[0], krhpr_all(0.0)));
         krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(excess[i] <= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(excess[i] <= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            }
         }
     }
     return status;
@@ -489,11 +505,16 @@ KRHPR_API int krhpr_planar_rp_c_twist(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_dot_legs[2]; krhpr_legs_load(theta_dot_legs, theta_dot, 2, i);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
@@ -503,11 +524,6 @@ KRHPR_API int krhpr_planar_rp_c_twist(
         krhpr_lanes u_legs[2];
         krhpr_lanes s_dot_legs[2];
         krhpr_lanes rate_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_c_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
@@ -546,35 +562,39 @@ KRHPR_API int krhpr_planar_rp_c_joint_rates(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes s_dot_legs[2];
-        krhpr_lanes d_legs[2];
-        krhpr_lanes u_legs[2];
-        krhpr_lanes theta_dot_legs[2];
-        krhpr_lanes regularity_legs[1];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes s_dot_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_legs[2];
+        krhpr_lanes theta_dot_legs[2];
+        krhpr_lanes regularity_legs[1];
         krhpr_platform_planar_c_end_velocity_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], s_dot_legs);
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
         krhpr_subleg_planar_rp_rates_lanes(
             &g->subleg, i, d_legs, u_legs, s_dot_legs, theta_dot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(theta_dot, 2, theta_dot_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_dot + 2 * i, 2);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_dot + 2 * i, 2);
+            }
         }
     }
     return status;
@@ -602,14 +622,19 @@ KRHPR_API int krhpr_planar_rp_c_platform_acceleration(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_dot_legs[2]; krhpr_legs_load(theta_dot_legs, theta_dot, 2, i);
         krhpr_lanes theta_ddot_legs[2]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 2, i);
+        krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -622,11 +647,6 @@ KRHPR_API int krhpr_planar_rp_c_platform_acceleration(
         krhpr_lanes s_ddot_legs[2];
         krhpr_lanes row_bias_legs[1];
         krhpr_lanes rate_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_c_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_rp_bias_lanes(
@@ -671,15 +691,21 @@ KRHPR_API int krhpr_planar_rp_c_joint_accelerations(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
-    krhpr_lanes twist_rate_legs[3]; krhpr_legs_spread(twist_rate_legs, twist_rate, 3);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
-        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes twist_rate_legs[3]; krhpr_legs_spread(twist_rate_legs, twist_rate, 3);
+        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_dot_legs[2]; krhpr_legs_load(theta_dot_legs, theta_dot, 2, i);
         krhpr_lanes s_dot_legs[2];
         krhpr_lanes s_ddot_legs[2];
@@ -690,11 +716,6 @@ KRHPR_API int krhpr_planar_rp_c_joint_accelerations(
         krhpr_lanes u_legs[2];
         krhpr_lanes theta_ddot_legs[2];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_c_end_acceleration_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], twist_rate_legs,
             redundant_accelerations_legs[0], s_dot_legs, s_ddot_legs);
@@ -704,13 +725,16 @@ KRHPR_API int krhpr_planar_rp_c_joint_accelerations(
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
         krhpr_subleg_planar_rp_rates_lanes(
             &g->subleg, i, d_legs, u_legs, along_legs, theta_ddot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(theta_ddot, 2, theta_ddot_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_ddot + 2 * i, 2);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_ddot + 2 * i, 2);
+            }
         }
     }
     return status;
@@ -740,11 +764,16 @@ KRHPR_API int krhpr_planar_rp_c_inverse_statics(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -754,11 +783,6 @@ KRHPR_API int krhpr_planar_rp_c_inverse_statics(
         krhpr_lanes d_legs[2];
         krhpr_lanes u_legs[2];
         krhpr_lanes K_n_legs[4];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_c_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_platform_planar_c_redundant_line_lanes(
@@ -805,38 +829,42 @@ KRHPR_API int krhpr_planar_rp_c_forward_statics(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes actuator_forces_legs[2]; krhpr_legs_load(actuator_forces_legs, actuator_forces, 2, i);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_legs[2];
         krhpr_lanes end_force_legs[2];
         krhpr_lanes regularity_legs[1];
         krhpr_lanes moment_legs[1];
         krhpr_lanes redundant_forces_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
         krhpr_subleg_planar_rp_end_force_lanes(
             &g->subleg, i, d_legs, u_legs, actuator_forces_legs, end_force_legs, regularity_legs);
         krhpr_platform_planar_c_reaction_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, end_force_legs, moment_legs, redundant_forces_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(end_force, 2, end_force_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(moment, 1, moment_legs, 1, i);
         krhpr_legs_store(redundant_forces, 1, redundant_forces_legs, 1, i);
     }
     krhpr_algebra_planar_total(end_force, moment, wrench);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(redundant_forces + 1 * i, 1);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(redundant_forces + 1 * i, 1);
+            }
         }
     }
     if (status != KRHPR_OK) {
@@ -857,10 +885,8 @@ KRHPR_API int krhpr_planar_rp_c_opening(
         krhpr_fill_nan(shares, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_opening(slide, redundant, jaws, opening, centre, shares);
     if (!(shares[0] >= 0.0)) {
@@ -888,9 +914,9 @@ KRHPR_API int krhpr_planar_rp_c_redundant_of_opening(
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes opening_legs[1]; krhpr_legs_spread(opening_legs, &opening, 1);
-    krhpr_lanes centre_legs[2]; krhpr_legs_spread(centre_legs, centre, 2);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes opening_legs[1]; krhpr_legs_spread(opening_legs, &opening, 1);
+        krhpr_lanes centre_legs[2]; krhpr_legs_spread(centre_legs, centre, 2);
         krhpr_lanes jaws_legs[1]; krhpr_legs_load(jaws_legs, jaws, 1, i);
         krhpr_lanes redundant_legs[1];
         krhpr_platform_planar_c_redundant_of_opening_lanes(
@@ -924,10 +950,8 @@ KRHPR_API int krhpr_planar_rp_c_grasp(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_grasp(
         Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
@@ -989,22 +1013,22 @@ KRHPR_API int krhpr_planar_rp_c_passive_joints(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_legs[2];
         krhpr_lanes link_legs[2];
         krhpr_lanes redundant_link_legs[2];
         krhpr_lanes platform_joint_legs[1];
         krhpr_lanes wrist_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes tail_y_legs[1];
         krhpr_lanes tail_x_legs[1];
         krhpr_lanes tail_legs[1];
@@ -1040,16 +1064,16 @@ KRHPR_API int krhpr_planar_rp_c_link_points(
     krhpr_algebra_planar_rotation(sine, cosine, Q);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes d_legs[2];
-        krhpr_lanes u_legs[2];
-        krhpr_lanes points_legs[6];
-        krhpr_lanes attachment_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_legs[2];
+        krhpr_lanes points_legs[6];
+        krhpr_lanes attachment_legs[2];
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
         krhpr_subleg_planar_rp_points_lanes(&g->subleg, i, u_legs, s_legs, points_legs);
         krhpr_platform_planar_c_attachment_lanes(&g->platform, i, s_legs, attachment_legs);
@@ -1082,11 +1106,16 @@ KRHPR_API int krhpr_planar_rp_c_singularity(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_legs[2];
         krhpr_lanes type_1_legs[1];
@@ -1095,11 +1124,6 @@ KRHPR_API int krhpr_planar_rp_c_singularity(
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
         krhpr_lanes scale_legs[2];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
         krhpr_subleg_planar_rp_determinant_lanes(&g->subleg, i, d_legs, u_legs, type_1_legs, factors_legs);
         krhpr_platform_planar_c_line_lanes(
@@ -1172,12 +1196,18 @@ KRHPR_API int krhpr_planar_rp_c_indices(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -1191,11 +1221,6 @@ KRHPR_API int krhpr_planar_rp_c_indices(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_c_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
@@ -1204,6 +1229,7 @@ KRHPR_API int krhpr_planar_rp_c_indices(
             square_legs, reach_legs);
         krhpr_algebra_planar_spread_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 1, reach_legs, 1, i);
@@ -1214,9 +1240,11 @@ KRHPR_API int krhpr_planar_rp_c_indices(
     krhpr_platform_planar_c_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_planar_norms(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
-    for (int i = 0; i < 3; ++i) {
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1260,12 +1288,18 @@ KRHPR_API int krhpr_planar_rp_c_index_bounds(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -1279,11 +1313,6 @@ KRHPR_API int krhpr_planar_rp_c_index_bounds(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rp_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_c_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_rp_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_legs);
@@ -1292,6 +1321,7 @@ KRHPR_API int krhpr_planar_rp_c_index_bounds(
             square_legs, reach_legs);
         krhpr_algebra_planar_spread_bound_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 1, reach_legs, 1, i);
@@ -1301,9 +1331,11 @@ KRHPR_API int krhpr_planar_rp_c_index_bounds(
     }
     krhpr_platform_planar_c_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_planar_norm_bounds(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
-    for (int i = 0; i < 3; ++i) {
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1337,10 +1369,8 @@ KRHPR_API int krhpr_planar_rp_c_forward_all(
     double tail_y[KRHPR_PADDED(2)] = {0.0};
     double tail_x[KRHPR_PADDED(2)] = {0.0};
     double tail[KRHPR_PADDED(2)];
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_assembly_modes(
         s, slide, breadth, radicand, p, redundant, det_J, count, tail_y, tail_x);
@@ -1387,13 +1417,13 @@ KRHPR_API int krhpr_planar_rp_c_forward(
     double tail[KRHPR_PADDED(1)];
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes s_legs[2];
-        krhpr_lanes slide_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rp_forward_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes slide_legs[2];
         krhpr_subleg_planar_rp_forward_lanes(&g->subleg, i, theta_legs, sine_legs, cosine_legs, s_legs);
         krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide_legs);
         krhpr_legs_store(s, 2, s_legs, 2, i);
@@ -1445,10 +1475,8 @@ KRHPR_API int krhpr_planar_rp_c_forward_encoders_2(
     double tail_y[KRHPR_PADDED(1)] = {0.0};
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_two_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1496,10 +1524,8 @@ KRHPR_API int krhpr_planar_rp_c_forward_encoders_3(
     double tail_y[KRHPR_PADDED(1)] = {0.0};
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_three_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1549,10 +1575,8 @@ KRHPR_API int krhpr_planar_rp_c_forward_gauss_newton_2(
     double tail_y[KRHPR_PADDED(1)] = {0.0};
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_two_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1620,10 +1644,8 @@ KRHPR_API int krhpr_planar_rp_c_forward_gauss_newton_3(
     double tail_y[KRHPR_PADDED(1)] = {0.0};
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_planar_c_three_encoders(
         s, measured, slide, tolerance, points, ends, spread, linear, mismatch, agreement);

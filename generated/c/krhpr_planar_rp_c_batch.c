@@ -18,25 +18,25 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_end_points_lanes(
     const krhpr_planar_rp_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(redundant, 3);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_end_point_lanes(&g->platform, i, p, Q, redundant[i], s + 2 * i);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 6);
     return 1;
@@ -122,25 +122,25 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_redundant_coordinates_lanes(
     const krhpr_planar_rp_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_redundant_lanes(&g->platform, i, p, Q, s + 2 * i, &redundant[i]);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, redundant, 3);
     return 1;
@@ -240,7 +240,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_subleg_forward_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -329,7 +329,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_subleg_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -429,7 +429,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_subleg_jacobian_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -515,25 +515,25 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_constraints_lanes(
     const krhpr_planar_rp_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT residual, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_residual_lanes(&g->platform, i, p, Q, s + 2 * i, residual + i);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, residual, 3);
     return 1;
@@ -620,8 +620,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_jacobians_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     for (int k = 0; k < 18; ++k) {
         K[k] = krhpr_all(0.0);
@@ -633,7 +632,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_jacobians_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rp_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -650,12 +649,12 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_jacobians_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 9);
     krhpr_poses_keep(finite, K, 18);
@@ -756,8 +755,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_jacobian_blocks_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[4];
     krhpr_lanes sine[4];
@@ -766,7 +764,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_jacobian_blocks_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rp_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -779,12 +777,12 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_jacobian_blocks_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 9);
     krhpr_poses_keep(finite, K, 6);
@@ -885,8 +883,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_jacobians_n_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes J_lines[9];
     krhpr_lanes along[6];
@@ -900,7 +897,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_jacobians_n_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rp_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -922,12 +919,12 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_jacobians_n_lanes(
     krhpr_subleg_planar_rp_non_redundant_lanes(J_lines, along, p, s, J);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 36);
     krhpr_poses_keep(finite, K, 36);
@@ -1028,15 +1025,14 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_inverse_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[3], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(redundant, 3) + krhpr_poses_taint(mode, 3);
     krhpr_lanes Q[4];
     krhpr_lanes radicand[3];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[2];
@@ -1048,7 +1044,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1058,7 +1054,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_inverse_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 6);
     return 1;
@@ -1159,14 +1155,14 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_inverse_all_lanes(
     const krhpr_planar_rp_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(redundant, 3);
     krhpr_lanes Q[4];
     krhpr_lanes radicand[3];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[2];
@@ -1178,7 +1174,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_inverse_all_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1188,7 +1184,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_inverse_all_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 4 * i, 4);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 12);
     return 1;
@@ -1328,14 +1324,13 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_inverse_status_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[3], krhpr_lanes_at *KRHPR_RESTRICT excess,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(redundant, 3) + krhpr_poses_taint(mode, 3);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[2];
@@ -1347,7 +1342,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_inverse_status_lanes(
         fine &= krhpr_at_most(excess[i], krhpr_all(0.0));
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1356,7 +1351,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_inverse_status_lanes(
         const krhpr_ints kept_1 = krhpr_at_most(excess[i], krhpr_all(0.0));
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 3);
     return 1;
@@ -1458,8 +1453,8 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_twist_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at theta_dot[6],
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(theta_dot, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(theta_dot, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -1472,7 +1467,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_twist_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rp_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -1491,7 +1486,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_twist_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1499,7 +1494,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_twist_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, twist, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist, 3);
     return 1;
@@ -1594,8 +1589,8 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_joint_rates_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at twist[3],
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3);
     krhpr_lanes Q[4];
     krhpr_lanes regularity[3];
     krhpr_lanes angle[4];
@@ -1605,7 +1600,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_joint_rates_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rp_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s_dot[2];
@@ -1622,7 +1617,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_joint_rates_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1632,7 +1627,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_joint_rates_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta_dot + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_dot, 6);
     return 1;
@@ -1734,9 +1729,8 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_platform_acceleration_lanes(
     const krhpr_lanes_at theta_dot[6], const krhpr_lanes_at theta_ddot[6],
     krhpr_lanes_at *KRHPR_RESTRICT twist_rate, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(theta_dot, 6) +
-        krhpr_poses_taint(theta_ddot, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(twist, 3) + krhpr_poses_taint(theta_dot, 6) + krhpr_poses_taint(theta_ddot, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -1749,7 +1743,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_platform_acceleration_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rp_bias_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -1776,7 +1770,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_platform_acceleration_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1784,7 +1778,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_platform_acceleration_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, twist_rate, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist_rate, 3);
     return 1;
@@ -1892,9 +1886,9 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_joint_accelerations_lanes(
     const krhpr_lanes_at twist_rate[3], const krhpr_lanes_at redundant_accelerations[3],
     krhpr_lanes_at *KRHPR_RESTRICT theta_ddot, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3) +
-        krhpr_poses_taint(theta_dot, 6) + krhpr_poses_taint(twist_rate, 3) + krhpr_poses_taint(redundant_accelerations, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3) + krhpr_poses_taint(theta_dot, 6) +
+       krhpr_poses_taint(twist_rate, 3) + krhpr_poses_taint(redundant_accelerations, 3);
     krhpr_lanes Q[4];
     krhpr_lanes regularity[3];
     krhpr_lanes angle[4];
@@ -1904,7 +1898,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_joint_accelerations_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rp_bias_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s_dot[2];
@@ -1930,7 +1924,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_joint_accelerations_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1940,7 +1934,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_joint_accelerations_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta_ddot + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_ddot, 6);
     return 1;
@@ -2055,8 +2049,8 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_inverse_statics_lanes(
     const krhpr_lanes_at redundant_forces[3], krhpr_lanes_at *KRHPR_RESTRICT actuator_forces,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(wrench, 3) + krhpr_poses_taint(redundant_forces, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(wrench, 3) + krhpr_poses_taint(redundant_forces, 3);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -2071,7 +2065,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_inverse_statics_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rp_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -2093,7 +2087,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_inverse_statics_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2101,7 +2095,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_inverse_statics_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, actuator_forces, 6);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, actuator_forces, 6);
     return 1;
@@ -2203,8 +2197,8 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_forward_statics_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT wrench, krhpr_lanes_at *KRHPR_RESTRICT redundant_forces,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(actuator_forces, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(actuator_forces, 6);
     krhpr_lanes Q[4];
     krhpr_lanes end_force[6];
     krhpr_lanes regularity[3];
@@ -2216,7 +2210,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_forward_statics_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rp_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes d[2];
@@ -2234,7 +2228,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_forward_statics_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2246,7 +2240,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_forward_statics_lanes(
     }
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, wrench, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, wrench, 3);
     krhpr_poses_keep(finite, redundant_forces, 3);
@@ -2365,7 +2359,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_opening_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), shares[1]);
     fine &= krhpr_at_most(krhpr_all(0.0), shares[2]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2485,7 +2479,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_redundant_of_opening_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2580,8 +2574,8 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_grasp_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT redundant_forces, krhpr_lanes_at *KRHPR_RESTRICT friction_margins,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(phi, 1) + krhpr_poses_taint(contacts, 6) + krhpr_poses_taint(mass_centre, 2) +
-        krhpr_poses_taint(weight, 2) + krhpr_poses_taint(normal_forces, 3) + krhpr_poses_taint(friction, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(contacts, 6) + krhpr_poses_taint(mass_centre, 2) + krhpr_poses_taint(weight, 2) +
+       krhpr_poses_taint(normal_forces, 3) + krhpr_poses_taint(friction, 1);
     krhpr_lanes Q[4];
     krhpr_lanes slide[6];
     krhpr_lanes determined[1];
@@ -2589,7 +2583,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_grasp_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide + 2 * i);
@@ -2606,7 +2600,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_grasp_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[1]);
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[2]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2633,7 +2627,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_grasp_lanes(
     krhpr_poses_keep(kept_7, redundant_forces, 3);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, wrench, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, contact_forces, 6);
     krhpr_poses_keep(finite, wrench, 3);
@@ -2768,8 +2762,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_passive_joints_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT wrist,
     krhpr_lanes_at *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[4];
     krhpr_lanes sine[4];
@@ -2778,7 +2771,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_passive_joints_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rp_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_lanes tail_y[3];
     krhpr_lanes tail_x[3];
     krhpr_lanes tail[3];
@@ -2801,12 +2794,12 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_passive_joints_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, wrist, 3);
     krhpr_poses_keep(finite, platform_joint, 3);
@@ -2907,8 +2900,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_link_points_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT points,
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[4];
     krhpr_lanes sine[4];
@@ -2917,7 +2909,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_link_points_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rp_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes d[2];
@@ -2929,12 +2921,12 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_link_points_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, points, 18);
     krhpr_poses_keep(finite, attachment, 6);
@@ -3036,8 +3028,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_singularity_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
     krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -3049,7 +3040,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_singularity_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rp_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes d[2];
@@ -3064,12 +3055,12 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_singularity_lanes(
     krhpr_platform_planar_c_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_1, 3);
     krhpr_poses_keep(finite, factors, 3);
@@ -3203,7 +3194,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_type_2_of_redundant_lanes(
     krhpr_platform_planar_c_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3297,8 +3288,8 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_indices_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT eta_1, krhpr_lanes_at *KRHPR_RESTRICT eta_2,
     krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_lanes_at *KRHPR_RESTRICT condition, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(characteristic_length, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(characteristic_length, 1);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -3316,7 +3307,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_indices_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rp_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -3344,7 +3335,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_indices_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3359,7 +3350,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_indices_lanes(
     krhpr_poses_keep(valid, eta_2, 1);
     krhpr_poses_keep(valid, eta_3, 1);
     krhpr_poses_keep(valid, condition, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
@@ -3488,8 +3479,8 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_index_bounds_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT eta_1, krhpr_lanes_at *KRHPR_RESTRICT eta_2,
     krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(characteristic_length, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(characteristic_length, 1);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -3507,7 +3498,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_index_bounds_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rp_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -3536,7 +3527,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_index_bounds_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3550,7 +3541,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_index_bounds_lanes(
     krhpr_poses_keep(valid, eta_1, 1);
     krhpr_poses_keep(valid, eta_2, 1);
     krhpr_poses_keep(valid, eta_3, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
@@ -3687,7 +3678,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_forward_all_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), breadth[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3850,7 +3841,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_forward_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), breadth[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), assembly_radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4073,7 +4064,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4230,7 +4221,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4365,7 +4356,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_forward_gauss_newton_2_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+       krhpr_poses_taint(weights, 3);
     krhpr_lanes slide[6];
     krhpr_lanes points[6];
     krhpr_lanes ends[4];
@@ -4412,7 +4403,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4552,7 +4543,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_forward_gauss_newton_3_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+       krhpr_poses_taint(weights, 3);
     krhpr_lanes slide[6];
     krhpr_lanes points[6];
     krhpr_lanes ends[6];
@@ -4598,7 +4589,7 @@ KRHPR_OUTLINE int krhpr_planar_rp_c_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */

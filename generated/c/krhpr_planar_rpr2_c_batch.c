@@ -18,25 +18,25 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_end_points_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(redundant, 3);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_end_point_lanes(&g->platform, i, p, Q, redundant[i], s + 2 * i);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 6);
     return 1;
@@ -122,25 +122,25 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_redundant_coordinates_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_redundant_lanes(&g->platform, i, p, Q, s + 2 * i, &redundant[i]);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, redundant, 3);
     return 1;
@@ -237,7 +237,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_subleg_forward_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -349,7 +349,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_subleg_forward_all_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -444,7 +444,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_subleg_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -541,7 +541,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_subleg_jacobian_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -632,25 +632,25 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_constraints_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT residual, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_residual_lanes(&g->platform, i, p, Q, s + 2 * i, residual + i);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, residual, 3);
     return 1;
@@ -737,8 +737,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_jacobians_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes regularity[3];
     for (int k = 0; k < 18; ++k) {
@@ -748,7 +747,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_jacobians_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -767,7 +766,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_jacobians_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -777,7 +776,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_jacobians_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, K + 8 * i + 0, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 9);
     krhpr_poses_keep(finite, K, 18);
@@ -878,15 +877,14 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_jacobian_blocks_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes regularity[3];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -901,7 +899,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_jacobian_blocks_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -911,7 +909,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_jacobian_blocks_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, K + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 9);
     krhpr_poses_keep(finite, K, 6);
@@ -1012,8 +1010,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_jacobians_n_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes J_lines[9];
     krhpr_lanes along[6];
@@ -1025,7 +1022,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_jacobians_n_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -1050,7 +1047,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_jacobians_n_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1061,7 +1058,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_jacobians_n_lanes(
         krhpr_poses_keep(kept_1, K + 14 * i + 0, 2);
         krhpr_poses_keep(kept_1, K + 14 * i + 6, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 36);
     krhpr_poses_keep(finite, K, 36);
@@ -1161,14 +1158,14 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_inverse_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(redundant, 3);
     krhpr_lanes Q[4];
     krhpr_lanes radicand[3];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[2];
@@ -1180,7 +1177,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1190,7 +1187,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_inverse_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 6);
     return 1;
@@ -1276,14 +1273,14 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_inverse_all_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(redundant, 3);
     krhpr_lanes Q[4];
     krhpr_lanes radicand[3];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[2];
@@ -1295,7 +1292,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_inverse_all_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1305,7 +1302,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_inverse_all_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 6);
     return 1;
@@ -1444,13 +1441,13 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_inverse_status_lanes(
     const krhpr_planar_rpr2_c_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT excess, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(redundant, 3);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[2];
@@ -1462,7 +1459,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_inverse_status_lanes(
         fine &= krhpr_at_most(excess[i], krhpr_all(0.0));
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1471,7 +1468,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_inverse_status_lanes(
         const krhpr_ints kept_1 = krhpr_at_most(excess[i], krhpr_all(0.0));
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 3);
     return 1;
@@ -1558,8 +1555,8 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_twist_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at theta_dot[6],
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(theta_dot, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(theta_dot, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -1570,7 +1567,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_twist_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -1592,7 +1589,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_twist_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1604,7 +1601,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_twist_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, twist, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist, 3);
     return 1;
@@ -1699,15 +1696,15 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_joint_rates_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at twist[3],
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3);
     krhpr_lanes Q[4];
     krhpr_lanes regularity[3];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s_dot[2];
@@ -1723,7 +1720,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_joint_rates_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1733,7 +1730,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_joint_rates_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta_dot + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_dot, 6);
     return 1;
@@ -1835,9 +1832,8 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_platform_acceleration_lanes(
     const krhpr_lanes_at theta_dot[6], const krhpr_lanes_at theta_ddot[6],
     krhpr_lanes_at *KRHPR_RESTRICT twist_rate, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(theta_dot, 6) +
-        krhpr_poses_taint(theta_ddot, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(twist, 3) + krhpr_poses_taint(theta_dot, 6) + krhpr_poses_taint(theta_ddot, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -1848,7 +1844,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_platform_acceleration_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -1878,7 +1874,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_platform_acceleration_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1890,7 +1886,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_platform_acceleration_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, twist_rate, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist_rate, 3);
     return 1;
@@ -1998,9 +1994,9 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_joint_accelerations_lanes(
     const krhpr_lanes_at twist_rate[3], const krhpr_lanes_at redundant_accelerations[3],
     krhpr_lanes_at *KRHPR_RESTRICT theta_ddot, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3) +
-        krhpr_poses_taint(theta_dot, 6) + krhpr_poses_taint(twist_rate, 3) + krhpr_poses_taint(redundant_accelerations, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3) + krhpr_poses_taint(theta_dot, 6) +
+       krhpr_poses_taint(twist_rate, 3) + krhpr_poses_taint(redundant_accelerations, 3);
     krhpr_lanes Q[4];
     krhpr_lanes parallel_regularity[3];
     krhpr_lanes regularity[3];
@@ -2008,7 +2004,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_joint_accelerations_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s_dot[2];
@@ -2034,7 +2030,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_joint_accelerations_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2047,7 +2043,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_joint_accelerations_lanes(
         status = krhpr_expect(kept_2, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_2, theta_ddot + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_ddot, 6);
     return 1;
@@ -2162,8 +2158,8 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_inverse_statics_lanes(
     const krhpr_lanes_at redundant_forces[3], krhpr_lanes_at *KRHPR_RESTRICT actuator_forces,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(wrench, 3) + krhpr_poses_taint(redundant_forces, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(wrench, 3) + krhpr_poses_taint(redundant_forces, 3);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -2176,7 +2172,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_inverse_statics_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -2201,7 +2197,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_inverse_statics_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2213,7 +2209,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_inverse_statics_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, actuator_forces, 6);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, actuator_forces, 6);
     return 1;
@@ -2315,8 +2311,8 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_forward_statics_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT wrench, krhpr_lanes_at *KRHPR_RESTRICT redundant_forces,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(actuator_forces, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(actuator_forces, 6);
     krhpr_lanes Q[4];
     krhpr_lanes end_force[6];
     krhpr_lanes regularity[3];
@@ -2325,7 +2321,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_forward_statics_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes w[4];
@@ -2342,7 +2338,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_forward_statics_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2354,7 +2350,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_forward_statics_lanes(
     }
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, wrench, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, wrench, 3);
     krhpr_poses_keep(finite, redundant_forces, 3);
@@ -2473,7 +2469,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_opening_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), shares[1]);
     fine &= krhpr_at_most(krhpr_all(0.0), shares[2]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2593,7 +2589,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_redundant_of_opening_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2688,8 +2684,8 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_grasp_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT redundant_forces, krhpr_lanes_at *KRHPR_RESTRICT friction_margins,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(phi, 1) + krhpr_poses_taint(contacts, 6) + krhpr_poses_taint(mass_centre, 2) +
-        krhpr_poses_taint(weight, 2) + krhpr_poses_taint(normal_forces, 3) + krhpr_poses_taint(friction, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(contacts, 6) + krhpr_poses_taint(mass_centre, 2) + krhpr_poses_taint(weight, 2) +
+       krhpr_poses_taint(normal_forces, 3) + krhpr_poses_taint(friction, 1);
     krhpr_lanes Q[4];
     krhpr_lanes slide[6];
     krhpr_lanes determined[1];
@@ -2697,7 +2693,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_grasp_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_c_tie_lanes(&g->platform, i, slide + 2 * i);
@@ -2714,7 +2710,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_grasp_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[1]);
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[2]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2741,7 +2737,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_grasp_lanes(
     krhpr_poses_keep(kept_7, redundant_forces, 3);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, wrench, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, contact_forces, 6);
     krhpr_poses_keep(finite, wrench, 3);
@@ -2876,14 +2872,13 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_passive_joints_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT passive,
     krhpr_lanes_at *KRHPR_RESTRICT wrist, krhpr_lanes_at *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_lanes tail_y[12];
     krhpr_lanes tail_x[12];
     krhpr_lanes tail[12];
@@ -2908,12 +2903,12 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_passive_joints_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, passive, 9);
     krhpr_poses_keep(finite, wrist, 3);
@@ -3027,14 +3022,13 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_link_points_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT points,
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes w[4];
@@ -3045,12 +3039,12 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_link_points_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, points, 18);
     krhpr_poses_keep(finite, attachment, 6);
@@ -3152,8 +3146,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_singularity_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
     krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -3162,7 +3155,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_singularity_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes w[4];
@@ -3176,12 +3169,12 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_singularity_lanes(
     krhpr_platform_planar_c_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_1, 3);
     krhpr_poses_keep(finite, factors, 9);
@@ -3315,7 +3308,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_type_2_of_redundant_lanes(
     krhpr_platform_planar_c_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3409,8 +3402,8 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_indices_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT eta_1, krhpr_lanes_at *KRHPR_RESTRICT eta_2,
     krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_lanes_at *KRHPR_RESTRICT condition, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(characteristic_length, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(characteristic_length, 1);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -3426,7 +3419,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_indices_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -3455,7 +3448,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_indices_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3472,7 +3465,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_indices_lanes(
     krhpr_poses_keep(valid, eta_2, 1);
     krhpr_poses_keep(valid, eta_3, 1);
     krhpr_poses_keep(valid, condition, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
@@ -3601,8 +3594,8 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_index_bounds_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT eta_1, krhpr_lanes_at *KRHPR_RESTRICT eta_2,
     krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(characteristic_length, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(characteristic_length, 1);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -3618,7 +3611,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_index_bounds_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -3648,7 +3641,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_index_bounds_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3664,7 +3657,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_index_bounds_lanes(
     krhpr_poses_keep(valid, eta_1, 1);
     krhpr_poses_keep(valid, eta_2, 1);
     krhpr_poses_keep(valid, eta_3, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
@@ -3801,7 +3794,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_forward_all_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), breadth[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3961,7 +3954,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_forward_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), breadth[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), assembly_radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4209,7 +4202,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4366,7 +4359,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4501,7 +4494,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_forward_gauss_newton_2_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+       krhpr_poses_taint(weights, 3);
     krhpr_lanes slide[6];
     krhpr_lanes points[6];
     krhpr_lanes ends[4];
@@ -4548,7 +4541,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4688,7 +4681,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_forward_gauss_newton_3_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+       krhpr_poses_taint(weights, 3);
     krhpr_lanes slide[6];
     krhpr_lanes points[6];
     krhpr_lanes ends[6];
@@ -4734,7 +4727,7 @@ KRHPR_OUTLINE int krhpr_planar_rpr2_c_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */

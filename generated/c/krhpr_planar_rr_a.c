@@ -79,7 +79,7 @@ KRHPR_API int krhpr_planar_rr_a_end_points(
 {
     int status = KRHPR_OK;
     double Q[4];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1))) {
         krhpr_fill_nan(s, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -89,19 +89,24 @@ KRHPR_API int krhpr_planar_rr_a_end_points(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
-        krhpr_lanes s_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_platform_planar_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2];
         krhpr_platform_planar_a_end_point_lanes(
             &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
         krhpr_legs_store(s, 2, s_legs, 2, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(redundant, 3))) {
+        krhpr_fill_nan(s, 6);
+        return KRHPR_INVALID_INPUT;
     }
     return status;
 }
@@ -122,9 +127,9 @@ KRHPR_API int krhpr_planar_rr_a_redundant_coordinates(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes redundant_legs[1];
         krhpr_lanes tail_y_legs[1];
@@ -143,20 +148,21 @@ KRHPR_API int krhpr_planar_rr_a_subleg_forward(
     const krhpr_planar_rr_a_geometry *g, const double theta[6], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
-    if (!krhpr_is_clean(krhpr_taint(theta, 6))) {
-        krhpr_fill_nan(s, 6);
-        return KRHPR_INVALID_INPUT;
-    }
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes s_legs[2];
         krhpr_lanes angle_legs[2];
         krhpr_lanes sine_legs[2];
         krhpr_lanes cosine_legs[2];
         krhpr_subleg_planar_rr_forward_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[2];
         krhpr_subleg_planar_rr_forward_lanes(&g->subleg, i, sine_legs, cosine_legs, s_legs);
         krhpr_legs_store(s, 2, s_legs, 2, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(s, 6);
+        return KRHPR_INVALID_INPUT;
     }
     return status;
 }
@@ -170,6 +176,7 @@ KRHPR_API int krhpr_planar_rr_a_subleg_inverse(
         krhpr_fill_nan(theta, 12);
         return KRHPR_INVALID_INPUT;
     }
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes radicand_legs[1];
@@ -180,17 +187,20 @@ KRHPR_API int krhpr_planar_rr_a_subleg_inverse(
         krhpr_subleg_planar_rr_inverse_all_lanes(
             &g->subleg, i, s_legs, radicand_legs, tail_y_legs, tail_x_legs);
         krhpr_lanes_atan2_each(4, tail_y_legs, tail_x_legs, tail_legs);
-        theta_legs[0] = tail_legs[0];
-        theta_legs[1] = tail_legs[1];
-        theta_legs[2] = tail_legs[2];
-        theta_legs[3] = tail_legs[3];
+        theta_legs[0] = tail_legs[2];
+        theta_legs[1] = tail_legs[0];
+        theta_legs[2] = tail_legs[3];
+        theta_legs[3] = tail_legs[1];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 4, theta_legs, 4, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 4 * i, 4);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 4 * i, 4);
+            }
         }
     }
     return status;
@@ -206,15 +216,15 @@ KRHPR_API int krhpr_planar_rr_a_subleg_jacobian(
     }
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes d_legs[2];
-        krhpr_lanes v_1_legs[2];
-        krhpr_lanes M_legs[4];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes M_legs[4];
         krhpr_subleg_planar_rr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
         krhpr_subleg_planar_rr_jacobian_lanes(&g->subleg, i, d_legs, v_1_legs, M_legs);
         krhpr_legs_store(M, 4, M_legs, 4, i);
@@ -238,9 +248,9 @@ KRHPR_API int krhpr_planar_rr_a_constraints(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes residual_legs[1];
         krhpr_platform_planar_a_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
@@ -269,21 +279,21 @@ KRHPR_API int krhpr_planar_rr_a_jacobians(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes J_legs[3];
-        krhpr_lanes N_legs[2];
-        krhpr_lanes d_legs[2];
-        krhpr_lanes v_1_legs[2];
-        krhpr_lanes K_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes J_legs[3];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes K_legs[2];
         krhpr_platform_planar_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_planar_rr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
         krhpr_subleg_planar_rr_project_lanes(&g->subleg, i, d_legs, v_1_legs, N_legs, K_legs);
@@ -310,21 +320,21 @@ KRHPR_API int krhpr_planar_rr_a_jacobian_blocks(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes J_legs[3];
-        krhpr_lanes N_legs[2];
-        krhpr_lanes d_legs[2];
-        krhpr_lanes v_1_legs[2];
-        krhpr_lanes K_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes J_legs[3];
+        krhpr_lanes N_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes K_legs[2];
         krhpr_platform_planar_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_planar_rr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
         krhpr_subleg_planar_rr_project_lanes(&g->subleg, i, d_legs, v_1_legs, N_legs, K_legs);
@@ -356,11 +366,16 @@ KRHPR_API int krhpr_planar_rr_a_jacobians_n(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes J_lines_legs[3];
         krhpr_lanes N_legs[2];
         krhpr_lanes along_legs[2];
@@ -368,11 +383,6 @@ KRHPR_API int krhpr_planar_rr_a_jacobians_n(
         krhpr_lanes d_legs[2];
         krhpr_lanes v_1_legs[2];
         krhpr_lanes K_legs[4];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_lines_legs, N_legs);
         krhpr_platform_planar_a_redundant_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, along_legs, redundant_line_legs);
@@ -398,7 +408,7 @@ KRHPR_API int krhpr_planar_rr_a_inverse(
     if (mode == NULL) {
         mode = mode_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(mode, 3))) {
         krhpr_fill_nan(theta, 6);
         return KRHPR_INVALID_INPUT;
     }
@@ -408,19 +418,21 @@ KRHPR_API int krhpr_planar_rr_a_inverse(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
-        krhpr_lanes mode_legs[1]; krhpr_legs_load(mode_legs, mode, 1, i);
-        krhpr_lanes s_legs[2];
-        krhpr_lanes radicand_legs[1];
-        krhpr_lanes theta_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_platform_planar_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes mode_legs[1]; krhpr_legs_load(mode_legs, mode, 1, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[2];
         krhpr_lanes tail_y_legs[2];
         krhpr_lanes tail_x_legs[2];
         krhpr_lanes tail_legs[2];
@@ -429,15 +441,22 @@ KRHPR_API int krhpr_planar_rr_a_inverse(
         krhpr_subleg_planar_rr_inverse_lanes(
             &g->subleg, i, s_legs, mode_legs, radicand_legs, tail_y_legs, tail_x_legs);
         krhpr_lanes_atan2_each(2, tail_y_legs, tail_x_legs, tail_legs);
-        theta_legs[0] = tail_legs[0];
-        theta_legs[1] = tail_legs[1];
+        theta_legs[0] = tail_legs[1];
+        theta_legs[1] = tail_legs[0];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 2, theta_legs, 2, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 2 * i, 2);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(redundant, 3))) {
+        krhpr_fill_nan(theta, 6);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 2 * i, 2);
+            }
         }
     }
     return status;
@@ -450,7 +469,7 @@ KRHPR_API int krhpr_planar_rr_a_inverse_all(
     int status = KRHPR_OK;
     double Q[4];
     double radicand[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1))) {
         krhpr_fill_nan(theta, 12);
         return KRHPR_INVALID_INPUT;
     }
@@ -460,18 +479,20 @@ KRHPR_API int krhpr_planar_rr_a_inverse_all(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
-        krhpr_lanes s_legs[2];
-        krhpr_lanes radicand_legs[1];
-        krhpr_lanes theta_legs[4];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_platform_planar_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[4];
         krhpr_lanes tail_y_legs[4];
         krhpr_lanes tail_x_legs[4];
         krhpr_lanes tail_legs[4];
@@ -480,17 +501,24 @@ KRHPR_API int krhpr_planar_rr_a_inverse_all(
         krhpr_subleg_planar_rr_inverse_all_lanes(
             &g->subleg, i, s_legs, radicand_legs, tail_y_legs, tail_x_legs);
         krhpr_lanes_atan2_each(4, tail_y_legs, tail_x_legs, tail_legs);
-        theta_legs[0] = tail_legs[0];
-        theta_legs[1] = tail_legs[1];
-        theta_legs[2] = tail_legs[2];
-        theta_legs[3] = tail_legs[3];
+        theta_legs[0] = tail_legs[2];
+        theta_legs[1] = tail_legs[0];
+        theta_legs[2] = tail_legs[3];
+        theta_legs[3] = tail_legs[1];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 4, theta_legs, 4, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 4 * i, 4);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(redundant, 3))) {
+        krhpr_fill_nan(theta, 12);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 4 * i, 4);
+            }
         }
     }
     return status;
@@ -505,7 +533,7 @@ KRHPR_API int krhpr_planar_rr_a_inverse_status(
     if (mode == NULL) {
         mode = mode_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(mode, 3))) {
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
@@ -515,25 +543,34 @@ KRHPR_API int krhpr_planar_rr_a_inverse_status(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
-        krhpr_lanes s_legs[2];
-        krhpr_lanes excess_legs[1];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_platform_planar_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes excess_legs[1];
         krhpr_platform_planar_a_end_point_lanes(
             &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
         krhpr_subleg_planar_rr_reach_lanes(&g->subleg, i, s_legs, excess_legs);
+        fine &= krhpr_every(krhpr_at_most(excess_legs[0], krhpr_all(0.0)));
         krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(excess[i] <= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(redundant, 3))) {
+        krhpr_fill_nan(excess, 3);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(excess[i] <= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            }
         }
     }
     return status;
@@ -560,11 +597,16 @@ KRHPR_API int krhpr_planar_rr_a_twist(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_dot_legs[2]; krhpr_legs_load(theta_dot_legs, theta_dot, 2, i);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
@@ -574,11 +616,6 @@ KRHPR_API int krhpr_planar_rr_a_twist(
         krhpr_lanes v_1_legs[2];
         krhpr_lanes s_dot_legs[2];
         krhpr_lanes rate_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_rr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
@@ -617,35 +654,39 @@ KRHPR_API int krhpr_planar_rr_a_joint_rates(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes s_dot_legs[2];
-        krhpr_lanes d_legs[2];
-        krhpr_lanes v_1_legs[2];
-        krhpr_lanes theta_dot_legs[2];
-        krhpr_lanes regularity_legs[1];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes s_dot_legs[2];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes theta_dot_legs[2];
+        krhpr_lanes regularity_legs[1];
         krhpr_platform_planar_a_end_velocity_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], s_dot_legs);
         krhpr_subleg_planar_rr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
         krhpr_subleg_planar_rr_rates_lanes(
             &g->subleg, i, d_legs, v_1_legs, s_dot_legs, theta_dot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(theta_dot, 2, theta_dot_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_dot + 2 * i, 2);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_dot + 2 * i, 2);
+            }
         }
     }
     return status;
@@ -673,14 +714,19 @@ KRHPR_API int krhpr_planar_rr_a_platform_acceleration(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rr_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_dot_legs[2]; krhpr_legs_load(theta_dot_legs, theta_dot, 2, i);
         krhpr_lanes theta_ddot_legs[2]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 2, i);
+        krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -693,11 +739,6 @@ KRHPR_API int krhpr_planar_rr_a_platform_acceleration(
         krhpr_lanes s_ddot_legs[2];
         krhpr_lanes row_bias_legs[1];
         krhpr_lanes rate_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rr_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_rr_bias_lanes(
@@ -742,15 +783,21 @@ KRHPR_API int krhpr_planar_rr_a_joint_accelerations(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
-    krhpr_lanes twist_rate_legs[3]; krhpr_legs_spread(twist_rate_legs, twist_rate, 3);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
-        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rr_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes twist_rate_legs[3]; krhpr_legs_spread(twist_rate_legs, twist_rate, 3);
+        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_dot_legs[2]; krhpr_legs_load(theta_dot_legs, theta_dot, 2, i);
         krhpr_lanes s_dot_legs[2];
         krhpr_lanes s_ddot_legs[2];
@@ -761,11 +808,6 @@ KRHPR_API int krhpr_planar_rr_a_joint_accelerations(
         krhpr_lanes v_1_legs[2];
         krhpr_lanes theta_ddot_legs[2];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rr_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_a_end_acceleration_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], twist_rate_legs,
             redundant_accelerations_legs[0], s_dot_legs, s_ddot_legs);
@@ -775,13 +817,16 @@ KRHPR_API int krhpr_planar_rr_a_joint_accelerations(
         krhpr_subleg_planar_rr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
         krhpr_subleg_planar_rr_rates_lanes(
             &g->subleg, i, d_legs, v_1_legs, along_legs, theta_ddot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(theta_ddot, 2, theta_ddot_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_ddot + 2 * i, 2);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_ddot + 2 * i, 2);
+            }
         }
     }
     return status;
@@ -811,11 +856,16 @@ KRHPR_API int krhpr_planar_rr_a_inverse_statics(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -825,11 +875,6 @@ KRHPR_API int krhpr_planar_rr_a_inverse_statics(
         krhpr_lanes d_legs[2];
         krhpr_lanes v_1_legs[2];
         krhpr_lanes K_n_legs[4];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_platform_planar_a_redundant_line_lanes(
@@ -876,38 +921,42 @@ KRHPR_API int krhpr_planar_rr_a_forward_statics(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes actuator_forces_legs[2]; krhpr_legs_load(actuator_forces_legs, actuator_forces, 2, i);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes d_legs[2];
         krhpr_lanes v_1_legs[2];
         krhpr_lanes end_force_legs[2];
         krhpr_lanes regularity_legs[1];
         krhpr_lanes moment_legs[1];
         krhpr_lanes redundant_forces_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_planar_rr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
         krhpr_subleg_planar_rr_end_force_lanes(
             &g->subleg, i, d_legs, v_1_legs, actuator_forces_legs, end_force_legs, regularity_legs);
         krhpr_platform_planar_a_reaction_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, end_force_legs, moment_legs, redundant_forces_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(end_force, 2, end_force_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(moment, 1, moment_legs, 1, i);
         krhpr_legs_store(redundant_forces, 1, redundant_forces_legs, 1, i);
     }
     krhpr_algebra_planar_total(end_force, moment, wrench);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(redundant_forces + 1 * i, 1);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(redundant_forces + 1 * i, 1);
+            }
         }
     }
     if (status != KRHPR_OK) {
@@ -933,22 +982,22 @@ KRHPR_API int krhpr_planar_rr_a_passive_joints(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes d_legs[2];
         krhpr_lanes v_1_legs[2];
         krhpr_lanes link_legs[2];
         krhpr_lanes redundant_link_legs[2];
         krhpr_lanes platform_joint_legs[1];
         krhpr_lanes wrist_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes tail_y_legs[2];
         krhpr_lanes tail_x_legs[2];
         krhpr_lanes tail_legs[2];
@@ -983,20 +1032,20 @@ KRHPR_API int krhpr_planar_rr_a_link_points(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes d_legs[2];
-        krhpr_lanes v_1_legs[2];
-        krhpr_lanes points_legs[6];
-        krhpr_lanes attachment_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes points_legs[6];
+        krhpr_lanes attachment_legs[2];
         krhpr_subleg_planar_rr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
         krhpr_subleg_planar_rr_points_lanes(&g->subleg, i, d_legs, v_1_legs, s_legs, points_legs);
         krhpr_platform_planar_a_attachment_lanes(&g->platform, i, p_legs, Q_legs, attachment_legs);
@@ -1029,11 +1078,16 @@ KRHPR_API int krhpr_planar_rr_a_singularity(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes d_legs[2];
         krhpr_lanes v_1_legs[2];
         krhpr_lanes type_1_legs[1];
@@ -1042,11 +1096,6 @@ KRHPR_API int krhpr_planar_rr_a_singularity(
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
         krhpr_lanes scale_legs[2];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_planar_rr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
         krhpr_subleg_planar_rr_determinant_lanes(&g->subleg, i, d_legs, v_1_legs, type_1_legs, factors_legs);
         krhpr_platform_planar_a_line_lanes(
@@ -1069,26 +1118,27 @@ KRHPR_API int krhpr_planar_rr_a_type_2_of_redundant(
     double line[9];
     double point[6];
     double scale[6];
-    if (!krhpr_is_clean(krhpr_taint(redundant, 3))) {
-        krhpr_fill_nan(type_2, 1);
-        krhpr_fill_nan(margins, 1);
-        return KRHPR_INVALID_INPUT;
-    }
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
-        krhpr_lanes line_legs[3];
-        krhpr_lanes point_legs[2];
-        krhpr_lanes scale_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_platform_planar_a_line_of_redundant_angles_lanes(redundant_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes line_legs[3];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes scale_legs[2];
         krhpr_platform_planar_a_line_of_redundant_lanes(
             &g->platform, i, sine_legs, cosine_legs, line_legs, point_legs, scale_legs);
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(scale, 2, scale_legs, 2, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(redundant, 3))) {
+        krhpr_fill_nan(type_2, 1);
+        krhpr_fill_nan(margins, 1);
+        return KRHPR_INVALID_INPUT;
     }
     krhpr_platform_planar_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1123,11 +1173,17 @@ KRHPR_API int krhpr_planar_rr_a_indices(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -1141,11 +1197,6 @@ KRHPR_API int krhpr_planar_rr_a_indices(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_rr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
@@ -1153,6 +1204,7 @@ KRHPR_API int krhpr_planar_rr_a_indices(
             &g->subleg, i, d_legs, v_1_legs, N_legs, gram_legs, cofactors_legs, square_legs, reach_legs);
         krhpr_algebra_planar_spread_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 1, reach_legs, 1, i);
@@ -1163,9 +1215,11 @@ KRHPR_API int krhpr_planar_rr_a_indices(
     krhpr_platform_planar_a_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_planar_norms(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
-    for (int i = 0; i < 3; ++i) {
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1208,11 +1262,17 @@ KRHPR_API int krhpr_planar_rr_a_index_bounds(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -1226,11 +1286,6 @@ KRHPR_API int krhpr_planar_rr_a_index_bounds(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_planar_rr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_rr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
@@ -1238,6 +1293,7 @@ KRHPR_API int krhpr_planar_rr_a_index_bounds(
             &g->subleg, i, d_legs, v_1_legs, N_legs, gram_legs, cofactors_legs, square_legs, reach_legs);
         krhpr_algebra_planar_spread_bound_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 1, reach_legs, 1, i);
@@ -1247,9 +1303,11 @@ KRHPR_API int krhpr_planar_rr_a_index_bounds(
     }
     krhpr_platform_planar_a_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_planar_norm_bounds(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
-    for (int i = 0; i < 3; ++i) {
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1283,12 +1341,8 @@ KRHPR_API int krhpr_planar_rr_a_forward_all(
         krhpr_fill_nan(doubtful, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_planar_a_sextic(s, anchor, length, points, sextic);
     {
@@ -1375,7 +1429,7 @@ KRHPR_API int krhpr_planar_rr_a_forward(
     if (box == NULL) {
         box = box_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(theta, 6) + krhpr_taint(box, 6))) {
+    if (!krhpr_is_clean(krhpr_taint(box, 6))) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(redundant, 3);
@@ -1383,21 +1437,30 @@ KRHPR_API int krhpr_planar_rr_a_forward(
         krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[2]; krhpr_legs_load(theta_legs, theta, 2, i);
-        krhpr_lanes s_legs[2];
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
         krhpr_lanes angle_legs[2];
         krhpr_lanes sine_legs[2];
         krhpr_lanes cosine_legs[2];
         krhpr_subleg_planar_rr_forward_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
         krhpr_subleg_planar_rr_forward_lanes(&g->subleg, i, sine_legs, cosine_legs, s_legs);
         krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
         krhpr_legs_store(s, 2, s_legs, 2, i);
         krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
         krhpr_legs_store(length, 1, length_legs, 1, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 6))) {
+        krhpr_fill_nan(p, 2);
+        krhpr_fill_nan(phi, 1);
+        krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
+        return KRHPR_INVALID_INPUT;
     }
     krhpr_platform_planar_a_uniqueness(anchor, length, box, certificate);
     krhpr_platform_planar_a_sextic(s, anchor, length, points, sextic);
@@ -1501,12 +1564,8 @@ KRHPR_API int krhpr_planar_rr_a_forward_newton(
     double tail_x[KRHPR_PADDED(4)] = {0.0};
     double tail[KRHPR_PADDED(4)];
     krhpr_algebra_planar_rotation(sine, cosine, Q_near);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_planar_a_newton_start(
         s, anchor, length, p_near, Q_near, points, centre, start, kantorovich);
@@ -1578,15 +1637,9 @@ KRHPR_API int krhpr_planar_rr_a_forward_encoders_1(
     double tail_x[KRHPR_PADDED(2)] = {0.0};
     double tail[KRHPR_PADDED(2)];
     krhpr_platform_planar_a_turns_1(sine, cosine, turns);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_lanes arm_legs[2];
-        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_platform_planar_a_arm_lanes(&g->platform, i, arm_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
-        krhpr_legs_store(arm, 2, arm_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_one_encoder(
         s, turns, anchor, length, arm, tolerance, radicand, p, mismatch, agreement, tail_y, tail_x);
@@ -1639,15 +1692,9 @@ KRHPR_API int krhpr_planar_rr_a_forward_encoders_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_2(sine, cosine, turns);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_lanes arm_legs[2];
-        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_platform_planar_a_arm_lanes(&g->platform, i, arm_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
-        krhpr_legs_store(arm, 2, arm_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1704,15 +1751,9 @@ KRHPR_API int krhpr_planar_rr_a_forward_encoders_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_3(sine, cosine, turns);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_lanes arm_legs[2];
-        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_platform_planar_a_arm_lanes(&g->platform, i, arm_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
-        krhpr_legs_store(arm, 2, arm_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1771,15 +1812,9 @@ KRHPR_API int krhpr_planar_rr_a_forward_gauss_newton_2(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_2(sine, cosine, turns);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_lanes arm_legs[2];
-        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_platform_planar_a_arm_lanes(&g->platform, i, arm_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
-        krhpr_legs_store(arm, 2, arm_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1857,15 +1892,9 @@ KRHPR_API int krhpr_planar_rr_a_forward_gauss_newton_3(
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
     krhpr_platform_planar_a_turns_3(sine, cosine, turns);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_lanes arm_legs[2];
-        krhpr_platform_planar_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_platform_planar_a_arm_lanes(&g->platform, i, arm_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
-        krhpr_legs_store(arm, 2, arm_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_planar_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_planar_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, points, ends, spread, linear, mismatch, agreement);

@@ -18,7 +18,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_end_points_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2);
     krhpr_lanes Q[4];
     krhpr_lanes angle[4];
     krhpr_lanes sine[4];
@@ -27,7 +27,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_end_points_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_end_point_angles_lanes(redundant[i], angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_end_point_lanes(
@@ -35,12 +35,12 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_end_points_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 6);
     return 1;
@@ -126,13 +126,13 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_redundant_coordinates_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_lanes tail_y[3];
     krhpr_lanes tail_x[3];
     krhpr_lanes tail[3];
@@ -147,12 +147,12 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_redundant_coordinates_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, redundant, 3);
     return 1;
@@ -238,25 +238,25 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_subleg_forward_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT s,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_all(0.0);
     krhpr_lanes angle[6];
     krhpr_lanes sine[6];
     krhpr_lanes cosine[6];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_forward_angles_lanes(theta + 2 * i, angle + 2 * i);
     }
-    krhpr_lanes_sincos_each(6, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(6, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_forward_lanes(&g->subleg, i, sine + 2 * i, cosine + 2 * i, s + 2 * i);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 6) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 6);
     return 1;
@@ -341,17 +341,17 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_subleg_inverse_lanes(
     }
     krhpr_lanes_atan2_each(12, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
-        theta[4 * i + 0] = tail[4 * i + 0];
-        theta[4 * i + 1] = tail[4 * i + 1];
-        theta[4 * i + 2] = tail[4 * i + 2];
-        theta[4 * i + 3] = tail[4 * i + 3];
+        theta[4 * i + 0] = tail[4 * i + 2];
+        theta[4 * i + 1] = tail[4 * i + 0];
+        theta[4 * i + 2] = tail[4 * i + 3];
+        theta[4 * i + 3] = tail[4 * i + 1];
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -451,7 +451,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_subleg_jacobian_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -537,25 +537,25 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_constraints_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at s[6], krhpr_lanes_at *KRHPR_RESTRICT residual, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[1];
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_residual_lanes(&g->platform, i, p, Q, s + 2 * i, residual + i);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, residual, 3);
     return 1;
@@ -642,8 +642,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_jacobians_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     for (int k = 0; k < 18; ++k) {
         K[k] = krhpr_all(0.0);
@@ -655,7 +654,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_jacobians_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -672,12 +671,12 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_jacobians_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 9);
     krhpr_poses_keep(finite, K, 18);
@@ -778,8 +777,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_jacobian_blocks_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[4];
     krhpr_lanes sine[4];
@@ -788,7 +786,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_jacobian_blocks_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -801,12 +799,12 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_jacobian_blocks_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 9);
     krhpr_poses_keep(finite, K, 6);
@@ -907,8 +905,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_jacobians_n_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes J_lines[9];
     krhpr_lanes along[6];
@@ -922,7 +919,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_jacobians_n_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -944,12 +941,12 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_jacobians_n_lanes(
     krhpr_subleg_planar_rr_non_redundant_lanes(J_lines, along, p, s, J);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 36);
     krhpr_poses_keep(finite, K, 36);
@@ -1050,8 +1047,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_inverse_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[3], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(mode, 3);
     krhpr_lanes Q[4];
     krhpr_lanes radicand[3];
     krhpr_lanes angle[4];
@@ -1061,7 +1057,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_inverse_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_end_point_angles_lanes(redundant[i], angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_lanes tail_y[6];
     krhpr_lanes tail_x[6];
     krhpr_lanes tail[6];
@@ -1075,15 +1071,15 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_inverse_lanes(
     }
     krhpr_lanes_atan2_each(6, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
-        theta[2 * i + 0] = tail[2 * i + 0];
-        theta[2 * i + 1] = tail[2 * i + 1];
+        theta[2 * i + 0] = tail[2 * i + 1];
+        theta[2 * i + 1] = tail[2 * i + 0];
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1093,7 +1089,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_inverse_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 6);
     return 1;
@@ -1194,7 +1190,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_inverse_all_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at p[2], const krhpr_lanes_at phi[1],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2);
     krhpr_lanes Q[4];
     krhpr_lanes radicand[3];
     krhpr_lanes angle[4];
@@ -1204,7 +1200,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_inverse_all_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_end_point_angles_lanes(redundant[i], angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_lanes tail_y[12];
     krhpr_lanes tail_x[12];
     krhpr_lanes tail[12];
@@ -1218,17 +1214,17 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_inverse_all_lanes(
     }
     krhpr_lanes_atan2_each(12, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
-        theta[4 * i + 0] = tail[4 * i + 0];
-        theta[4 * i + 1] = tail[4 * i + 1];
-        theta[4 * i + 2] = tail[4 * i + 2];
-        theta[4 * i + 3] = tail[4 * i + 3];
+        theta[4 * i + 0] = tail[4 * i + 2];
+        theta[4 * i + 1] = tail[4 * i + 0];
+        theta[4 * i + 2] = tail[4 * i + 3];
+        theta[4 * i + 3] = tail[4 * i + 1];
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1238,7 +1234,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_inverse_all_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 4 * i, 4);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 12);
     return 1;
@@ -1378,8 +1374,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_inverse_status_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[3], krhpr_lanes_at *KRHPR_RESTRICT excess,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(mode, 3);
     krhpr_lanes Q[4];
     krhpr_lanes angle[4];
     krhpr_lanes sine[4];
@@ -1388,7 +1383,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_inverse_status_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_end_point_angles_lanes(redundant[i], angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[2];
@@ -1401,7 +1396,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_inverse_status_lanes(
         fine &= krhpr_at_most(excess[i], krhpr_all(0.0));
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1410,7 +1405,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_inverse_status_lanes(
         const krhpr_ints kept_1 = krhpr_at_most(excess[i], krhpr_all(0.0));
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 3);
     return 1;
@@ -1512,8 +1507,8 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_twist_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at theta_dot[6],
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(theta_dot, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(theta_dot, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -1526,7 +1521,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_twist_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -1545,7 +1540,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_twist_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1553,7 +1548,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_twist_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, twist, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist, 3);
     return 1;
@@ -1648,8 +1643,8 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_joint_rates_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], const krhpr_lanes_at twist[3],
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3);
     krhpr_lanes Q[4];
     krhpr_lanes regularity[3];
     krhpr_lanes angle[4];
@@ -1659,7 +1654,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_joint_rates_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s_dot[2];
@@ -1676,7 +1671,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_joint_rates_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1686,7 +1681,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_joint_rates_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta_dot + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_dot, 6);
     return 1;
@@ -1788,9 +1783,8 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_platform_acceleration_lanes(
     const krhpr_lanes_at theta_dot[6], const krhpr_lanes_at theta_ddot[6],
     krhpr_lanes_at *KRHPR_RESTRICT twist_rate, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(theta_dot, 6) +
-        krhpr_poses_taint(theta_ddot, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(twist, 3) + krhpr_poses_taint(theta_dot, 6) + krhpr_poses_taint(theta_ddot, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -1803,7 +1797,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_platform_acceleration_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_bias_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -1830,7 +1824,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_platform_acceleration_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1838,7 +1832,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_platform_acceleration_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, twist_rate, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist_rate, 3);
     return 1;
@@ -1946,9 +1940,9 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_joint_accelerations_lanes(
     const krhpr_lanes_at twist_rate[3], const krhpr_lanes_at redundant_accelerations[3],
     krhpr_lanes_at *KRHPR_RESTRICT theta_ddot, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3) +
-        krhpr_poses_taint(theta_dot, 6) + krhpr_poses_taint(twist_rate, 3) + krhpr_poses_taint(redundant_accelerations, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(twist, 3) + krhpr_poses_taint(redundant_rates, 3) + krhpr_poses_taint(theta_dot, 6) +
+       krhpr_poses_taint(twist_rate, 3) + krhpr_poses_taint(redundant_accelerations, 3);
     krhpr_lanes Q[4];
     krhpr_lanes regularity[3];
     krhpr_lanes angle[4];
@@ -1958,7 +1952,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_joint_accelerations_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_bias_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s_dot[2];
@@ -1984,7 +1978,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_joint_accelerations_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1994,7 +1988,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_joint_accelerations_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta_ddot + 2 * i, 2);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_ddot, 6);
     return 1;
@@ -2109,8 +2103,8 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_inverse_statics_lanes(
     const krhpr_lanes_at redundant_forces[3], krhpr_lanes_at *KRHPR_RESTRICT actuator_forces,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(wrench, 3) + krhpr_poses_taint(redundant_forces, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(wrench, 3) + krhpr_poses_taint(redundant_forces, 3);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -2125,7 +2119,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_inverse_statics_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -2147,7 +2141,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_inverse_statics_lanes(
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2155,7 +2149,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_inverse_statics_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[0]), status, KRHPR_SINGULAR_IN_PLANE);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, actuator_forces, 6);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, actuator_forces, 6);
     return 1;
@@ -2257,8 +2251,8 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_statics_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT wrench, krhpr_lanes_at *KRHPR_RESTRICT redundant_forces,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6) + krhpr_poses_taint(actuator_forces, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6) +
+       krhpr_poses_taint(actuator_forces, 6);
     krhpr_lanes Q[4];
     krhpr_lanes end_force[6];
     krhpr_lanes regularity[3];
@@ -2270,7 +2264,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_statics_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes d[2];
@@ -2288,7 +2282,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_statics_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2300,7 +2294,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_statics_lanes(
     }
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, wrench, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, wrench, 3);
     krhpr_poses_keep(finite, redundant_forces, 3);
@@ -2408,8 +2402,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_passive_joints_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT wrist,
     krhpr_lanes_at *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[4];
     krhpr_lanes sine[4];
@@ -2418,7 +2411,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_passive_joints_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_lanes tail_y[6];
     krhpr_lanes tail_x[6];
     krhpr_lanes tail[6];
@@ -2442,12 +2435,12 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_passive_joints_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, wrist, 3);
     krhpr_poses_keep(finite, platform_joint, 3);
@@ -2548,8 +2541,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_link_points_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT points,
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes angle[4];
     krhpr_lanes sine[4];
@@ -2558,7 +2550,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_link_points_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes d[2];
@@ -2570,12 +2562,12 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_link_points_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, points, 18);
     krhpr_poses_keep(finite, attachment, 6);
@@ -2677,8 +2669,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_singularity_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
     krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -2690,7 +2681,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_singularity_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes d[2];
@@ -2705,12 +2696,12 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_singularity_lanes(
     krhpr_platform_planar_a_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_1, 3);
     krhpr_poses_keep(finite, factors, 3);
@@ -2833,7 +2824,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_type_2_of_redundant_lanes(
     const krhpr_planar_rr_a_geometry *g, const krhpr_lanes_at redundant[3],
     krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_all(0.0);
     krhpr_lanes line[9];
     krhpr_lanes point[6];
     krhpr_lanes scale[6];
@@ -2843,7 +2834,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_type_2_of_redundant_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_line_of_redundant_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_planar_a_line_of_redundant_lanes(
             &g->platform, i, sine + 1 * i, cosine + 1 * i, line + 3 * i, point + 2 * i, scale + 2 * i);
@@ -2851,12 +2842,12 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_type_2_of_redundant_lanes(
     krhpr_platform_planar_a_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_2, 1);
     krhpr_poses_keep(finite, margins, 1);
@@ -2945,8 +2936,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_indices_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3,
     krhpr_lanes_at *KRHPR_RESTRICT condition, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -2964,7 +2954,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_indices_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -2991,7 +2981,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_indices_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3006,7 +2996,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_indices_lanes(
     krhpr_poses_keep(valid, eta_2, 1);
     krhpr_poses_keep(valid, eta_3, 1);
     krhpr_poses_keep(valid, condition, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
@@ -3130,8 +3120,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_index_bounds_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at theta[6], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(phi, 1) + krhpr_poses_taint(s, 6) +
-        krhpr_poses_taint(theta, 6);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 2) + krhpr_poses_taint(s, 6) + krhpr_poses_taint(theta, 6);
     krhpr_lanes Q[4];
     krhpr_lanes line[9];
     krhpr_lanes point[6];
@@ -3149,7 +3138,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_index_bounds_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_planar_rr_posture_angles_lanes(theta + 2 * i, angle + 1 + 1 * i);
     }
-    krhpr_lanes_sincos_each(4, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(4, angle, sine, cosine);
     krhpr_algebra_planar_rotation_lanes(sine, cosine, Q);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[2];
@@ -3177,7 +3166,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_index_bounds_lanes(
     }
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3191,7 +3180,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_index_bounds_lanes(
     krhpr_poses_keep(valid, eta_1, 1);
     krhpr_poses_keep(valid, eta_2, 1);
     krhpr_poses_keep(valid, eta_3, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
@@ -3422,7 +3411,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_newton_lanes(
     const krhpr_lanes_at phi_near[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT kantorovich, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(p_near, 2) + krhpr_poses_taint(phi_near, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(p_near, 2);
     krhpr_lanes Q_near[4];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -3436,7 +3425,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_newton_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_algebra_planar_rotation_angles_lanes(phi_near[0], angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_lanes tail_y[4];
     krhpr_lanes tail_x[4];
     krhpr_lanes tail[4];
@@ -3481,7 +3470,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_newton_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-20));
     fine &= krhpr_at_most(misfit[0], krhpr_all(1e-12));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3493,7 +3482,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_newton_lanes(
     krhpr_poses_keep(valid, phi, 1);
     krhpr_poses_keep(valid, redundant, 3);
     krhpr_poses_keep(valid, kantorovich, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(phi_near, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 2);
     krhpr_poses_keep(finite, phi, 1);
@@ -3613,7 +3602,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_encoders_1_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 1) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[2];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -3624,7 +3613,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_encoders_1_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_platform_planar_a_turns_1_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_lanes tail_y[2];
     krhpr_lanes tail_x[2];
     krhpr_lanes tail[2];
@@ -3642,7 +3631,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_encoders_1_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3653,7 +3642,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_encoders_1_lanes(
     krhpr_poses_keep(valid, p, 4);
     krhpr_poses_keep(valid, phi, 2);
     krhpr_poses_keep(valid, mismatch, 2);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 4);
     krhpr_poses_keep(finite, phi, 2);
@@ -3821,7 +3810,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_encoders_2_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[4];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -3836,7 +3825,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_encoders_2_lanes(
     krhpr_lanes sine[2];
     krhpr_lanes cosine[2];
     krhpr_platform_planar_a_turns_2_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(2, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(2, angle, sine, cosine);
     krhpr_lanes tail_y[1];
     krhpr_lanes tail_x[1];
     krhpr_lanes tail[1];
@@ -3855,7 +3844,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3868,7 +3857,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_encoders_2_lanes(
     krhpr_poses_keep(valid, phi, 1);
     krhpr_poses_keep(valid, raw, 4);
     krhpr_poses_keep(valid, mismatch, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 2) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 2);
     krhpr_poses_keep(finite, phi, 1);
@@ -3988,7 +3977,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_encoders_3_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT phi,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[6];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4003,7 +3992,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_encoders_3_lanes(
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     krhpr_platform_planar_a_turns_3_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_lanes tail_y[1];
     krhpr_lanes tail_x[1];
     krhpr_lanes tail[1];
@@ -4022,7 +4011,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4035,7 +4024,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_encoders_3_lanes(
     krhpr_poses_keep(valid, phi, 1);
     krhpr_poses_keep(valid, raw, 4);
     krhpr_poses_keep(valid, mismatch, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 2);
     krhpr_poses_keep(finite, phi, 1);
@@ -4156,8 +4145,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_gauss_newton_2_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT phi, krhpr_lanes_at *KRHPR_RESTRICT raw,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(tolerance, 1) + krhpr_poses_taint(weights, 3);
     krhpr_lanes turns[4];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4174,7 +4162,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_gauss_newton_2_lanes(
     krhpr_lanes sine[2];
     krhpr_lanes cosine[2];
     krhpr_platform_planar_a_turns_2_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(2, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(2, angle, sine, cosine);
     krhpr_lanes tail_y[1];
     krhpr_lanes tail_x[1];
     krhpr_lanes tail[1];
@@ -4214,7 +4202,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4228,7 +4216,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_gauss_newton_2_lanes(
     krhpr_poses_keep(valid, phi, 1);
     krhpr_poses_keep(valid, raw, 4);
     krhpr_poses_keep(valid, mismatch, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 2) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 2);
     krhpr_poses_keep(finite, phi, 1);
@@ -4353,8 +4341,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_gauss_newton_3_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT phi, krhpr_lanes_at *KRHPR_RESTRICT raw,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 6) + krhpr_poses_taint(tolerance, 1) + krhpr_poses_taint(weights, 3);
     krhpr_lanes turns[6];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4371,7 +4358,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_gauss_newton_3_lanes(
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     krhpr_platform_planar_a_turns_3_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_lanes tail_y[1];
     krhpr_lanes tail_x[1];
     krhpr_lanes tail[1];
@@ -4410,7 +4397,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4424,7 +4411,7 @@ KRHPR_OUTLINE int krhpr_planar_rr_a_forward_gauss_newton_3_lanes(
     krhpr_poses_keep(valid, phi, 1);
     krhpr_poses_keep(valid, raw, 4);
     krhpr_poses_keep(valid, mismatch, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 2);
     krhpr_poses_keep(finite, phi, 1);

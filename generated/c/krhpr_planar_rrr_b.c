@@ -94,9 +94,9 @@ KRHPR_API int krhpr_planar_rrr_b_end_points(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[2];
         krhpr_platform_planar_b_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
@@ -121,9 +121,9 @@ KRHPR_API int krhpr_planar_rrr_b_redundant_coordinates(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes redundant_legs[1];
         krhpr_platform_planar_b_redundant_lanes(&g->platform, i, p_legs, Q_legs, s_legs, redundant_legs);
@@ -136,20 +136,21 @@ KRHPR_API int krhpr_planar_rrr_b_subleg_forward(
     const krhpr_planar_rrr_b_geometry *g, const double theta[9], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
-    if (!krhpr_is_clean(krhpr_taint(theta, 9))) {
-        krhpr_fill_nan(s, 6);
-        return KRHPR_INVALID_INPUT;
-    }
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes s_legs[2];
         krhpr_lanes angle_legs[3];
         krhpr_lanes sine_legs[3];
         krhpr_lanes cosine_legs[3];
         krhpr_subleg_planar_rrr_forward_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[2];
         krhpr_subleg_planar_rrr_forward_lanes(&g->subleg, i, sine_legs, cosine_legs, s_legs);
         krhpr_legs_store(s, 2, s_legs, 2, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(s, 6);
+        return KRHPR_INVALID_INPUT;
     }
     return status;
 }
@@ -163,39 +164,48 @@ KRHPR_API int krhpr_planar_rrr_b_subleg_inverse(
     if (swivel == NULL) {
         swivel = swivel_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(s, 6) + krhpr_taint(swivel, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(s, 6))) {
         krhpr_fill_nan(theta, 18);
         return KRHPR_INVALID_INPUT;
     }
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes swivel_legs[1]; krhpr_legs_load(swivel_legs, swivel, 1, i);
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes radicand_legs[1];
-        krhpr_lanes theta_legs[6];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rrr_inverse_all_angles_lanes(swivel_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[6];
         krhpr_lanes tail_y_legs[6];
         krhpr_lanes tail_x_legs[6];
         krhpr_lanes tail_legs[6];
         krhpr_subleg_planar_rrr_inverse_all_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, radicand_legs, tail_y_legs, tail_x_legs);
         krhpr_lanes_atan2_each(6, tail_y_legs, tail_x_legs, tail_legs);
-        theta_legs[0] = tail_legs[0];
-        theta_legs[1] = tail_legs[1];
-        theta_legs[2] = tail_legs[2];
+        theta_legs[0] = tail_legs[2];
+        theta_legs[1] = tail_legs[0];
+        theta_legs[2] = tail_legs[4];
         theta_legs[3] = tail_legs[3];
-        theta_legs[4] = tail_legs[4];
+        theta_legs[4] = tail_legs[1];
         theta_legs[5] = tail_legs[5];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 6, theta_legs, 6, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 6 * i, 6);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(swivel, 3))) {
+        krhpr_fill_nan(theta, 18);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 6 * i, 6);
+            }
         }
     }
     return status;
@@ -212,16 +222,16 @@ KRHPR_API int krhpr_planar_rrr_b_swivel(
     }
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes d_legs[2];
-        krhpr_lanes u_2_legs[2];
-        krhpr_lanes u_3_legs[2];
-        krhpr_lanes swivel_legs[1];
         krhpr_lanes angle_legs[2];
         krhpr_lanes sine_legs[2];
         krhpr_lanes cosine_legs[2];
         krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes u_3_legs[2];
+        krhpr_lanes swivel_legs[1];
         krhpr_lanes tail_y_legs[1];
         krhpr_lanes tail_x_legs[1];
         krhpr_lanes tail_legs[1];
@@ -245,16 +255,16 @@ KRHPR_API int krhpr_planar_rrr_b_subleg_jacobian(
     }
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes d_legs[2];
-        krhpr_lanes u_2_legs[2];
-        krhpr_lanes u_3_legs[2];
-        krhpr_lanes M_legs[6];
         krhpr_lanes angle_legs[2];
         krhpr_lanes sine_legs[2];
         krhpr_lanes cosine_legs[2];
         krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes u_3_legs[2];
+        krhpr_lanes M_legs[6];
         krhpr_subleg_planar_rrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_2_legs, u_3_legs);
         krhpr_subleg_planar_rrr_jacobian_lanes(&g->subleg, i, d_legs, u_2_legs, u_3_legs, M_legs);
@@ -279,9 +289,9 @@ KRHPR_API int krhpr_planar_rrr_b_constraints(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes residual_legs[1];
         krhpr_platform_planar_b_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
@@ -310,22 +320,22 @@ KRHPR_API int krhpr_planar_rrr_b_jacobians(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes J_legs[3];
         krhpr_lanes N_legs[2];
         krhpr_lanes d_legs[2];
         krhpr_lanes u_2_legs[2];
         krhpr_lanes u_3_legs[2];
         krhpr_lanes K_legs[3];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_b_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_planar_rrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_2_legs, u_3_legs);
@@ -353,22 +363,22 @@ KRHPR_API int krhpr_planar_rrr_b_jacobian_blocks(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes J_legs[3];
         krhpr_lanes N_legs[2];
         krhpr_lanes d_legs[2];
         krhpr_lanes u_2_legs[2];
         krhpr_lanes u_3_legs[2];
         krhpr_lanes K_legs[3];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_b_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_planar_rrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_2_legs, u_3_legs);
@@ -401,11 +411,16 @@ KRHPR_API int krhpr_planar_rrr_b_jacobians_n(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes J_lines_legs[3];
         krhpr_lanes N_legs[2];
         krhpr_lanes along_legs[2];
@@ -414,11 +429,6 @@ KRHPR_API int krhpr_planar_rrr_b_jacobians_n(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes u_3_legs[2];
         krhpr_lanes K_legs[9];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_b_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_lines_legs, N_legs);
         krhpr_platform_planar_b_redundant_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, along_legs, redundant_line_legs);
@@ -449,8 +459,7 @@ KRHPR_API int krhpr_planar_rrr_b_inverse(
     if (swivel == NULL) {
         swivel = swivel_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 3) +
-          krhpr_taint(swivel, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 3))) {
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
@@ -460,20 +469,22 @@ KRHPR_API int krhpr_planar_rrr_b_inverse(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes swivel_legs[1]; krhpr_legs_load(swivel_legs, swivel, 1, i);
-        krhpr_lanes mode_legs[1]; krhpr_legs_load(mode_legs, mode, 1, i);
-        krhpr_lanes s_legs[2];
-        krhpr_lanes radicand_legs[1];
-        krhpr_lanes theta_legs[3];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rrr_inverse_angles_lanes(swivel_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes mode_legs[1]; krhpr_legs_load(mode_legs, mode, 1, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[3];
         krhpr_lanes tail_y_legs[3];
         krhpr_lanes tail_x_legs[3];
         krhpr_lanes tail_legs[3];
@@ -482,16 +493,23 @@ KRHPR_API int krhpr_planar_rrr_b_inverse(
             &g->subleg, i, s_legs, mode_legs, sine_legs, cosine_legs, radicand_legs, tail_y_legs,
             tail_x_legs);
         krhpr_lanes_atan2_each(3, tail_y_legs, tail_x_legs, tail_legs);
-        theta_legs[0] = tail_legs[0];
-        theta_legs[1] = tail_legs[1];
+        theta_legs[0] = tail_legs[1];
+        theta_legs[1] = tail_legs[0];
         theta_legs[2] = tail_legs[2];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 3, theta_legs, 3, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 3 * i, 3);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(swivel, 3))) {
+        krhpr_fill_nan(theta, 9);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -507,7 +525,7 @@ KRHPR_API int krhpr_planar_rrr_b_inverse_all(
     if (swivel == NULL) {
         swivel = swivel_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) + krhpr_taint(swivel, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(theta, 18);
         return KRHPR_INVALID_INPUT;
     }
@@ -517,19 +535,21 @@ KRHPR_API int krhpr_planar_rrr_b_inverse_all(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes swivel_legs[1]; krhpr_legs_load(swivel_legs, swivel, 1, i);
-        krhpr_lanes s_legs[2];
-        krhpr_lanes radicand_legs[1];
-        krhpr_lanes theta_legs[6];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rrr_inverse_all_angles_lanes(swivel_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[6];
         krhpr_lanes tail_y_legs[6];
         krhpr_lanes tail_x_legs[6];
         krhpr_lanes tail_legs[6];
@@ -537,19 +557,26 @@ KRHPR_API int krhpr_planar_rrr_b_inverse_all(
         krhpr_subleg_planar_rrr_inverse_all_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, radicand_legs, tail_y_legs, tail_x_legs);
         krhpr_lanes_atan2_each(6, tail_y_legs, tail_x_legs, tail_legs);
-        theta_legs[0] = tail_legs[0];
-        theta_legs[1] = tail_legs[1];
-        theta_legs[2] = tail_legs[2];
+        theta_legs[0] = tail_legs[2];
+        theta_legs[1] = tail_legs[0];
+        theta_legs[2] = tail_legs[4];
         theta_legs[3] = tail_legs[3];
-        theta_legs[4] = tail_legs[4];
+        theta_legs[4] = tail_legs[1];
         theta_legs[5] = tail_legs[5];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 6, theta_legs, 6, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 6 * i, 6);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(swivel, 3))) {
+        krhpr_fill_nan(theta, 18);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 6 * i, 6);
+            }
         }
     }
     return status;
@@ -567,8 +594,7 @@ KRHPR_API int krhpr_planar_rrr_b_inverse_status(
     if (swivel == NULL) {
         swivel = swivel_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 3) +
-          krhpr_taint(swivel, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 2) + krhpr_taint(&phi, 1) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 3))) {
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
@@ -578,25 +604,34 @@ KRHPR_API int krhpr_planar_rrr_b_inverse_status(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes swivel_legs[1]; krhpr_legs_load(swivel_legs, swivel, 1, i);
-        krhpr_lanes s_legs[2];
-        krhpr_lanes excess_legs[1];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_planar_rrr_reach_angles_lanes(swivel_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes excess_legs[1];
         krhpr_platform_planar_b_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
         krhpr_subleg_planar_rrr_reach_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, excess_legs);
+        fine &= krhpr_every(krhpr_at_most(excess_legs[0], krhpr_all(0.0)));
         krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(excess[i] <= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(swivel, 3))) {
+        krhpr_fill_nan(excess, 3);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(excess[i] <= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            }
         }
     }
     return status;
@@ -623,11 +658,16 @@ KRHPR_API int krhpr_planar_rrr_b_twist(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
@@ -638,11 +678,6 @@ KRHPR_API int krhpr_planar_rrr_b_twist(
         krhpr_lanes u_3_legs[2];
         krhpr_lanes s_dot_legs[2];
         krhpr_lanes rate_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_rrr_posture_lanes(
@@ -683,13 +718,19 @@ KRHPR_API int krhpr_planar_rrr_b_joint_rates(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes swivel_rates_legs[1]; krhpr_legs_load(swivel_rates_legs, swivel_rates, 1, i);
         krhpr_lanes s_dot_legs[2];
         krhpr_lanes d_legs[2];
@@ -697,11 +738,6 @@ KRHPR_API int krhpr_planar_rrr_b_joint_rates(
         krhpr_lanes u_3_legs[2];
         krhpr_lanes theta_dot_legs[3];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_b_end_velocity_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], s_dot_legs);
         krhpr_subleg_planar_rrr_posture_lanes(
@@ -709,13 +745,16 @@ KRHPR_API int krhpr_planar_rrr_b_joint_rates(
         krhpr_subleg_planar_rrr_rates_lanes(
             &g->subleg, i, d_legs, u_2_legs, u_3_legs, s_dot_legs, swivel_rates_legs[0], theta_dot_legs,
             regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(theta_dot, 3, theta_dot_legs, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_dot + 3 * i, 3);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_dot + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -743,14 +782,19 @@ KRHPR_API int krhpr_planar_rrr_b_platform_acceleration(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rrr_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
         krhpr_lanes theta_ddot_legs[3]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 3, i);
+        krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -765,11 +809,6 @@ KRHPR_API int krhpr_planar_rrr_b_platform_acceleration(
         krhpr_lanes s_ddot_legs[2];
         krhpr_lanes row_bias_legs[1];
         krhpr_lanes rate_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_rrr_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_rrr_bias_lanes(
@@ -818,15 +857,21 @@ KRHPR_API int krhpr_planar_rrr_b_joint_accelerations(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
-    krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
-    krhpr_lanes twist_rate_legs[3]; krhpr_legs_spread(twist_rate_legs, twist_rate, 3);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
-        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rrr_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes twist_legs[3]; krhpr_legs_spread(twist_legs, twist, 3);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes twist_rate_legs[3]; krhpr_legs_spread(twist_rate_legs, twist_rate, 3);
+        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
         krhpr_lanes swivel_accelerations_legs[1]; krhpr_legs_load(swivel_accelerations_legs, swivel_accelerations, 1, i);
         krhpr_lanes s_dot_legs[2];
@@ -841,11 +886,6 @@ KRHPR_API int krhpr_planar_rrr_b_joint_accelerations(
         krhpr_lanes u_3_legs[2];
         krhpr_lanes theta_ddot_legs[3];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_rrr_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_b_end_acceleration_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], twist_rate_legs,
             redundant_accelerations_legs[0], s_dot_legs, s_ddot_legs);
@@ -860,13 +900,16 @@ KRHPR_API int krhpr_planar_rrr_b_joint_accelerations(
         krhpr_subleg_planar_rrr_rates_lanes(
             &g->subleg, i, d_legs, u_2_legs, u_3_legs, along_legs, swivel_along_legs[0], theta_ddot_legs,
             regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(theta_ddot, 3, theta_ddot_legs, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_ddot + 3 * i, 3);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_ddot + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -896,11 +939,16 @@ KRHPR_API int krhpr_planar_rrr_b_inverse_statics(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -911,11 +959,6 @@ KRHPR_API int krhpr_planar_rrr_b_inverse_statics(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes u_3_legs[2];
         krhpr_lanes K_n_legs[9];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_platform_planar_b_redundant_line_lanes(
@@ -964,12 +1007,18 @@ KRHPR_API int krhpr_planar_rrr_b_forward_statics(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes actuator_forces_legs[3]; krhpr_legs_load(actuator_forces_legs, actuator_forces, 3, i);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_2_legs[2];
         krhpr_lanes u_3_legs[2];
@@ -978,11 +1027,6 @@ KRHPR_API int krhpr_planar_rrr_b_forward_statics(
         krhpr_lanes regularity_legs[1];
         krhpr_lanes moment_legs[1];
         krhpr_lanes redundant_forces_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_planar_rrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_2_legs, u_3_legs);
         krhpr_subleg_planar_rrr_end_force_lanes(
@@ -990,6 +1034,7 @@ KRHPR_API int krhpr_planar_rrr_b_forward_statics(
             swivel_forces_legs, regularity_legs);
         krhpr_platform_planar_b_reaction_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, end_force_legs, moment_legs, redundant_forces_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(end_force, 2, end_force_legs, 2, i);
         krhpr_legs_store(swivel_forces, 1, swivel_forces_legs, 1, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
@@ -997,11 +1042,13 @@ KRHPR_API int krhpr_planar_rrr_b_forward_statics(
         krhpr_legs_store(redundant_forces, 1, redundant_forces_legs, 1, i);
     }
     krhpr_algebra_planar_total(end_force, moment, wrench);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(redundant_forces + 1 * i, 1);
-            krhpr_fill_nan(swivel_forces + 1 * i, 1);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(redundant_forces + 1 * i, 1);
+                krhpr_fill_nan(swivel_forces + 1 * i, 1);
+            }
         }
     }
     if (status != KRHPR_OK) {
@@ -1023,13 +1070,9 @@ KRHPR_API int krhpr_planar_rrr_b_opening(
         krhpr_fill_nan(shares, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_planar_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        double distance;
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance, &start[i]);
     }
     krhpr_platform_planar_b_opening(slide, redundant, jaws, start, opening, centre, shares);
     if (!(shares[0] >= 0.0)) {
@@ -1057,9 +1100,9 @@ KRHPR_API int krhpr_planar_rrr_b_redundant_of_opening(
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes opening_legs[1]; krhpr_legs_spread(opening_legs, &opening, 1);
-    krhpr_lanes centre_legs[2]; krhpr_legs_spread(centre_legs, centre, 2);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes opening_legs[1]; krhpr_legs_spread(opening_legs, &opening, 1);
+        krhpr_lanes centre_legs[2]; krhpr_legs_spread(centre_legs, centre, 2);
         krhpr_lanes jaws_legs[1]; krhpr_legs_load(jaws_legs, jaws, 1, i);
         krhpr_lanes redundant_legs[1];
         krhpr_platform_planar_b_redundant_of_opening_lanes(
@@ -1093,12 +1136,10 @@ KRHPR_API int krhpr_planar_rrr_b_grasp(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_planar_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        double distance;
+        double start;
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance, &start);
     }
     krhpr_platform_planar_b_grasp(
         Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
@@ -1160,11 +1201,16 @@ KRHPR_API int krhpr_planar_rrr_b_passive_joints(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_2_legs[2];
         krhpr_lanes u_3_legs[2];
@@ -1172,11 +1218,6 @@ KRHPR_API int krhpr_planar_rrr_b_passive_joints(
         krhpr_lanes redundant_link_legs[2];
         krhpr_lanes platform_joint_legs[1];
         krhpr_lanes wrist_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes tail_y_legs[1];
         krhpr_lanes tail_x_legs[1];
         krhpr_lanes tail_legs[1];
@@ -1211,20 +1252,20 @@ KRHPR_API int krhpr_planar_rrr_b_link_points(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
-        krhpr_lanes d_legs[2];
-        krhpr_lanes u_2_legs[2];
-        krhpr_lanes u_3_legs[2];
-        krhpr_lanes points_legs[8];
-        krhpr_lanes attachment_legs[2];
         krhpr_lanes angle_legs[2];
         krhpr_lanes sine_legs[2];
         krhpr_lanes cosine_legs[2];
         krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes u_2_legs[2];
+        krhpr_lanes u_3_legs[2];
+        krhpr_lanes points_legs[8];
+        krhpr_lanes attachment_legs[2];
         krhpr_subleg_planar_rrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_2_legs, u_3_legs);
         krhpr_subleg_planar_rrr_points_lanes(&g->subleg, i, u_2_legs, u_3_legs, s_legs, points_legs);
@@ -1258,11 +1299,16 @@ KRHPR_API int krhpr_planar_rrr_b_singularity(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_2_legs[2];
         krhpr_lanes u_3_legs[2];
@@ -1272,11 +1318,6 @@ KRHPR_API int krhpr_planar_rrr_b_singularity(
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
         krhpr_lanes scale_legs[2];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_planar_rrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_2_legs, u_3_legs);
         krhpr_subleg_planar_rrr_determinant_lanes(
@@ -1350,11 +1391,17 @@ KRHPR_API int krhpr_planar_rrr_b_indices(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -1369,11 +1416,6 @@ KRHPR_API int krhpr_planar_rrr_b_indices(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_rrr_posture_lanes(
@@ -1383,6 +1425,7 @@ KRHPR_API int krhpr_planar_rrr_b_indices(
             reach_legs);
         krhpr_algebra_planar_spread_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 1, reach_legs, 1, i);
@@ -1393,9 +1436,11 @@ KRHPR_API int krhpr_planar_rrr_b_indices(
     krhpr_platform_planar_b_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_planar_norms(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
-    for (int i = 0; i < 3; ++i) {
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1438,11 +1483,17 @@ KRHPR_API int krhpr_planar_rrr_b_index_bounds(
     krhpr_algebra_planar_rotation_angles(phi, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_algebra_planar_rotation(sine, cosine, Q);
-    krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
-    krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[2]; krhpr_legs_spread(p_legs, p, 2);
+        krhpr_lanes Q_legs[4]; krhpr_legs_spread(Q_legs, Q, 4);
+        krhpr_lanes s_legs[2]; krhpr_legs_load(s_legs, s, 2, i);
         krhpr_lanes line_legs[3];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[2];
@@ -1457,11 +1508,6 @@ KRHPR_API int krhpr_planar_rrr_b_index_bounds(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_planar_rrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_planar_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_planar_rrr_posture_lanes(
@@ -1471,6 +1517,7 @@ KRHPR_API int krhpr_planar_rrr_b_index_bounds(
             reach_legs);
         krhpr_algebra_planar_spread_bound_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 3, line_legs, 3, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 1, reach_legs, 1, i);
@@ -1480,9 +1527,11 @@ KRHPR_API int krhpr_planar_rrr_b_index_bounds(
     }
     krhpr_platform_planar_b_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_planar_norm_bounds(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
-    for (int i = 0; i < 3; ++i) {
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1518,14 +1567,8 @@ KRHPR_API int krhpr_planar_rrr_b_forward_all(
     double tail_y[KRHPR_PADDED(2)] = {0.0};
     double tail_x[KRHPR_PADDED(2)] = {0.0};
     double tail[KRHPR_PADDED(2)];
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_planar_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(distance, 1, distance_legs, 1, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_assembly_modes(
         s, slide, distance, start, breadth, radicand, p, redundant, det_J, count, tail_y, tail_x);
@@ -1561,7 +1604,7 @@ KRHPR_API int krhpr_planar_rrr_b_forward(
     double breadth[1];
     double assembly_radicand[1];
     double sign[1];
-    if (!krhpr_is_clean(krhpr_taint(theta, 9) + krhpr_taint(&side, 1))) {
+    if (!krhpr_is_clean(krhpr_taint(&side, 1))) {
         krhpr_fill_nan(p, 2);
         krhpr_fill_nan(phi, 1);
         krhpr_fill_nan(redundant, 3);
@@ -1572,23 +1615,32 @@ KRHPR_API int krhpr_planar_rrr_b_forward(
     double tail_y[KRHPR_PADDED(1)] = {0.0};
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes s_legs[2];
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
         krhpr_lanes angle_legs[3];
         krhpr_lanes sine_legs[3];
         krhpr_lanes cosine_legs[3];
         krhpr_subleg_planar_rrr_forward_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[2];
+        krhpr_lanes slide_legs[2];
+        krhpr_lanes distance_legs[1];
+        krhpr_lanes start_legs[1];
         krhpr_subleg_planar_rrr_forward_lanes(&g->subleg, i, sine_legs, cosine_legs, s_legs);
         krhpr_platform_planar_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
         krhpr_legs_store(s, 2, s_legs, 2, i);
         krhpr_legs_store(slide, 2, slide_legs, 2, i);
         krhpr_legs_store(distance, 1, distance_legs, 1, i);
         krhpr_legs_store(start, 1, start_legs, 1, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(p, 2);
+        krhpr_fill_nan(phi, 1);
+        krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
+        return KRHPR_INVALID_INPUT;
     }
     krhpr_platform_planar_b_assembly_mode(
         s, slide, distance, start, side, breadth, assembly_radicand, sign, p, redundant, count, certified,
@@ -1639,14 +1691,8 @@ KRHPR_API int krhpr_planar_rrr_b_forward_encoders_2(
     double tail_y[KRHPR_PADDED(1)] = {0.0};
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_planar_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(distance, 1, distance_legs, 1, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_two_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1696,14 +1742,8 @@ KRHPR_API int krhpr_planar_rrr_b_forward_encoders_3(
     double tail_y[KRHPR_PADDED(1)] = {0.0};
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_planar_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(distance, 1, distance_legs, 1, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_three_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1755,14 +1795,8 @@ KRHPR_API int krhpr_planar_rrr_b_forward_gauss_newton_2(
     double tail_y[KRHPR_PADDED(1)] = {0.0};
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_planar_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(distance, 1, distance_legs, 1, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_two_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);
@@ -1833,14 +1867,8 @@ KRHPR_API int krhpr_planar_rrr_b_forward_gauss_newton_3(
     double tail_y[KRHPR_PADDED(1)] = {0.0};
     double tail_x[KRHPR_PADDED(1)] = {0.0};
     double tail[KRHPR_PADDED(1)];
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_planar_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(distance, 1, distance_legs, 1, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_planar_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_planar_b_three_encoders(
         s, measured, slide, distance, start, tolerance, points, ends, spread, linear, mismatch, agreement);

@@ -22,20 +22,20 @@ typedef struct {
 } krhpr_platform_planar_a_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (6 multiply, 2 divide, 1 sine cosine) */
+/* Vectors and sub-expressions that depend on the geometry alone.  (5 multiply, 2 divide, 1 sine cosine) */
 KRHPR_STATIC void krhpr_platform_planar_a_prepare(krhpr_platform_planar_a_geometry *g, int i)
 {
     double e_r_1, e_r_0; krhpr_sincos(g->platform_azimuth[i], &e_r_1, &e_r_0);
-    const double t1 = g->l_r[i] * g->l_r[i];
+    const double k_2 = g->l_r[i] * g->l_r[i];
     g->e_r[0][i] = e_r_0;
     g->e_r[1][i] = e_r_1;
     g->b[0][i] = g->R_p[i] * e_r_0;
     g->b[1][i] = g->R_p[i] * e_r_1;
-    g->k[0][i] = 0.5 * t1;
-    g->k[1][i] = 1.0 / g->l_r[i];
-    g->k[2][i] = g->l_r[i] * e_r_0;
-    g->k[3][i] = g->l_r[i] * e_r_1;
-    g->k[4][i] = 1.0 / t1;
+    g->k[0][i] = g->l_r[i] * e_r_0;
+    g->k[1][i] = g->l_r[i] * e_r_1;
+    g->k[2][i] = k_2;
+    g->k[3][i] = 1.0 / g->l_r[i];
+    g->k[4][i] = 1.0 / k_2;
 }
 
 /* Angles whose sines and cosines `end_point` reads.  (no operations) */
@@ -44,15 +44,13 @@ KRHPR_STATIC void krhpr_platform_planar_a_end_point_angles(double redundant, dou
     angle[0] = redundant;
 }
 
-/* End point of the sub-leg, arrangement (a).  Thesis: (1.37), 2.5.  (8 add, 10 multiply) */
+/* End point of the sub-leg, arrangement (a).  Thesis: (1.37), 2.5.  (8 add, 8 multiply) */
 KRHPR_STATIC void krhpr_platform_planar_a_end_point(
     const krhpr_platform_planar_a_geometry *g, int i, const double p[2], const double Q[4],
     const double sine[1], const double cosine[1], double *KRHPR_RESTRICT s)
 {
-    const double l_c = g->l_r[i] * cosine[0];
-    const double l_s = g->l_r[i] * sine[0];
-    const double r_l_0 = g->b[0][i] - g->e_r[0][i] * l_c - g->e_r[1][i] * l_s; /* r_i in the platform frame */
-    const double r_l_1 = g->b[1][i] + g->e_r[0][i] * l_s - g->e_r[1][i] * l_c;
+    const double r_l_0 = g->b[0][i] - g->k[0][i] * cosine[0] - g->k[1][i] * sine[0];
+    const double r_l_1 = g->b[1][i] + g->k[0][i] * sine[0] - g->k[1][i] * cosine[0];
     s[0] = p[0] + Q[0] * r_l_0 + Q[1] * r_l_1;
     s[1] = p[1] + Q[2] * r_l_0 + Q[3] * r_l_1;
 }
@@ -83,7 +81,7 @@ KRHPR_STATIC void krhpr_platform_planar_a_residual(
     const double a_0 = p[0] + Qb_0 - s[0]; /* (2.3) */
     const double a_1 = p[1] + Qb_1 - s[1];
     const double a2 = a_0 * a_0 + a_1 * a_1;
-    residual[0] = a2 * 0.5 - g->k[0][i];
+    residual[0] = (a2 - g->k[2][i]) * 0.5;
 }
 
 /* Rows of J, and the directions N with J t = N s_dot.  Thesis: (1.31), (2.28).  (7 add, 6 multiply) */
@@ -138,15 +136,13 @@ KRHPR_STATIC void krhpr_platform_planar_a_line_of_redundant_angles(
 }
 
 /* The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis: (1.33),
- * (1.34).  (7 add, 8 multiply) */
+ * (1.34).  (7 add, 6 multiply) */
 KRHPR_STATIC void krhpr_platform_planar_a_line_of_redundant(
     const krhpr_platform_planar_a_geometry *g, int i, const double sine[1], const double cosine[1],
     double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT scale)
 {
-    const double l_c = g->l_r[i] * cosine[0];
-    const double l_s = g->l_r[i] * sine[0];
-    const double r_l_0 = g->b[0][i] - g->e_r[0][i] * l_c - g->e_r[1][i] * l_s; /* r_i in the platform frame */
-    const double r_l_1 = g->b[1][i] + g->e_r[0][i] * l_s - g->e_r[1][i] * l_c;
+    const double r_l_0 = g->b[0][i] - g->k[0][i] * cosine[0] - g->k[1][i] * sine[0]; /* r_i in the platform frame */
+    const double r_l_1 = g->b[1][i] + g->k[0][i] * sine[0] - g->k[1][i] * cosine[0];
     const double a_0 = g->b[0][i] - r_l_0;
     const double a_1 = g->b[1][i] - r_l_1;
     line[0] = a_0;
@@ -232,8 +228,8 @@ KRHPR_STATIC void krhpr_platform_planar_a_joint(
     const double a_1 = p[1] + Qb_1 - s[1];
     const double a_x = Q[0] * a_0 + Q[2] * a_1;
     const double a_y = Q[1] * a_0 + Q[3] * a_1;
-    redundant_link[0] = a_0 * g->k[1][i];
-    redundant_link[1] = g->k[1][i] * a_1;
+    redundant_link[0] = a_0 * g->k[3][i];
+    redundant_link[1] = g->k[3][i] * a_1;
     tail_y[0] = g->e_r[1][i] * a_x - g->e_r[0][i] * a_y;
     tail_x[0] = g->e_r[0][i] * a_x + g->e_r[1][i] * a_y;
 }
@@ -278,7 +274,7 @@ KRHPR_STATIC void krhpr_platform_planar_a_solve(
 }
 
 /* Factors of det J and margins.  Singular where the three redundant links' lines meet in a point or are
- * parallel.  Thesis: 1.4, 2.3.2.  (7 add, 15 multiply, 1 divide) */
+ * parallel.  Thesis: 1.4, 2.3.2.  (7 add, 13 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_platform_planar_a_type_2(
     const double line[9], const double point[6], const double scale[6], double *KRHPR_RESTRICT type_2,
     double *KRHPR_RESTRICT margins)
@@ -286,7 +282,7 @@ KRHPR_STATIC void krhpr_platform_planar_a_type_2(
     (void)(point);
     const double t1 = line[0] * (line[4] * line[8] - line[5] * line[7]) + line[1] * (line[5] * line[6] - line[3] * line[8]);
     const double det_a = t1 + line[2] * (line[3] * line[7] - line[4] * line[6]); /* det J */
-    const double R = scale[1] * (1.0 / 3.0) + scale[3] * (1.0 / 3.0) + scale[5] * (1.0 / 3.0); /* mean platform radius */
+    const double R = (scale[5] + (scale[1] + scale[3])) * (1.0 / 3.0); /* mean platform radius */
     type_2[0] = det_a;
     margins[0] = -det_a / (scale[4] * (scale[2] * (scale[0] * R)));
 }
@@ -345,7 +341,7 @@ KRHPR_STATIC void krhpr_platform_planar_a_tie(
 }
 
 /* The sextic in tan(phi / 2) that holds the three end points.  Thesis: 3.2.1, (3.1) to (3.4).  (111 add,
- * 138 multiply) */
+ * 136 multiply) */
 KRHPR_STATIC void krhpr_platform_planar_a_sextic(
     const double s[6], const double anchor[6], const double length[3], double *KRHPR_RESTRICT points,
     double *KRHPR_RESTRICT sextic)
@@ -388,14 +384,14 @@ KRHPR_STATIC void krhpr_platform_planar_a_sextic(
     const double t10 = s_12_0 * s_13_0;
     const double t11 = s_12_1 * s_13_1;
     const double w_0 = t8 + t9 + t10 + t11 - c_23 - c_32;
-    const double t12 = s_23 * 2.0 + s_32 * 2.0;
+    const double t12 = 2.0 * (s_23 + s_32);
     const double w_2 = t11 + (t10 + (t9 + (t8 + (c_23 + c_32))));
     const double t13 = d_2_0 * d_3_1;
     const double t14 = s_12_0 * s_13_1;
     const double t15 = d_2_1 * d_3_0;
     const double t16 = s_12_1 * s_13_0;
     const double D_0 = s_32 + t13 + t14 - s_23 - t15 - t16;
-    const double D_1 = c_23 * 2.0 - c_32 * 2.0;
+    const double D_1 = 2.0 * (c_23 - c_32);
     const double D_2 = t14 + (s_23 + t13) - s_32 - t15 - t16;
     const double e22_0 = e2_0 * e2_0;
     const double t17 = 2.0 * e2_0;
@@ -446,7 +442,7 @@ KRHPR_STATIC void krhpr_platform_planar_a_sextic(
     sextic[6] = z3_2 * e22_4 + z2_2 * e33_4 - t6 * (4.0 * DD_4) - w_2 * t29;
 }
 
-/* The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (173 add, 211 multiply, 9 divide, 2
+/* The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (173 add, 203 multiply, 9 divide, 2
  * square root) */
 KRHPR_STATIC void krhpr_platform_planar_a_assembly(
     const double root[2], const double s[6], const double anchor[6], const double length[3],
@@ -481,7 +477,7 @@ KRHPR_STATIC void krhpr_platform_planar_a_assembly(
     const double e_2 = t13 - t14 - z_2_0 * z_2_0 - z_2_1 * z_2_1;
     const double t15 = length[2] * length[2];
     const double e_3 = t15 - t14 - z_3_0 * z_3_0 - z_3_1 * z_3_1;
-    const double t16 = 1.0 / (z_3_1 * (2.0 * z_2_0) - z_3_0 * (2.0 * z_2_1));
+    const double t16 = 1.0 / (2.0 * (z_2_0 * z_3_1 - z_2_1 * z_3_0));
     const double a_1_0_0 = (z_3_1 * e_2 - z_2_1 * e_3) * t16;
     const double a_1_0_1 = t16 * (z_2_0 * e_3 - z_3_0 * e_2);
     const double a_1_1_0 = a_1_0_0 - points[0];
@@ -490,63 +486,64 @@ KRHPR_STATIC void krhpr_platform_planar_a_assembly(
     const double a_2_1_1 = t6 + (t5 + a_1_0_1) - points[3];
     const double a_3_1_0 = t8 + a_1_0_0 - points[4] - t9;
     const double a_3_1_1 = t11 + (t10 + a_1_0_1) - points[5];
-    const double t17 = t14 * 0.5;
-    const double f_1_1 = 0.5 * (a_1_1_0 * a_1_1_0) + 0.5 * (a_1_1_1 * a_1_1_1) - t17;
-    const double t18 = t13 * 0.5;
-    const double f_2_1 = 0.5 * (a_2_1_0 * a_2_1_0) + 0.5 * (a_2_1_1 * a_2_1_1) - t18;
-    const double t19 = t15 * 0.5;
-    const double f_3_1 = 0.5 * (a_3_1_0 * a_3_1_0) + 0.5 * (a_3_1_1 * a_3_1_1) - t19;
+    const double f_1_1 = (a_1_1_0 * a_1_1_0 + a_1_1_1 * a_1_1_1 - t14) * 0.5;
+    const double f_2_1 = 0.5 * (a_2_1_0 * a_2_1_0 + a_2_1_1 * a_2_1_1 - t13);
+    const double f_3_1 = 0.5 * (a_3_1_0 * a_3_1_0 + a_3_1_1 * a_3_1_1 - t15);
     const double g_2_1 = a_2_1_1 * (t3 - t4) - t7 * a_2_1_0;
     const double g_3_1 = a_3_1_1 * (t8 - t9) - t12 * a_3_1_0;
     const double lambda_1_1 = a_2_1_0 * a_3_1_1 - a_2_1_1 * a_3_1_0;
     const double lambda_2_1 = a_1_1_1 * a_3_1_0 - a_1_1_0 * a_3_1_1;
     const double lambda_3_1 = a_1_1_0 * a_2_1_1 - a_1_1_1 * a_2_1_0;
-    const double t20 = (f_1_1 * lambda_1_1 + f_2_1 * lambda_2_1 + f_3_1 * lambda_3_1) / (g_2_1 * lambda_2_1 + g_3_1 * lambda_3_1);
-    const double t21 = g_2_1 * t20 - f_2_1;
-    const double t22 = g_3_1 * t20 - f_3_1;
-    const double t23 = lambda_1_1 * (a_3_1_1 * t21 - a_2_1_1 * t22) + lambda_2_1 * (a_1_1_1 * t22 + a_3_1_1 * f_1_1);
-    const double t24 = 1.0 / (lambda_1_1 * lambda_1_1 + lambda_2_1 * lambda_2_1 + lambda_3_1 * lambda_3_1);
-    const double move_1_0 = (t23 - lambda_3_1 * (a_1_1_1 * t21 + a_2_1_1 * f_1_1)) * t24;
-    const double t25 = lambda_1_1 * (a_2_1_0 * t22 - a_3_1_0 * t21) - lambda_2_1 * (a_1_1_0 * t22 + a_3_1_0 * f_1_1);
-    const double move_1_1 = t24 * (t25 + lambda_3_1 * (a_1_1_0 * t21 + a_2_1_0 * f_1_1));
-    const double norm_1 = 1.0 / sqrt(1.0 + t20 * t20);
-    const double cos_1 = norm_1 * (cos_0 + sin_0 * t20);
-    const double sin_1 = norm_1 * (sin_0 - cos_0 * t20);
+    const double t17 = (f_1_1 * lambda_1_1 + f_2_1 * lambda_2_1 + f_3_1 * lambda_3_1) / (g_2_1 * lambda_2_1 + g_3_1 * lambda_3_1);
+    const double t18 = g_2_1 * t17 - f_2_1;
+    const double t19 = g_3_1 * t17 - f_3_1;
+    const double t20 = lambda_1_1 * (a_3_1_1 * t18 - a_2_1_1 * t19) + lambda_2_1 * (a_1_1_1 * t19 + a_3_1_1 * f_1_1);
+    const double t21 = 1.0 / (lambda_1_1 * lambda_1_1 + lambda_2_1 * lambda_2_1 + lambda_3_1 * lambda_3_1);
+    const double move_1_0 = (t20 - lambda_3_1 * (a_1_1_1 * t18 + a_2_1_1 * f_1_1)) * t21;
+    const double t22 = lambda_1_1 * (a_2_1_0 * t19 - a_3_1_0 * t18) - lambda_2_1 * (a_1_1_0 * t19 + a_3_1_0 * f_1_1);
+    const double move_1_1 = t21 * (t22 + lambda_3_1 * (a_1_1_0 * t18 + a_2_1_0 * f_1_1));
+    const double norm_1_of = 1.0 + t17 * t17;
+    const double norm_12 = 1.0 / norm_1_of;
+    const double norm_1 = norm_12 * sqrt(norm_1_of);
+    const double cos_1 = norm_1 * (cos_0 + sin_0 * t17);
+    const double sin_1 = norm_1 * (sin_0 - cos_0 * t17);
     const double a_1_1_on_0 = a_1_0_0 + move_1_0;
     const double a_1_1_on_1 = a_1_0_1 + move_1_1;
     const double a_1_2_0 = a_1_1_on_0 - points[0];
     const double a_1_2_1 = a_1_1_on_1 - points[1];
-    const double t26 = d_2_0 * cos_1;
-    const double t27 = d_2_1 * sin_1;
-    const double a_2_2_0 = a_1_1_on_0 + t26 - points[2] - t27;
-    const double t28 = d_2_1 * cos_1;
-    const double t29 = d_2_0 * sin_1;
-    const double a_2_2_1 = a_1_1_on_1 + t28 + t29 - points[3];
-    const double t30 = d_3_0 * cos_1;
-    const double t31 = d_3_1 * sin_1;
-    const double a_3_2_0 = a_1_1_on_0 + t30 - points[4] - t31;
-    const double t32 = d_3_1 * cos_1;
-    const double t33 = d_3_0 * sin_1;
-    const double a_3_2_1 = a_1_1_on_1 + t32 + t33 - points[5];
-    const double f_1_2 = 0.5 * (a_1_2_0 * a_1_2_0) + 0.5 * (a_1_2_1 * a_1_2_1) - t17;
-    const double f_2_2 = 0.5 * (a_2_2_0 * a_2_2_0) + 0.5 * (a_2_2_1 * a_2_2_1) - t18;
-    const double f_3_2 = 0.5 * (a_3_2_0 * a_3_2_0) + 0.5 * (a_3_2_1 * a_3_2_1) - t19;
-    const double g_2_2 = a_2_2_1 * (t26 - t27) - a_2_2_0 * (t28 + t29);
-    const double g_3_2 = a_3_2_1 * (t30 - t31) - a_3_2_0 * (t32 + t33);
+    const double t23 = d_2_0 * cos_1;
+    const double t24 = d_2_1 * sin_1;
+    const double a_2_2_0 = a_1_1_on_0 + t23 - points[2] - t24;
+    const double t25 = d_2_1 * cos_1;
+    const double t26 = d_2_0 * sin_1;
+    const double a_2_2_1 = a_1_1_on_1 + t25 + t26 - points[3];
+    const double t27 = d_3_0 * cos_1;
+    const double t28 = d_3_1 * sin_1;
+    const double a_3_2_0 = a_1_1_on_0 + t27 - points[4] - t28;
+    const double t29 = d_3_1 * cos_1;
+    const double t30 = d_3_0 * sin_1;
+    const double a_3_2_1 = a_1_1_on_1 + t29 + t30 - points[5];
+    const double f_1_2 = 0.5 * (a_1_2_0 * a_1_2_0 + a_1_2_1 * a_1_2_1 - t14);
+    const double f_2_2 = 0.5 * (a_2_2_0 * a_2_2_0 + a_2_2_1 * a_2_2_1 - t13);
+    const double f_3_2 = 0.5 * (a_3_2_0 * a_3_2_0 + a_3_2_1 * a_3_2_1 - t15);
+    const double g_2_2 = a_2_2_1 * (t23 - t24) - a_2_2_0 * (t25 + t26);
+    const double g_3_2 = a_3_2_1 * (t27 - t28) - a_3_2_0 * (t29 + t30);
     const double lambda_1_2 = a_2_2_0 * a_3_2_1 - a_2_2_1 * a_3_2_0;
     const double lambda_2_2 = a_1_2_1 * a_3_2_0 - a_1_2_0 * a_3_2_1;
     const double lambda_3_2 = a_1_2_0 * a_2_2_1 - a_1_2_1 * a_2_2_0;
-    const double t34 = (f_1_2 * lambda_1_2 + f_2_2 * lambda_2_2 + f_3_2 * lambda_3_2) / (g_2_2 * lambda_2_2 + g_3_2 * lambda_3_2);
-    const double t35 = g_2_2 * t34 - f_2_2;
-    const double t36 = g_3_2 * t34 - f_3_2;
-    const double t37 = lambda_1_2 * (a_3_2_1 * t35 - a_2_2_1 * t36) + lambda_2_2 * (a_1_2_1 * t36 + a_3_2_1 * f_1_2);
-    const double t38 = 1.0 / (lambda_1_2 * lambda_1_2 + lambda_2_2 * lambda_2_2 + lambda_3_2 * lambda_3_2);
-    const double move_2_0 = (t37 - lambda_3_2 * (a_1_2_1 * t35 + a_2_2_1 * f_1_2)) * t38;
-    const double t39 = lambda_1_2 * (a_2_2_0 * t36 - a_3_2_0 * t35) - lambda_2_2 * (a_1_2_0 * t36 + a_3_2_0 * f_1_2);
-    const double move_2_1 = t38 * (t39 + lambda_3_2 * (a_1_2_0 * t35 + a_2_2_0 * f_1_2));
-    const double norm_2 = 1.0 / sqrt(1.0 + t34 * t34);
-    const double cos_2 = norm_2 * (cos_1 + sin_1 * t34);
-    const double sin_2 = norm_2 * (sin_1 - cos_1 * t34);
+    const double t31 = (f_1_2 * lambda_1_2 + f_2_2 * lambda_2_2 + f_3_2 * lambda_3_2) / (g_2_2 * lambda_2_2 + g_3_2 * lambda_3_2);
+    const double t32 = g_2_2 * t31 - f_2_2;
+    const double t33 = g_3_2 * t31 - f_3_2;
+    const double t34 = lambda_1_2 * (a_3_2_1 * t32 - a_2_2_1 * t33) + lambda_2_2 * (a_1_2_1 * t33 + a_3_2_1 * f_1_2);
+    const double t35 = 1.0 / (lambda_1_2 * lambda_1_2 + lambda_2_2 * lambda_2_2 + lambda_3_2 * lambda_3_2);
+    const double move_2_0 = (t34 - lambda_3_2 * (a_1_2_1 * t32 + a_2_2_1 * f_1_2)) * t35;
+    const double t36 = lambda_1_2 * (a_2_2_0 * t33 - a_3_2_0 * t32) - lambda_2_2 * (a_1_2_0 * t33 + a_3_2_0 * f_1_2);
+    const double move_2_1 = t35 * (t36 + lambda_3_2 * (a_1_2_0 * t32 + a_2_2_0 * f_1_2));
+    const double norm_2_of = 1.0 + t31 * t31;
+    const double norm_22 = 1.0 / norm_2_of;
+    const double norm_2 = norm_22 * sqrt(norm_2_of);
+    const double cos_2 = norm_2 * (cos_1 + sin_1 * t31);
+    const double sin_2 = norm_2 * (sin_1 - cos_1 * t31);
     const double a_1_2_on_0 = a_1_1_on_0 + move_2_0;
     const double a_1_2_on_1 = a_1_1_on_1 + move_2_1;
     const double Rd_2_0 = d_2_0 * cos_2 - d_2_1 * sin_2;
@@ -567,25 +564,25 @@ KRHPR_STATIC void krhpr_platform_planar_a_assembly(
     const double u_2_1 = cos_2 * a_2_1 - sin_2 * a_2_0;
     const double u_3_0 = cos_2 * a_3_0 + sin_2 * a_3_1;
     const double u_3_1 = cos_2 * a_3_1 - sin_2 * a_3_0;
-    const double t40 = anchor[1] * u_1_0;
-    const double t41 = anchor[0] * u_1_1;
-    const double t42 = anchor[3] * u_2_0;
-    const double t43 = anchor[2] * u_2_1;
-    const double t44 = anchor[5] * u_3_0;
-    const double t45 = anchor[4] * u_3_1;
-    const double t46 = (t41 - t40) * (u_2_0 * u_3_1 - u_2_1 * u_3_0) + (t43 - t42) * (u_1_1 * u_3_0 - u_1_0 * u_3_1);
-    const double t47 = a_1_0 * a_1_0 + a_1_1 * a_1_1 - t14;
-    const double t48 = a_2_0 * a_2_0 + a_2_1 * a_2_1 - t13;
-    const double t49 = a_3_0 * a_3_0 + a_3_1 * a_3_1 - t15;
-    const double t50 = t15 + (t13 + t14);
+    const double t37 = anchor[1] * u_1_0;
+    const double t38 = anchor[0] * u_1_1;
+    const double t39 = anchor[3] * u_2_0;
+    const double t40 = anchor[2] * u_2_1;
+    const double t41 = anchor[5] * u_3_0;
+    const double t42 = anchor[4] * u_3_1;
+    const double t43 = (t38 - t37) * (u_2_0 * u_3_1 - u_2_1 * u_3_0) + (t40 - t39) * (u_1_1 * u_3_0 - u_1_0 * u_3_1);
+    const double t44 = a_1_0 * a_1_0 + a_1_1 * a_1_1 - t14;
+    const double t45 = a_2_0 * a_2_0 + a_2_1 * a_2_1 - t13;
+    const double t46 = a_3_0 * a_3_0 + a_3_1 * a_3_1 - t15;
+    const double t47 = t15 + (t13 + t14);
     p[0] = s[0] + p_l_0;
     p[1] = s[1] + p_l_1;
-    *det_J = t46 + (t45 - t44) * (u_1_0 * u_2_1 - u_1_1 * u_2_0);
-    miss[0] = (t47 * t47 + t48 * t48 + t49 * t49) / (t50 * t50);
+    *det_J = t43 + (t42 - t41) * (u_1_0 * u_2_1 - u_1_1 * u_2_0);
+    miss[0] = (t44 * t44 + t45 * t45 + t46 * t46) / (t47 * t47);
     tail_y[0] = sin_2;
-    tail_y[1] = t40 - t41;
-    tail_y[2] = t42 - t43;
-    tail_y[3] = t44 - t45;
+    tail_y[1] = t37 - t38;
+    tail_y[2] = t39 - t40;
+    tail_y[3] = t41 - t42;
     tail_x[0] = cos_2;
     tail_x[1] = anchor[0] * u_1_0 + anchor[1] * u_1_1;
     tail_x[2] = anchor[2] * u_2_0 + anchor[3] * u_2_1;
@@ -635,7 +632,7 @@ KRHPR_STATIC void krhpr_platform_planar_a_uniqueness(
 }
 
 /* The pose nearby in the platform's plane, and whether steps from it are certain to converge.  Thesis:
- * 3.2.2, (3.4) to (3.9).  (73 add, 101 multiply, 4 divide, 7 square root, 1 select) */
+ * 3.2.2, (3.4) to (3.9).  (72 add, 92 multiply, 4 divide, 7 square root, 1 select) */
 KRHPR_STATIC void krhpr_platform_planar_a_newton_start(
     const double s[6], const double anchor[6], const double length[3], const double p_near[2],
     const double Q_near[4], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT centre,
@@ -659,45 +656,44 @@ KRHPR_STATIC void krhpr_platform_planar_a_newton_start(
     const double b_2_1 = a_1_1 + Rd_2_1 - s_12_1;
     const double b_3_0 = a_1_0 + Rd_3_0 - s_13_0;
     const double b_3_1 = a_1_1 + Rd_3_1 - s_13_1;
-    const double t1 = d_2_0 * d_2_0;
-    const double t2 = d_2_1 * d_2_1;
-    const double t3 = d_3_0 * d_3_0;
-    const double t4 = d_3_1 * d_3_1;
-    const double L_2 = 0.5 * t1 + 0.5 * t2 + 0.5 * t3 + 0.5 * t4; /* the platform's size, squared */
+    const double t1 = d_2_0 * d_2_0 + d_2_1 * d_2_1;
+    const double t2 = d_3_0 * d_3_0;
+    const double t3 = d_3_1 * d_3_1;
+    const double L_2 = (t1 + t2 + t3) * 0.5; /* the platform's size, squared */
     const double L = sqrt(L_2);
-    const double F_1 = 0.5 * (a_1_0 * a_1_0) + 0.5 * (a_1_1 * a_1_1) - 0.5 * (length[0] * length[0]);
-    const double F_2 = 0.5 * (b_2_0 * b_2_0) + 0.5 * (b_2_1 * b_2_1) - 0.5 * (length[1] * length[1]);
-    const double F_3 = 0.5 * (b_3_0 * b_3_0) + 0.5 * (b_3_1 * b_3_1) - 0.5 * (length[2] * length[2]);
-    const double t5 = 1.0 / L;
-    const double G_2 = (Rd_2_0 * b_2_1 - Rd_2_1 * b_2_0) * t5;
-    const double G_3 = t5 * (Rd_3_0 * b_3_1 - Rd_3_1 * b_3_0);
+    const double F_1 = 0.5 * (a_1_0 * a_1_0 + a_1_1 * a_1_1 - length[0] * length[0]);
+    const double F_2 = 0.5 * (b_2_0 * b_2_0 + b_2_1 * b_2_1 - length[1] * length[1]);
+    const double F_3 = 0.5 * (b_3_0 * b_3_0 + b_3_1 * b_3_1 - length[2] * length[2]);
+    const double t4 = 1.0 / L;
+    const double G_2 = (Rd_2_0 * b_2_1 - Rd_2_1 * b_2_0) * t4;
+    const double G_3 = t4 * (Rd_3_0 * b_3_1 - Rd_3_1 * b_3_0);
     const double mu_1 = b_2_0 * b_3_1 - b_2_1 * b_3_0;
     const double mu_2 = a_1_1 * b_3_0 - a_1_0 * b_3_1;
     const double mu_3 = a_1_0 * b_2_1 - a_1_1 * b_2_0;
     const double det = G_2 * mu_2 + G_3 * mu_3;
     const double inv_1_1 = b_2_1 * G_3 - b_3_1 * G_2;
     const double inv_1_2 = b_3_0 * G_2 - b_2_0 * G_3;
-    const double t6 = a_1_1 * G_3;
+    const double t5 = a_1_1 * G_3;
     const double inv_2_2 = a_1_0 * G_3;
     const double inv_3_1 = a_1_1 * G_2;
-    const double t7 = a_1_0 * G_2;
-    const double t8 = inv_1_1 * inv_1_1 + inv_1_2 * inv_1_2 + t6 * t6 + inv_2_2 * inv_2_2 + inv_3_1 * inv_3_1;
-    const double b_2 = (t8 + t7 * t7 + mu_1 * mu_1 + mu_2 * mu_2 + mu_3 * mu_3) / (det * det); /* b squared */
-    const double t9 = F_1 * inv_1_1 - F_2 * t6 + F_3 * inv_3_1;
-    const double t10 = F_1 * inv_1_2 + F_2 * inv_2_2 - F_3 * t7;
-    const double t11 = F_1 * mu_1 + F_2 * mu_2 + F_3 * mu_3;
-    const double step = sqrt(t9 * t9 + t10 * t10 + t11 * t11) / fabs(det); /* n */
-    const double q_2 = sqrt(t1 + t2); /* |d_i| */
+    const double t6 = a_1_0 * G_2;
+    const double t7 = inv_1_1 * inv_1_1 + inv_1_2 * inv_1_2 + t5 * t5 + inv_2_2 * inv_2_2 + inv_3_1 * inv_3_1;
+    const double b_2 = (t7 + t6 * t6 + mu_1 * mu_1 + mu_2 * mu_2 + mu_3 * mu_3) / (det * det); /* b squared */
+    const double t8 = F_1 * inv_1_1 - F_2 * t5 + F_3 * inv_3_1;
+    const double t9 = F_1 * inv_1_2 + F_2 * inv_2_2 - F_3 * t6;
+    const double t10 = F_1 * mu_1 + F_2 * mu_2 + F_3 * mu_3;
+    const double step = sqrt(t8 * t8 + t9 * t9 + t10 * t10) / fabs(det); /* n */
+    const double q_2 = sqrt(t1); /* |d_i| */
     const double o_2_0 = b_2_0 - Rd_2_0;
     const double o_2_1 = b_2_1 - Rd_2_1;
-    const double t12 = step * 2.0;
-    const double t13 = 1.0 / L_2;
-    const double bent_2 = q_2 * (sqrt(o_2_0 * o_2_0 + o_2_1 * o_2_1) + t12) * t13;
-    const double q_3 = sqrt(t3 + t4); /* |d_i| */
+    const double t11 = step * 2.0;
+    const double t12 = 1.0 / L_2;
+    const double bent_2 = q_2 * (sqrt(o_2_0 * o_2_0 + o_2_1 * o_2_1) + t11) * t12;
+    const double q_3 = sqrt(t2 + t3); /* |d_i| */
     const double o_3_0 = b_3_0 - Rd_3_0;
     const double o_3_1 = b_3_1 - Rd_3_1;
-    const double bent_3 = t13 * (q_3 * (t12 + sqrt(o_3_0 * o_3_0 + o_3_1 * o_3_1)));
-    const double t14 = 6.0 + bent_2 * bent_2 + bent_3 * bent_3 + t13 * (2.0 * (q_2 * q_2)) + t13 * (2.0 * (q_3 * q_3));
+    const double bent_3 = t12 * (q_3 * (t11 + sqrt(o_3_0 * o_3_0 + o_3_1 * o_3_1)));
+    const double t13 = 6.0 + bent_2 * bent_2 + bent_3 * bent_3 + t12 * (2.0 * (q_2 * q_2)) + t12 * (2.0 * (q_3 * q_3));
     points[0] = 0.0;
     points[1] = 0.0;
     points[2] = s_12_0;
@@ -711,7 +707,7 @@ KRHPR_STATIC void krhpr_platform_planar_a_newton_start(
     start[2] = a_1_1;
     start[3] = Q_near[0];
     start[4] = Q_near[2];
-    *kantorovich = t12 * sqrt(b_2 * t14);
+    *kantorovich = t11 * sqrt(b_2 * t13);
 }
 
 /* Angles whose sines and cosines `newton_step` reads.  (no operations) */
@@ -721,7 +717,7 @@ KRHPR_STATIC void krhpr_platform_planar_a_newton_step_angles(
     angle[0] = state[0];
 }
 
-/* One Newton step of the links' lengths.  Thesis: 3.2.2, (3.4) to (3.9).  (63 add, 81 multiply, 4 divide, 1
+/* One Newton step of the links' lengths.  Thesis: 3.2.2, (3.4) to (3.9).  (63 add, 76 multiply, 4 divide, 1
  * square root) */
 KRHPR_STATIC void krhpr_platform_planar_a_newton_step(
     const double state[5], const double centre[2], const double anchor[6], const double length[3],
@@ -748,9 +744,9 @@ KRHPR_STATIC void krhpr_platform_planar_a_newton_step(
     const double t7 = d_3_1 * cos;
     const double t8 = d_3_0 * sin;
     const double a_3_on_1 = state[2] + t7 + t8 - points[5];
-    const double f_1_on = 0.5 * (a_1_on_0 * a_1_on_0) + 0.5 * (a_1_on_1 * a_1_on_1) - 0.5 * (length[0] * length[0]);
-    const double f_2_on = 0.5 * (a_2_on_0 * a_2_on_0) + 0.5 * (a_2_on_1 * a_2_on_1) - 0.5 * (length[1] * length[1]);
-    const double f_3_on = 0.5 * (a_3_on_0 * a_3_on_0) + 0.5 * (a_3_on_1 * a_3_on_1) - 0.5 * (length[2] * length[2]);
+    const double f_1_on = (a_1_on_0 * a_1_on_0 + a_1_on_1 * a_1_on_1 - length[0] * length[0]) * 0.5;
+    const double f_2_on = 0.5 * (a_2_on_0 * a_2_on_0 + a_2_on_1 * a_2_on_1 - length[1] * length[1]);
+    const double f_3_on = 0.5 * (a_3_on_0 * a_3_on_0 + a_3_on_1 * a_3_on_1 - length[2] * length[2]);
     const double g_2_on = a_2_on_1 * (t1 - t2) - a_2_on_0 * (t3 + t4);
     const double g_3_on = a_3_on_1 * (t5 - t6) - a_3_on_0 * (t7 + t8);
     const double lambda_1_on = a_2_on_0 * a_3_on_1 - a_2_on_1 * a_3_on_0;
@@ -766,7 +762,9 @@ KRHPR_STATIC void krhpr_platform_planar_a_newton_step(
     const double t15 = lambda_1_on * (a_2_on_0 * t11 - a_3_on_0 * t10) - lambda_2_on * (a_1_on_0 * t11 + a_3_on_0 * f_1_on);
     const double move_on_1 = t14 * (t15 + lambda_3_on * (a_1_on_0 * t10 + a_2_on_0 * f_1_on));
     const double t16 = t9 * t9;
-    const double norm_on = 1.0 / sqrt(1.0 + t16);
+    const double norm_on_of = 1.0 + t16;
+    const double norm_on2 = 1.0 / norm_on_of;
+    const double norm_on = norm_on2 * sqrt(norm_on_of);
     const double cos_on = norm_on * (cos + sin * t9);
     const double sin_on = norm_on * (sin - cos * t9);
     const double size = d_2_0 * d_2_0 + d_2_1 * d_2_1 + d_3_0 * d_3_0 + d_3_1 * d_3_1;
@@ -830,8 +828,8 @@ KRHPR_STATIC void krhpr_platform_planar_a_newton_pose(
 KRHPR_STATIC void krhpr_platform_planar_a_arm(
     const krhpr_platform_planar_a_geometry *g, int i, double *KRHPR_RESTRICT arm)
 {
-    arm[0] = g->k[2][i];
-    arm[1] = g->k[3][i];
+    arm[0] = g->k[0][i];
+    arm[1] = g->k[1][i];
 }
 
 /* Angles whose sines and cosines `turns_1` reads.  (no operations) */
@@ -888,7 +886,7 @@ KRHPR_STATIC void krhpr_platform_planar_a_turns_3(
     turns[5] = sine[2];
 }
 
-/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (55 add, 54 multiply, 2
+/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (55 add, 49 multiply, 2
  * divide, 3 square root, 4 select) */
 KRHPR_STATIC void krhpr_platform_planar_a_one_encoder(
     const double s[6], const double turns[2], const double anchor[6], const double length[3],
@@ -908,8 +906,8 @@ KRHPR_STATIC void krhpr_platform_planar_a_one_encoder(
     const double w_3_1 = anchor[5] - e_1_1;
     const double M = s_12_0 * w_2_0 + s_12_1 * w_2_1;
     const double L = s_12_1 * w_2_0 - s_12_0 * w_2_1;
-    const double t1 = 0.5 * (s_12_0 * s_12_0) + 0.5 * (s_12_1 * s_12_1) + 0.5 * (w_2_0 * w_2_0) + 0.5 * (w_2_1 * w_2_1);
-    const double N = t1 - 0.5 * (length[1] * length[1]);
+    const double t1 = s_12_0 * s_12_0 + s_12_1 * s_12_1 + w_2_0 * w_2_0 + w_2_1 * w_2_1 - length[1] * length[1];
+    const double N = t1 * 0.5;
     const double ML_2 = L * L + M * M;
     const double t2 = 1.0 / ML_2;
     const double radicand_a = 1.0 - N * N * t2;
@@ -940,15 +938,15 @@ KRHPR_STATIC void krhpr_platform_planar_a_one_encoder(
     const double sin_best = t5 + t11;
     const double cos_other = t3 + t10;
     const double sin_other = t5 - t11;
-    const double t12 = 0.5 * miss_minus + 0.5 * miss_plus;
-    const double t13 = 0.5 * sign * (miss_plus - miss_minus);
+    const double t12 = miss_plus + miss_minus;
+    const double t13 = sign * (miss_plus - miss_minus);
     radicand[0] = radicand_a;
     p[0] = s[0] + e_1_1 * sin_best - e_1_0 * cos_best;
     p[1] = s[1] - e_1_1 * cos_best - e_1_0 * sin_best;
     p[2] = s[0] + e_1_1 * sin_other - e_1_0 * cos_other;
     p[3] = s[1] - e_1_1 * cos_other - e_1_0 * sin_other;
-    mismatch[0] = t12 + t13;
-    mismatch[1] = t12 - t13;
+    mismatch[0] = 0.5 * (t12 + t13);
+    mismatch[1] = 0.5 * (t12 - t13);
     agreement[0] = tolerance - krhpr_min(t7, t8);
     tail_y[0] = sin_best;
     tail_y[1] = sin_other;

@@ -16,20 +16,17 @@ KRHPR_INLINE void krhpr_platform_planar_a_end_point_angles_lanes(
     angle[0] = redundant;
 }
 
-/* End point of the sub-leg, arrangement (a).  Thesis: (1.37), 2.5.  (8 add, 10 multiply) */
+/* End point of the sub-leg, arrangement (a).  Thesis: (1.37), 2.5.  (8 add, 8 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_a_end_point_lanes(
     const krhpr_platform_planar_a_geometry *g, int i, const krhpr_lanes_at p[2], const krhpr_lanes_at Q[4],
     const krhpr_lanes_at sine[1], const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT s)
 {
-    const krhpr_lanes g_l_r = krhpr_of_leg(g->l_r, i);
-    const krhpr_lanes g_e_r_0 = krhpr_of_leg(g->e_r[0], i);
-    const krhpr_lanes g_e_r_1 = krhpr_of_leg(g->e_r[1], i);
     const krhpr_lanes g_b_0 = krhpr_of_leg(g->b[0], i);
     const krhpr_lanes g_b_1 = krhpr_of_leg(g->b[1], i);
-    const krhpr_lanes l_c = g_l_r * cosine[0];
-    const krhpr_lanes l_s = g_l_r * sine[0];
-    const krhpr_lanes r_l_0 = g_b_0 - g_e_r_0 * l_c - g_e_r_1 * l_s; /* r_i in the platform frame */
-    const krhpr_lanes r_l_1 = g_b_1 + g_e_r_0 * l_s - g_e_r_1 * l_c;
+    const krhpr_lanes g_k_0 = krhpr_of_leg(g->k[0], i);
+    const krhpr_lanes g_k_1 = krhpr_of_leg(g->k[1], i);
+    const krhpr_lanes r_l_0 = g_b_0 - g_k_0 * cosine[0] - g_k_1 * sine[0]; /* r_i in the platform frame */
+    const krhpr_lanes r_l_1 = g_b_1 + g_k_0 * sine[0] - g_k_1 * cosine[0];
     s[0] = p[0] + Q[0] * r_l_0 + Q[1] * r_l_1;
     s[1] = p[1] + Q[2] * r_l_0 + Q[3] * r_l_1;
 }
@@ -61,13 +58,13 @@ KRHPR_INLINE void krhpr_platform_planar_a_residual_lanes(
 {
     const krhpr_lanes g_b_0 = krhpr_of_leg(g->b[0], i);
     const krhpr_lanes g_b_1 = krhpr_of_leg(g->b[1], i);
-    const krhpr_lanes g_k_0 = krhpr_of_leg(g->k[0], i);
+    const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes Qb_0 = g_b_0 * Q[0] + g_b_1 * Q[1]; /* Q b_i */
     const krhpr_lanes Qb_1 = g_b_0 * Q[2] + g_b_1 * Q[3];
     const krhpr_lanes a_0 = p[0] + Qb_0 - s[0]; /* (2.3) */
     const krhpr_lanes a_1 = p[1] + Qb_1 - s[1];
     const krhpr_lanes a2 = a_0 * a_0 + a_1 * a_1;
-    residual[0] = a2 * 0.5 - g_k_0;
+    residual[0] = (a2 - g_k_2) * 0.5;
 }
 
 /* Rows of J, and the directions N with J t = N s_dot.  Thesis: (1.31), (2.28).  (7 add, 6 multiply) */
@@ -128,7 +125,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_line_of_redundant_angles_lanes(
 }
 
 /* The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis: (1.33),
- * (1.34).  (7 add, 8 multiply) */
+ * (1.34).  (7 add, 6 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_a_line_of_redundant_lanes(
     const krhpr_platform_planar_a_geometry *g, int i, const krhpr_lanes_at sine[1],
     const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT line,
@@ -136,14 +133,12 @@ KRHPR_INLINE void krhpr_platform_planar_a_line_of_redundant_lanes(
 {
     const krhpr_lanes g_R_p = krhpr_of_leg(g->R_p, i);
     const krhpr_lanes g_l_r = krhpr_of_leg(g->l_r, i);
-    const krhpr_lanes g_e_r_0 = krhpr_of_leg(g->e_r[0], i);
-    const krhpr_lanes g_e_r_1 = krhpr_of_leg(g->e_r[1], i);
     const krhpr_lanes g_b_0 = krhpr_of_leg(g->b[0], i);
     const krhpr_lanes g_b_1 = krhpr_of_leg(g->b[1], i);
-    const krhpr_lanes l_c = g_l_r * cosine[0];
-    const krhpr_lanes l_s = g_l_r * sine[0];
-    const krhpr_lanes r_l_0 = g_b_0 - g_e_r_0 * l_c - g_e_r_1 * l_s; /* r_i in the platform frame */
-    const krhpr_lanes r_l_1 = g_b_1 + g_e_r_0 * l_s - g_e_r_1 * l_c;
+    const krhpr_lanes g_k_0 = krhpr_of_leg(g->k[0], i);
+    const krhpr_lanes g_k_1 = krhpr_of_leg(g->k[1], i);
+    const krhpr_lanes r_l_0 = g_b_0 - g_k_0 * cosine[0] - g_k_1 * sine[0]; /* r_i in the platform frame */
+    const krhpr_lanes r_l_1 = g_b_1 + g_k_0 * sine[0] - g_k_1 * cosine[0];
     const krhpr_lanes a_0 = g_b_0 - r_l_0;
     const krhpr_lanes a_1 = g_b_1 - r_l_1;
     line[0] = a_0;
@@ -236,15 +231,15 @@ KRHPR_INLINE void krhpr_platform_planar_a_joint_lanes(
     const krhpr_lanes g_e_r_1 = krhpr_of_leg(g->e_r[1], i);
     const krhpr_lanes g_b_0 = krhpr_of_leg(g->b[0], i);
     const krhpr_lanes g_b_1 = krhpr_of_leg(g->b[1], i);
-    const krhpr_lanes g_k_1 = krhpr_of_leg(g->k[1], i);
+    const krhpr_lanes g_k_3 = krhpr_of_leg(g->k[3], i);
     const krhpr_lanes Qb_0 = g_b_0 * Q[0] + g_b_1 * Q[1]; /* Q b_i */
     const krhpr_lanes Qb_1 = g_b_0 * Q[2] + g_b_1 * Q[3];
     const krhpr_lanes a_0 = p[0] + Qb_0 - s[0]; /* (2.3) */
     const krhpr_lanes a_1 = p[1] + Qb_1 - s[1];
     const krhpr_lanes a_x = Q[0] * a_0 + Q[2] * a_1;
     const krhpr_lanes a_y = Q[1] * a_0 + Q[3] * a_1;
-    redundant_link[0] = a_0 * g_k_1;
-    redundant_link[1] = g_k_1 * a_1;
+    redundant_link[0] = a_0 * g_k_3;
+    redundant_link[1] = g_k_3 * a_1;
     tail_y[0] = g_e_r_1 * a_x - g_e_r_0 * a_y;
     tail_x[0] = g_e_r_0 * a_x + g_e_r_1 * a_y;
 }
@@ -292,7 +287,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_solve_lanes(
 }
 
 /* Factors of det J and margins.  Singular where the three redundant links' lines meet in a point or are
- * parallel.  Thesis: 1.4, 2.3.2.  (7 add, 15 multiply, 1 divide) */
+ * parallel.  Thesis: 1.4, 2.3.2.  (7 add, 13 multiply, 1 divide) */
 KRHPR_INLINE void krhpr_platform_planar_a_type_2_lanes(
     const krhpr_lanes_at line[9], const krhpr_lanes_at point[6], const krhpr_lanes_at scale[6],
     krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins)
@@ -300,7 +295,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_type_2_lanes(
     (void)(point);
     const krhpr_lanes t1 = line[0] * (line[4] * line[8] - line[5] * line[7]) + line[1] * (line[5] * line[6] - line[3] * line[8]);
     const krhpr_lanes det_a = t1 + line[2] * (line[3] * line[7] - line[4] * line[6]); /* det J */
-    const krhpr_lanes R = scale[1] * (1.0 / 3.0) + scale[3] * (1.0 / 3.0) + scale[5] * (1.0 / 3.0); /* mean platform radius */
+    const krhpr_lanes R = (scale[5] + (scale[1] + scale[3])) * (1.0 / 3.0); /* mean platform radius */
     type_2[0] = det_a;
     margins[0] = -det_a / (scale[4] * (scale[2] * (scale[0] * R)));
 }
@@ -363,7 +358,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_tie_lanes(
 }
 
 /* The sextic in tan(phi / 2) that holds the three end points.  Thesis: 3.2.1, (3.1) to (3.4).  (111 add,
- * 138 multiply) */
+ * 136 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_a_sextic_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at anchor[6], const krhpr_lanes_at length[3],
     krhpr_lanes_at *KRHPR_RESTRICT points, krhpr_lanes_at *KRHPR_RESTRICT sextic)
@@ -406,14 +401,14 @@ KRHPR_INLINE void krhpr_platform_planar_a_sextic_lanes(
     const krhpr_lanes t10 = s_12_0 * s_13_0;
     const krhpr_lanes t11 = s_12_1 * s_13_1;
     const krhpr_lanes w_0 = t8 + t9 + t10 + t11 - c_23 - c_32;
-    const krhpr_lanes t12 = s_23 * 2.0 + s_32 * 2.0;
+    const krhpr_lanes t12 = 2.0 * (s_23 + s_32);
     const krhpr_lanes w_2 = t11 + (t10 + (t9 + (t8 + (c_23 + c_32))));
     const krhpr_lanes t13 = d_2_0 * d_3_1;
     const krhpr_lanes t14 = s_12_0 * s_13_1;
     const krhpr_lanes t15 = d_2_1 * d_3_0;
     const krhpr_lanes t16 = s_12_1 * s_13_0;
     const krhpr_lanes D_0 = s_32 + t13 + t14 - s_23 - t15 - t16;
-    const krhpr_lanes D_1 = c_23 * 2.0 - c_32 * 2.0;
+    const krhpr_lanes D_1 = 2.0 * (c_23 - c_32);
     const krhpr_lanes D_2 = t14 + (s_23 + t13) - s_32 - t15 - t16;
     const krhpr_lanes e22_0 = e2_0 * e2_0;
     const krhpr_lanes t17 = 2.0 * e2_0;
@@ -464,7 +459,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_sextic_lanes(
     sextic[6] = z3_2 * e22_4 + z2_2 * e33_4 - t6 * (4.0 * DD_4) - w_2 * t29;
 }
 
-/* The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (173 add, 211 multiply, 9 divide, 2
+/* The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (173 add, 203 multiply, 9 divide, 2
  * square root) */
 KRHPR_INLINE void krhpr_platform_planar_a_assembly_lanes(
     const krhpr_lanes_at root[2], const krhpr_lanes_at s[6], const krhpr_lanes_at anchor[6],
@@ -500,7 +495,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_assembly_lanes(
     const krhpr_lanes e_2 = t13 - t14 - z_2_0 * z_2_0 - z_2_1 * z_2_1;
     const krhpr_lanes t15 = length[2] * length[2];
     const krhpr_lanes e_3 = t15 - t14 - z_3_0 * z_3_0 - z_3_1 * z_3_1;
-    const krhpr_lanes t16 = 1.0 / (z_3_1 * (2.0 * z_2_0) - z_3_0 * (2.0 * z_2_1));
+    const krhpr_lanes t16 = 1.0 / (2.0 * (z_2_0 * z_3_1 - z_2_1 * z_3_0));
     const krhpr_lanes a_1_0_0 = (z_3_1 * e_2 - z_2_1 * e_3) * t16;
     const krhpr_lanes a_1_0_1 = t16 * (z_2_0 * e_3 - z_3_0 * e_2);
     const krhpr_lanes a_1_1_0 = a_1_0_0 - points[0];
@@ -509,63 +504,64 @@ KRHPR_INLINE void krhpr_platform_planar_a_assembly_lanes(
     const krhpr_lanes a_2_1_1 = t6 + (t5 + a_1_0_1) - points[3];
     const krhpr_lanes a_3_1_0 = t8 + a_1_0_0 - points[4] - t9;
     const krhpr_lanes a_3_1_1 = t11 + (t10 + a_1_0_1) - points[5];
-    const krhpr_lanes t17 = t14 * 0.5;
-    const krhpr_lanes f_1_1 = 0.5 * (a_1_1_0 * a_1_1_0) + 0.5 * (a_1_1_1 * a_1_1_1) - t17;
-    const krhpr_lanes t18 = t13 * 0.5;
-    const krhpr_lanes f_2_1 = 0.5 * (a_2_1_0 * a_2_1_0) + 0.5 * (a_2_1_1 * a_2_1_1) - t18;
-    const krhpr_lanes t19 = t15 * 0.5;
-    const krhpr_lanes f_3_1 = 0.5 * (a_3_1_0 * a_3_1_0) + 0.5 * (a_3_1_1 * a_3_1_1) - t19;
+    const krhpr_lanes f_1_1 = (a_1_1_0 * a_1_1_0 + a_1_1_1 * a_1_1_1 - t14) * 0.5;
+    const krhpr_lanes f_2_1 = 0.5 * (a_2_1_0 * a_2_1_0 + a_2_1_1 * a_2_1_1 - t13);
+    const krhpr_lanes f_3_1 = 0.5 * (a_3_1_0 * a_3_1_0 + a_3_1_1 * a_3_1_1 - t15);
     const krhpr_lanes g_2_1 = a_2_1_1 * (t3 - t4) - t7 * a_2_1_0;
     const krhpr_lanes g_3_1 = a_3_1_1 * (t8 - t9) - t12 * a_3_1_0;
     const krhpr_lanes lambda_1_1 = a_2_1_0 * a_3_1_1 - a_2_1_1 * a_3_1_0;
     const krhpr_lanes lambda_2_1 = a_1_1_1 * a_3_1_0 - a_1_1_0 * a_3_1_1;
     const krhpr_lanes lambda_3_1 = a_1_1_0 * a_2_1_1 - a_1_1_1 * a_2_1_0;
-    const krhpr_lanes t20 = (f_1_1 * lambda_1_1 + f_2_1 * lambda_2_1 + f_3_1 * lambda_3_1) / (g_2_1 * lambda_2_1 + g_3_1 * lambda_3_1);
-    const krhpr_lanes t21 = g_2_1 * t20 - f_2_1;
-    const krhpr_lanes t22 = g_3_1 * t20 - f_3_1;
-    const krhpr_lanes t23 = lambda_1_1 * (a_3_1_1 * t21 - a_2_1_1 * t22) + lambda_2_1 * (a_1_1_1 * t22 + a_3_1_1 * f_1_1);
-    const krhpr_lanes t24 = 1.0 / (lambda_1_1 * lambda_1_1 + lambda_2_1 * lambda_2_1 + lambda_3_1 * lambda_3_1);
-    const krhpr_lanes move_1_0 = (t23 - lambda_3_1 * (a_1_1_1 * t21 + a_2_1_1 * f_1_1)) * t24;
-    const krhpr_lanes t25 = lambda_1_1 * (a_2_1_0 * t22 - a_3_1_0 * t21) - lambda_2_1 * (a_1_1_0 * t22 + a_3_1_0 * f_1_1);
-    const krhpr_lanes move_1_1 = t24 * (t25 + lambda_3_1 * (a_1_1_0 * t21 + a_2_1_0 * f_1_1));
-    const krhpr_lanes norm_1 = 1.0 / krhpr_lanes_sqrt(1.0 + t20 * t20);
-    const krhpr_lanes cos_1 = norm_1 * (cos_0 + sin_0 * t20);
-    const krhpr_lanes sin_1 = norm_1 * (sin_0 - cos_0 * t20);
+    const krhpr_lanes t17 = (f_1_1 * lambda_1_1 + f_2_1 * lambda_2_1 + f_3_1 * lambda_3_1) / (g_2_1 * lambda_2_1 + g_3_1 * lambda_3_1);
+    const krhpr_lanes t18 = g_2_1 * t17 - f_2_1;
+    const krhpr_lanes t19 = g_3_1 * t17 - f_3_1;
+    const krhpr_lanes t20 = lambda_1_1 * (a_3_1_1 * t18 - a_2_1_1 * t19) + lambda_2_1 * (a_1_1_1 * t19 + a_3_1_1 * f_1_1);
+    const krhpr_lanes t21 = 1.0 / (lambda_1_1 * lambda_1_1 + lambda_2_1 * lambda_2_1 + lambda_3_1 * lambda_3_1);
+    const krhpr_lanes move_1_0 = (t20 - lambda_3_1 * (a_1_1_1 * t18 + a_2_1_1 * f_1_1)) * t21;
+    const krhpr_lanes t22 = lambda_1_1 * (a_2_1_0 * t19 - a_3_1_0 * t18) - lambda_2_1 * (a_1_1_0 * t19 + a_3_1_0 * f_1_1);
+    const krhpr_lanes move_1_1 = t21 * (t22 + lambda_3_1 * (a_1_1_0 * t18 + a_2_1_0 * f_1_1));
+    const krhpr_lanes norm_1_of = 1.0 + t17 * t17;
+    const krhpr_lanes norm_12 = 1.0 / norm_1_of;
+    const krhpr_lanes norm_1 = norm_12 * krhpr_lanes_sqrt(norm_1_of);
+    const krhpr_lanes cos_1 = norm_1 * (cos_0 + sin_0 * t17);
+    const krhpr_lanes sin_1 = norm_1 * (sin_0 - cos_0 * t17);
     const krhpr_lanes a_1_1_on_0 = a_1_0_0 + move_1_0;
     const krhpr_lanes a_1_1_on_1 = a_1_0_1 + move_1_1;
     const krhpr_lanes a_1_2_0 = a_1_1_on_0 - points[0];
     const krhpr_lanes a_1_2_1 = a_1_1_on_1 - points[1];
-    const krhpr_lanes t26 = d_2_0 * cos_1;
-    const krhpr_lanes t27 = d_2_1 * sin_1;
-    const krhpr_lanes a_2_2_0 = a_1_1_on_0 + t26 - points[2] - t27;
-    const krhpr_lanes t28 = d_2_1 * cos_1;
-    const krhpr_lanes t29 = d_2_0 * sin_1;
-    const krhpr_lanes a_2_2_1 = a_1_1_on_1 + t28 + t29 - points[3];
-    const krhpr_lanes t30 = d_3_0 * cos_1;
-    const krhpr_lanes t31 = d_3_1 * sin_1;
-    const krhpr_lanes a_3_2_0 = a_1_1_on_0 + t30 - points[4] - t31;
-    const krhpr_lanes t32 = d_3_1 * cos_1;
-    const krhpr_lanes t33 = d_3_0 * sin_1;
-    const krhpr_lanes a_3_2_1 = a_1_1_on_1 + t32 + t33 - points[5];
-    const krhpr_lanes f_1_2 = 0.5 * (a_1_2_0 * a_1_2_0) + 0.5 * (a_1_2_1 * a_1_2_1) - t17;
-    const krhpr_lanes f_2_2 = 0.5 * (a_2_2_0 * a_2_2_0) + 0.5 * (a_2_2_1 * a_2_2_1) - t18;
-    const krhpr_lanes f_3_2 = 0.5 * (a_3_2_0 * a_3_2_0) + 0.5 * (a_3_2_1 * a_3_2_1) - t19;
-    const krhpr_lanes g_2_2 = a_2_2_1 * (t26 - t27) - a_2_2_0 * (t28 + t29);
-    const krhpr_lanes g_3_2 = a_3_2_1 * (t30 - t31) - a_3_2_0 * (t32 + t33);
+    const krhpr_lanes t23 = d_2_0 * cos_1;
+    const krhpr_lanes t24 = d_2_1 * sin_1;
+    const krhpr_lanes a_2_2_0 = a_1_1_on_0 + t23 - points[2] - t24;
+    const krhpr_lanes t25 = d_2_1 * cos_1;
+    const krhpr_lanes t26 = d_2_0 * sin_1;
+    const krhpr_lanes a_2_2_1 = a_1_1_on_1 + t25 + t26 - points[3];
+    const krhpr_lanes t27 = d_3_0 * cos_1;
+    const krhpr_lanes t28 = d_3_1 * sin_1;
+    const krhpr_lanes a_3_2_0 = a_1_1_on_0 + t27 - points[4] - t28;
+    const krhpr_lanes t29 = d_3_1 * cos_1;
+    const krhpr_lanes t30 = d_3_0 * sin_1;
+    const krhpr_lanes a_3_2_1 = a_1_1_on_1 + t29 + t30 - points[5];
+    const krhpr_lanes f_1_2 = 0.5 * (a_1_2_0 * a_1_2_0 + a_1_2_1 * a_1_2_1 - t14);
+    const krhpr_lanes f_2_2 = 0.5 * (a_2_2_0 * a_2_2_0 + a_2_2_1 * a_2_2_1 - t13);
+    const krhpr_lanes f_3_2 = 0.5 * (a_3_2_0 * a_3_2_0 + a_3_2_1 * a_3_2_1 - t15);
+    const krhpr_lanes g_2_2 = a_2_2_1 * (t23 - t24) - a_2_2_0 * (t25 + t26);
+    const krhpr_lanes g_3_2 = a_3_2_1 * (t27 - t28) - a_3_2_0 * (t29 + t30);
     const krhpr_lanes lambda_1_2 = a_2_2_0 * a_3_2_1 - a_2_2_1 * a_3_2_0;
     const krhpr_lanes lambda_2_2 = a_1_2_1 * a_3_2_0 - a_1_2_0 * a_3_2_1;
     const krhpr_lanes lambda_3_2 = a_1_2_0 * a_2_2_1 - a_1_2_1 * a_2_2_0;
-    const krhpr_lanes t34 = (f_1_2 * lambda_1_2 + f_2_2 * lambda_2_2 + f_3_2 * lambda_3_2) / (g_2_2 * lambda_2_2 + g_3_2 * lambda_3_2);
-    const krhpr_lanes t35 = g_2_2 * t34 - f_2_2;
-    const krhpr_lanes t36 = g_3_2 * t34 - f_3_2;
-    const krhpr_lanes t37 = lambda_1_2 * (a_3_2_1 * t35 - a_2_2_1 * t36) + lambda_2_2 * (a_1_2_1 * t36 + a_3_2_1 * f_1_2);
-    const krhpr_lanes t38 = 1.0 / (lambda_1_2 * lambda_1_2 + lambda_2_2 * lambda_2_2 + lambda_3_2 * lambda_3_2);
-    const krhpr_lanes move_2_0 = (t37 - lambda_3_2 * (a_1_2_1 * t35 + a_2_2_1 * f_1_2)) * t38;
-    const krhpr_lanes t39 = lambda_1_2 * (a_2_2_0 * t36 - a_3_2_0 * t35) - lambda_2_2 * (a_1_2_0 * t36 + a_3_2_0 * f_1_2);
-    const krhpr_lanes move_2_1 = t38 * (t39 + lambda_3_2 * (a_1_2_0 * t35 + a_2_2_0 * f_1_2));
-    const krhpr_lanes norm_2 = 1.0 / krhpr_lanes_sqrt(1.0 + t34 * t34);
-    const krhpr_lanes cos_2 = norm_2 * (cos_1 + sin_1 * t34);
-    const krhpr_lanes sin_2 = norm_2 * (sin_1 - cos_1 * t34);
+    const krhpr_lanes t31 = (f_1_2 * lambda_1_2 + f_2_2 * lambda_2_2 + f_3_2 * lambda_3_2) / (g_2_2 * lambda_2_2 + g_3_2 * lambda_3_2);
+    const krhpr_lanes t32 = g_2_2 * t31 - f_2_2;
+    const krhpr_lanes t33 = g_3_2 * t31 - f_3_2;
+    const krhpr_lanes t34 = lambda_1_2 * (a_3_2_1 * t32 - a_2_2_1 * t33) + lambda_2_2 * (a_1_2_1 * t33 + a_3_2_1 * f_1_2);
+    const krhpr_lanes t35 = 1.0 / (lambda_1_2 * lambda_1_2 + lambda_2_2 * lambda_2_2 + lambda_3_2 * lambda_3_2);
+    const krhpr_lanes move_2_0 = (t34 - lambda_3_2 * (a_1_2_1 * t32 + a_2_2_1 * f_1_2)) * t35;
+    const krhpr_lanes t36 = lambda_1_2 * (a_2_2_0 * t33 - a_3_2_0 * t32) - lambda_2_2 * (a_1_2_0 * t33 + a_3_2_0 * f_1_2);
+    const krhpr_lanes move_2_1 = t35 * (t36 + lambda_3_2 * (a_1_2_0 * t32 + a_2_2_0 * f_1_2));
+    const krhpr_lanes norm_2_of = 1.0 + t31 * t31;
+    const krhpr_lanes norm_22 = 1.0 / norm_2_of;
+    const krhpr_lanes norm_2 = norm_22 * krhpr_lanes_sqrt(norm_2_of);
+    const krhpr_lanes cos_2 = norm_2 * (cos_1 + sin_1 * t31);
+    const krhpr_lanes sin_2 = norm_2 * (sin_1 - cos_1 * t31);
     const krhpr_lanes a_1_2_on_0 = a_1_1_on_0 + move_2_0;
     const krhpr_lanes a_1_2_on_1 = a_1_1_on_1 + move_2_1;
     const krhpr_lanes Rd_2_0 = d_2_0 * cos_2 - d_2_1 * sin_2;
@@ -586,25 +582,25 @@ KRHPR_INLINE void krhpr_platform_planar_a_assembly_lanes(
     const krhpr_lanes u_2_1 = cos_2 * a_2_1 - sin_2 * a_2_0;
     const krhpr_lanes u_3_0 = cos_2 * a_3_0 + sin_2 * a_3_1;
     const krhpr_lanes u_3_1 = cos_2 * a_3_1 - sin_2 * a_3_0;
-    const krhpr_lanes t40 = anchor[1] * u_1_0;
-    const krhpr_lanes t41 = anchor[0] * u_1_1;
-    const krhpr_lanes t42 = anchor[3] * u_2_0;
-    const krhpr_lanes t43 = anchor[2] * u_2_1;
-    const krhpr_lanes t44 = anchor[5] * u_3_0;
-    const krhpr_lanes t45 = anchor[4] * u_3_1;
-    const krhpr_lanes t46 = (t41 - t40) * (u_2_0 * u_3_1 - u_2_1 * u_3_0) + (t43 - t42) * (u_1_1 * u_3_0 - u_1_0 * u_3_1);
-    const krhpr_lanes t47 = a_1_0 * a_1_0 + a_1_1 * a_1_1 - t14;
-    const krhpr_lanes t48 = a_2_0 * a_2_0 + a_2_1 * a_2_1 - t13;
-    const krhpr_lanes t49 = a_3_0 * a_3_0 + a_3_1 * a_3_1 - t15;
-    const krhpr_lanes t50 = t15 + (t13 + t14);
+    const krhpr_lanes t37 = anchor[1] * u_1_0;
+    const krhpr_lanes t38 = anchor[0] * u_1_1;
+    const krhpr_lanes t39 = anchor[3] * u_2_0;
+    const krhpr_lanes t40 = anchor[2] * u_2_1;
+    const krhpr_lanes t41 = anchor[5] * u_3_0;
+    const krhpr_lanes t42 = anchor[4] * u_3_1;
+    const krhpr_lanes t43 = (t38 - t37) * (u_2_0 * u_3_1 - u_2_1 * u_3_0) + (t40 - t39) * (u_1_1 * u_3_0 - u_1_0 * u_3_1);
+    const krhpr_lanes t44 = a_1_0 * a_1_0 + a_1_1 * a_1_1 - t14;
+    const krhpr_lanes t45 = a_2_0 * a_2_0 + a_2_1 * a_2_1 - t13;
+    const krhpr_lanes t46 = a_3_0 * a_3_0 + a_3_1 * a_3_1 - t15;
+    const krhpr_lanes t47 = t15 + (t13 + t14);
     p[0] = s[0] + p_l_0;
     p[1] = s[1] + p_l_1;
-    *det_J = t46 + (t45 - t44) * (u_1_0 * u_2_1 - u_1_1 * u_2_0);
-    miss[0] = (t47 * t47 + t48 * t48 + t49 * t49) / (t50 * t50);
+    *det_J = t43 + (t42 - t41) * (u_1_0 * u_2_1 - u_1_1 * u_2_0);
+    miss[0] = (t44 * t44 + t45 * t45 + t46 * t46) / (t47 * t47);
     tail_y[0] = sin_2;
-    tail_y[1] = t40 - t41;
-    tail_y[2] = t42 - t43;
-    tail_y[3] = t44 - t45;
+    tail_y[1] = t37 - t38;
+    tail_y[2] = t39 - t40;
+    tail_y[3] = t41 - t42;
     tail_x[0] = cos_2;
     tail_x[1] = anchor[0] * u_1_0 + anchor[1] * u_1_1;
     tail_x[2] = anchor[2] * u_2_0 + anchor[3] * u_2_1;
@@ -655,7 +651,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_uniqueness_lanes(
 }
 
 /* The pose nearby in the platform's plane, and whether steps from it are certain to converge.  Thesis:
- * 3.2.2, (3.4) to (3.9).  (73 add, 101 multiply, 4 divide, 7 square root, 1 select) */
+ * 3.2.2, (3.4) to (3.9).  (72 add, 92 multiply, 4 divide, 7 square root, 1 select) */
 KRHPR_INLINE void krhpr_platform_planar_a_newton_start_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at anchor[6], const krhpr_lanes_at length[3],
     const krhpr_lanes_at p_near[2], const krhpr_lanes_at Q_near[4], krhpr_lanes_at *KRHPR_RESTRICT points,
@@ -680,45 +676,44 @@ KRHPR_INLINE void krhpr_platform_planar_a_newton_start_lanes(
     const krhpr_lanes b_2_1 = a_1_1 + Rd_2_1 - s_12_1;
     const krhpr_lanes b_3_0 = a_1_0 + Rd_3_0 - s_13_0;
     const krhpr_lanes b_3_1 = a_1_1 + Rd_3_1 - s_13_1;
-    const krhpr_lanes t1 = d_2_0 * d_2_0;
-    const krhpr_lanes t2 = d_2_1 * d_2_1;
-    const krhpr_lanes t3 = d_3_0 * d_3_0;
-    const krhpr_lanes t4 = d_3_1 * d_3_1;
-    const krhpr_lanes L_2 = 0.5 * t1 + 0.5 * t2 + 0.5 * t3 + 0.5 * t4; /* the platform's size, squared */
+    const krhpr_lanes t1 = d_2_0 * d_2_0 + d_2_1 * d_2_1;
+    const krhpr_lanes t2 = d_3_0 * d_3_0;
+    const krhpr_lanes t3 = d_3_1 * d_3_1;
+    const krhpr_lanes L_2 = (t1 + t2 + t3) * 0.5; /* the platform's size, squared */
     const krhpr_lanes L = krhpr_lanes_sqrt(L_2);
-    const krhpr_lanes F_1 = 0.5 * (a_1_0 * a_1_0) + 0.5 * (a_1_1 * a_1_1) - 0.5 * (length[0] * length[0]);
-    const krhpr_lanes F_2 = 0.5 * (b_2_0 * b_2_0) + 0.5 * (b_2_1 * b_2_1) - 0.5 * (length[1] * length[1]);
-    const krhpr_lanes F_3 = 0.5 * (b_3_0 * b_3_0) + 0.5 * (b_3_1 * b_3_1) - 0.5 * (length[2] * length[2]);
-    const krhpr_lanes t5 = 1.0 / L;
-    const krhpr_lanes G_2 = (Rd_2_0 * b_2_1 - Rd_2_1 * b_2_0) * t5;
-    const krhpr_lanes G_3 = t5 * (Rd_3_0 * b_3_1 - Rd_3_1 * b_3_0);
+    const krhpr_lanes F_1 = 0.5 * (a_1_0 * a_1_0 + a_1_1 * a_1_1 - length[0] * length[0]);
+    const krhpr_lanes F_2 = 0.5 * (b_2_0 * b_2_0 + b_2_1 * b_2_1 - length[1] * length[1]);
+    const krhpr_lanes F_3 = 0.5 * (b_3_0 * b_3_0 + b_3_1 * b_3_1 - length[2] * length[2]);
+    const krhpr_lanes t4 = 1.0 / L;
+    const krhpr_lanes G_2 = (Rd_2_0 * b_2_1 - Rd_2_1 * b_2_0) * t4;
+    const krhpr_lanes G_3 = t4 * (Rd_3_0 * b_3_1 - Rd_3_1 * b_3_0);
     const krhpr_lanes mu_1 = b_2_0 * b_3_1 - b_2_1 * b_3_0;
     const krhpr_lanes mu_2 = a_1_1 * b_3_0 - a_1_0 * b_3_1;
     const krhpr_lanes mu_3 = a_1_0 * b_2_1 - a_1_1 * b_2_0;
     const krhpr_lanes det = G_2 * mu_2 + G_3 * mu_3;
     const krhpr_lanes inv_1_1 = b_2_1 * G_3 - b_3_1 * G_2;
     const krhpr_lanes inv_1_2 = b_3_0 * G_2 - b_2_0 * G_3;
-    const krhpr_lanes t6 = a_1_1 * G_3;
+    const krhpr_lanes t5 = a_1_1 * G_3;
     const krhpr_lanes inv_2_2 = a_1_0 * G_3;
     const krhpr_lanes inv_3_1 = a_1_1 * G_2;
-    const krhpr_lanes t7 = a_1_0 * G_2;
-    const krhpr_lanes t8 = inv_1_1 * inv_1_1 + inv_1_2 * inv_1_2 + t6 * t6 + inv_2_2 * inv_2_2 + inv_3_1 * inv_3_1;
-    const krhpr_lanes b_2 = (t8 + t7 * t7 + mu_1 * mu_1 + mu_2 * mu_2 + mu_3 * mu_3) / (det * det); /* b squared */
-    const krhpr_lanes t9 = F_1 * inv_1_1 - F_2 * t6 + F_3 * inv_3_1;
-    const krhpr_lanes t10 = F_1 * inv_1_2 + F_2 * inv_2_2 - F_3 * t7;
-    const krhpr_lanes t11 = F_1 * mu_1 + F_2 * mu_2 + F_3 * mu_3;
-    const krhpr_lanes step = krhpr_lanes_sqrt(t9 * t9 + t10 * t10 + t11 * t11) / krhpr_lanes_fabs(det); /* n */
-    const krhpr_lanes q_2 = krhpr_lanes_sqrt(t1 + t2); /* |d_i| */
+    const krhpr_lanes t6 = a_1_0 * G_2;
+    const krhpr_lanes t7 = inv_1_1 * inv_1_1 + inv_1_2 * inv_1_2 + t5 * t5 + inv_2_2 * inv_2_2 + inv_3_1 * inv_3_1;
+    const krhpr_lanes b_2 = (t7 + t6 * t6 + mu_1 * mu_1 + mu_2 * mu_2 + mu_3 * mu_3) / (det * det); /* b squared */
+    const krhpr_lanes t8 = F_1 * inv_1_1 - F_2 * t5 + F_3 * inv_3_1;
+    const krhpr_lanes t9 = F_1 * inv_1_2 + F_2 * inv_2_2 - F_3 * t6;
+    const krhpr_lanes t10 = F_1 * mu_1 + F_2 * mu_2 + F_3 * mu_3;
+    const krhpr_lanes step = krhpr_lanes_sqrt(t8 * t8 + t9 * t9 + t10 * t10) / krhpr_lanes_fabs(det); /* n */
+    const krhpr_lanes q_2 = krhpr_lanes_sqrt(t1); /* |d_i| */
     const krhpr_lanes o_2_0 = b_2_0 - Rd_2_0;
     const krhpr_lanes o_2_1 = b_2_1 - Rd_2_1;
-    const krhpr_lanes t12 = step * 2.0;
-    const krhpr_lanes t13 = 1.0 / L_2;
-    const krhpr_lanes bent_2 = q_2 * (krhpr_lanes_sqrt(o_2_0 * o_2_0 + o_2_1 * o_2_1) + t12) * t13;
-    const krhpr_lanes q_3 = krhpr_lanes_sqrt(t3 + t4); /* |d_i| */
+    const krhpr_lanes t11 = step * 2.0;
+    const krhpr_lanes t12 = 1.0 / L_2;
+    const krhpr_lanes bent_2 = q_2 * (krhpr_lanes_sqrt(o_2_0 * o_2_0 + o_2_1 * o_2_1) + t11) * t12;
+    const krhpr_lanes q_3 = krhpr_lanes_sqrt(t2 + t3); /* |d_i| */
     const krhpr_lanes o_3_0 = b_3_0 - Rd_3_0;
     const krhpr_lanes o_3_1 = b_3_1 - Rd_3_1;
-    const krhpr_lanes bent_3 = t13 * (q_3 * (t12 + krhpr_lanes_sqrt(o_3_0 * o_3_0 + o_3_1 * o_3_1)));
-    const krhpr_lanes t14 = 6.0 + bent_2 * bent_2 + bent_3 * bent_3 + t13 * (2.0 * (q_2 * q_2)) + t13 * (2.0 * (q_3 * q_3));
+    const krhpr_lanes bent_3 = t12 * (q_3 * (t11 + krhpr_lanes_sqrt(o_3_0 * o_3_0 + o_3_1 * o_3_1)));
+    const krhpr_lanes t13 = 6.0 + bent_2 * bent_2 + bent_3 * bent_3 + t12 * (2.0 * (q_2 * q_2)) + t12 * (2.0 * (q_3 * q_3));
     points[0] = krhpr_all(0.0);
     points[1] = krhpr_all(0.0);
     points[2] = s_12_0;
@@ -732,7 +727,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_newton_start_lanes(
     start[2] = a_1_1;
     start[3] = Q_near[0];
     start[4] = Q_near[2];
-    *kantorovich = t12 * krhpr_lanes_sqrt(b_2 * t14);
+    *kantorovich = t11 * krhpr_lanes_sqrt(b_2 * t13);
 }
 
 /* Angles whose sines and cosines `newton_step` reads.  (no operations) */
@@ -742,7 +737,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_newton_step_angles_lanes(
     angle[0] = state[0];
 }
 
-/* One Newton step of the links' lengths.  Thesis: 3.2.2, (3.4) to (3.9).  (63 add, 81 multiply, 4 divide, 1
+/* One Newton step of the links' lengths.  Thesis: 3.2.2, (3.4) to (3.9).  (63 add, 76 multiply, 4 divide, 1
  * square root) */
 KRHPR_INLINE void krhpr_platform_planar_a_newton_step_lanes(
     const krhpr_lanes_at state[5], const krhpr_lanes_at centre[2], const krhpr_lanes_at anchor[6],
@@ -770,9 +765,9 @@ KRHPR_INLINE void krhpr_platform_planar_a_newton_step_lanes(
     const krhpr_lanes t7 = d_3_1 * cos;
     const krhpr_lanes t8 = d_3_0 * sin;
     const krhpr_lanes a_3_on_1 = state[2] + t7 + t8 - points[5];
-    const krhpr_lanes f_1_on = 0.5 * (a_1_on_0 * a_1_on_0) + 0.5 * (a_1_on_1 * a_1_on_1) - 0.5 * (length[0] * length[0]);
-    const krhpr_lanes f_2_on = 0.5 * (a_2_on_0 * a_2_on_0) + 0.5 * (a_2_on_1 * a_2_on_1) - 0.5 * (length[1] * length[1]);
-    const krhpr_lanes f_3_on = 0.5 * (a_3_on_0 * a_3_on_0) + 0.5 * (a_3_on_1 * a_3_on_1) - 0.5 * (length[2] * length[2]);
+    const krhpr_lanes f_1_on = (a_1_on_0 * a_1_on_0 + a_1_on_1 * a_1_on_1 - length[0] * length[0]) * 0.5;
+    const krhpr_lanes f_2_on = 0.5 * (a_2_on_0 * a_2_on_0 + a_2_on_1 * a_2_on_1 - length[1] * length[1]);
+    const krhpr_lanes f_3_on = 0.5 * (a_3_on_0 * a_3_on_0 + a_3_on_1 * a_3_on_1 - length[2] * length[2]);
     const krhpr_lanes g_2_on = a_2_on_1 * (t1 - t2) - a_2_on_0 * (t3 + t4);
     const krhpr_lanes g_3_on = a_3_on_1 * (t5 - t6) - a_3_on_0 * (t7 + t8);
     const krhpr_lanes lambda_1_on = a_2_on_0 * a_3_on_1 - a_2_on_1 * a_3_on_0;
@@ -788,7 +783,9 @@ KRHPR_INLINE void krhpr_platform_planar_a_newton_step_lanes(
     const krhpr_lanes t15 = lambda_1_on * (a_2_on_0 * t11 - a_3_on_0 * t10) - lambda_2_on * (a_1_on_0 * t11 + a_3_on_0 * f_1_on);
     const krhpr_lanes move_on_1 = t14 * (t15 + lambda_3_on * (a_1_on_0 * t10 + a_2_on_0 * f_1_on));
     const krhpr_lanes t16 = t9 * t9;
-    const krhpr_lanes norm_on = 1.0 / krhpr_lanes_sqrt(1.0 + t16);
+    const krhpr_lanes norm_on_of = 1.0 + t16;
+    const krhpr_lanes norm_on2 = 1.0 / norm_on_of;
+    const krhpr_lanes norm_on = norm_on2 * krhpr_lanes_sqrt(norm_on_of);
     const krhpr_lanes cos_on = norm_on * (cos + sin * t9);
     const krhpr_lanes sin_on = norm_on * (sin - cos * t9);
     const krhpr_lanes size = d_2_0 * d_2_0 + d_2_1 * d_2_1 + d_3_0 * d_3_0 + d_3_1 * d_3_1;
@@ -853,10 +850,10 @@ KRHPR_INLINE void krhpr_platform_planar_a_newton_pose_lanes(
 KRHPR_INLINE void krhpr_platform_planar_a_arm_lanes(
     const krhpr_platform_planar_a_geometry *g, int i, krhpr_lanes_at *KRHPR_RESTRICT arm)
 {
-    const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
-    const krhpr_lanes g_k_3 = krhpr_of_leg(g->k[3], i);
-    arm[0] = g_k_2;
-    arm[1] = g_k_3;
+    const krhpr_lanes g_k_0 = krhpr_of_leg(g->k[0], i);
+    const krhpr_lanes g_k_1 = krhpr_of_leg(g->k[1], i);
+    arm[0] = g_k_0;
+    arm[1] = g_k_1;
 }
 
 /* Angles whose sines and cosines `turns_1` reads.  (no operations) */
@@ -913,7 +910,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_turns_3_lanes(
     turns[5] = sine[2];
 }
 
-/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (55 add, 54 multiply, 2
+/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (55 add, 49 multiply, 2
  * divide, 3 square root, 4 select) */
 KRHPR_INLINE void krhpr_platform_planar_a_one_encoder_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at turns[2], const krhpr_lanes_at anchor[6],
@@ -934,8 +931,8 @@ KRHPR_INLINE void krhpr_platform_planar_a_one_encoder_lanes(
     const krhpr_lanes w_3_1 = anchor[5] - e_1_1;
     const krhpr_lanes M = s_12_0 * w_2_0 + s_12_1 * w_2_1;
     const krhpr_lanes L = s_12_1 * w_2_0 - s_12_0 * w_2_1;
-    const krhpr_lanes t1 = 0.5 * (s_12_0 * s_12_0) + 0.5 * (s_12_1 * s_12_1) + 0.5 * (w_2_0 * w_2_0) + 0.5 * (w_2_1 * w_2_1);
-    const krhpr_lanes N = t1 - 0.5 * (length[1] * length[1]);
+    const krhpr_lanes t1 = s_12_0 * s_12_0 + s_12_1 * s_12_1 + w_2_0 * w_2_0 + w_2_1 * w_2_1 - length[1] * length[1];
+    const krhpr_lanes N = t1 * 0.5;
     const krhpr_lanes ML_2 = L * L + M * M;
     const krhpr_lanes t2 = 1.0 / ML_2;
     const krhpr_lanes radicand_a = 1.0 - N * N * t2;
@@ -966,15 +963,15 @@ KRHPR_INLINE void krhpr_platform_planar_a_one_encoder_lanes(
     const krhpr_lanes sin_best = t5 + t11;
     const krhpr_lanes cos_other = t3 + t10;
     const krhpr_lanes sin_other = t5 - t11;
-    const krhpr_lanes t12 = 0.5 * miss_minus + 0.5 * miss_plus;
-    const krhpr_lanes t13 = 0.5 * sign * (miss_plus - miss_minus);
+    const krhpr_lanes t12 = miss_plus + miss_minus;
+    const krhpr_lanes t13 = sign * (miss_plus - miss_minus);
     radicand[0] = radicand_a;
     p[0] = s[0] + e_1_1 * sin_best - e_1_0 * cos_best;
     p[1] = s[1] - e_1_1 * cos_best - e_1_0 * sin_best;
     p[2] = s[0] + e_1_1 * sin_other - e_1_0 * cos_other;
     p[3] = s[1] - e_1_1 * cos_other - e_1_0 * sin_other;
-    mismatch[0] = t12 + t13;
-    mismatch[1] = t12 - t13;
+    mismatch[0] = 0.5 * (t12 + t13);
+    mismatch[1] = 0.5 * (t12 - t13);
     agreement[0] = tolerance - krhpr_lanes_min(t7, t8);
     tail_y[0] = sin_best;
     tail_y[1] = sin_other;

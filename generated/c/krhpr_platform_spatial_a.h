@@ -22,20 +22,20 @@ typedef struct {
 } krhpr_platform_spatial_a_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (6 multiply, 2 divide, 1 sine cosine) */
+/* Vectors and sub-expressions that depend on the geometry alone.  (5 multiply, 2 divide, 1 sine cosine) */
 KRHPR_STATIC void krhpr_platform_spatial_a_prepare(krhpr_platform_spatial_a_geometry *g, int i)
 {
     double e_r_1, e_r_0; krhpr_sincos(g->platform_azimuth[i], &e_r_1, &e_r_0);
-    const double t1 = g->l_r[i] * g->l_r[i];
+    const double k_2 = g->l_r[i] * g->l_r[i];
     g->e_r[0][i] = e_r_0;
     g->e_r[1][i] = e_r_1;
     g->b[0][i] = g->R_p[i] * e_r_0;
     g->b[1][i] = g->R_p[i] * e_r_1;
-    g->k[0][i] = 0.5 * t1;
-    g->k[1][i] = 1.0 / g->l_r[i];
-    g->k[2][i] = g->l_r[i] * e_r_0;
-    g->k[3][i] = g->l_r[i] * e_r_1;
-    g->k[4][i] = 1.0 / t1;
+    g->k[0][i] = g->l_r[i] * e_r_0;
+    g->k[1][i] = g->l_r[i] * e_r_1;
+    g->k[2][i] = k_2;
+    g->k[3][i] = 1.0 / g->l_r[i];
+    g->k[4][i] = 1.0 / k_2;
 }
 
 /* Angles whose sines and cosines `end_point` reads.  (no operations) */
@@ -44,15 +44,13 @@ KRHPR_STATIC void krhpr_platform_spatial_a_end_point_angles(double redundant, do
     angle[0] = redundant;
 }
 
-/* End point of the sub-leg, arrangement (a).  Thesis: (1.37), 2.5.  (10 add, 12 multiply) */
+/* End point of the sub-leg, arrangement (a).  Thesis: (1.37), 2.5.  (10 add, 10 multiply) */
 KRHPR_STATIC void krhpr_platform_spatial_a_end_point(
     const krhpr_platform_spatial_a_geometry *g, int i, const double p[3], const double Q[9],
     const double sine[1], const double cosine[1], double *KRHPR_RESTRICT s)
 {
-    const double l_c = g->l_r[i] * cosine[0];
-    const double l_s = g->l_r[i] * sine[0];
-    const double s_l_0 = g->b[0][i] - g->e_r[0][i] * l_c - g->e_r[1][i] * l_s; /* S_i in the platform frame */
-    const double s_l_1 = g->b[1][i] + g->e_r[0][i] * l_s - g->e_r[1][i] * l_c;
+    const double s_l_0 = g->b[0][i] - g->k[0][i] * cosine[0] - g->k[1][i] * sine[0];
+    const double s_l_1 = g->b[1][i] + g->k[0][i] * sine[0] - g->k[1][i] * cosine[0];
     s[0] = p[0] + Q[0] * s_l_0 + Q[1] * s_l_1;
     s[1] = p[1] + Q[3] * s_l_0 + Q[4] * s_l_1;
     s[2] = p[2] + Q[6] * s_l_0 + Q[7] * s_l_1;
@@ -88,7 +86,7 @@ KRHPR_STATIC void krhpr_platform_spatial_a_residual(
     const double a_1 = p[1] + Qb_1 - s[1];
     const double a_2 = p[2] + Qb_2 - s[2];
     const double a2 = a_0 * a_0 + a_1 * a_1 + a_2 * a_2;
-    residual[0] = a2 * 0.5 - g->k[0][i];
+    residual[0] = (a2 - g->k[2][i]) * 0.5;
     residual[1] = Q[2] * a_0 + Q[5] * a_1 + Q[8] * a_2;
 }
 
@@ -174,15 +172,13 @@ KRHPR_STATIC void krhpr_platform_spatial_a_line_of_redundant_angles(
 }
 
 /* The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis: (1.33),
- * (1.34).  (7 add, 8 multiply) */
+ * (1.34).  (7 add, 6 multiply) */
 KRHPR_STATIC void krhpr_platform_spatial_a_line_of_redundant(
     const krhpr_platform_spatial_a_geometry *g, int i, const double sine[1], const double cosine[1],
     double *KRHPR_RESTRICT line, double *KRHPR_RESTRICT point, double *KRHPR_RESTRICT scale)
 {
-    const double l_c = g->l_r[i] * cosine[0];
-    const double l_s = g->l_r[i] * sine[0];
-    const double s_l_0 = g->b[0][i] - g->e_r[0][i] * l_c - g->e_r[1][i] * l_s; /* S_i in the platform frame */
-    const double s_l_1 = g->b[1][i] + g->e_r[0][i] * l_s - g->e_r[1][i] * l_c;
+    const double s_l_0 = g->b[0][i] - g->k[0][i] * cosine[0] - g->k[1][i] * sine[0]; /* S_i in the platform frame */
+    const double s_l_1 = g->b[1][i] + g->k[0][i] * sine[0] - g->k[1][i] * cosine[0];
     const double a_0 = g->b[0][i] - s_l_0;
     const double a_1 = g->b[1][i] - s_l_1;
     line[0] = a_0;
@@ -315,11 +311,11 @@ KRHPR_STATIC void krhpr_platform_spatial_a_joint(
     const double Qb_1 = g->b[0][i] * Q[3] + g->b[1][i] * Q[4];
     const double Qb_2 = g->b[0][i] * Q[6] + g->b[1][i] * Q[7];
     const double a_0 = p[0] + Qb_0 - s[0]; /* (1.4) */
-    const double x_r_0 = a_0 * g->k[1][i]; /* from S_i to B_i */
+    const double x_r_0 = a_0 * g->k[3][i]; /* from S_i to B_i */
     const double a_1 = p[1] + Qb_1 - s[1]; /* (1.4) */
-    const double x_r_1 = g->k[1][i] * a_1; /* from S_i to B_i */
+    const double x_r_1 = g->k[3][i] * a_1; /* from S_i to B_i */
     const double a_2 = p[2] + Qb_2 - s[2]; /* (1.4) */
-    const double x_r_2 = g->k[1][i] * a_2; /* from S_i to B_i */
+    const double x_r_2 = g->k[3][i] * a_2; /* from S_i to B_i */
     const double y_r_0 = Q[5] * x_r_2 - Q[8] * x_r_1;
     const double y_r_1 = Q[8] * x_r_0 - Q[2] * x_r_2;
     const double y_r_2 = Q[2] * x_r_1 - Q[5] * x_r_0;
@@ -400,7 +396,7 @@ KRHPR_STATIC void krhpr_platform_spatial_a_solve(
 
 /* Factors of det J and margins.  Singular where the three redundant links' lines meet in a point or are
  * parallel (det J_a = 0), or where S_1, S_2, S_3 are collinear (det J_n = 0; excluded for l < 3 R_p / 4,
- * (1.35)).  Thesis: 1.4, 2.3.2.  (12 add, 20 multiply, 2 divide) */
+ * (1.35)).  Thesis: 1.4, 2.3.2.  (12 add, 18 multiply, 2 divide) */
 KRHPR_STATIC void krhpr_platform_spatial_a_type_2(
     const double line[18], const double point[6], const double scale[6], double *KRHPR_RESTRICT type_2,
     double *KRHPR_RESTRICT margins)
@@ -409,7 +405,7 @@ KRHPR_STATIC void krhpr_platform_spatial_a_type_2(
     const double det_a = t1 + line[5] * (line[6] * line[13] - line[7] * line[12]); /* det J_a */
     const double t2 = point[1] * (point[4] - point[2]) + point[2] * point[5] - point[0] * (point[5] - point[3]);
     const double det_n = t2 - point[3] * point[4]; /* det J_n */
-    const double R = scale[1] * (1.0 / 3.0) + scale[3] * (1.0 / 3.0) + scale[5] * (1.0 / 3.0); /* mean platform radius */
+    const double R = (scale[5] + (scale[1] + scale[3])) * (1.0 / 3.0); /* mean platform radius */
     type_2[0] = det_a;
     type_2[1] = det_n;
     margins[0] = -det_a / (scale[4] * (scale[2] * (scale[0] * R)));
@@ -544,8 +540,8 @@ KRHPR_STATIC void krhpr_platform_spatial_a_tie(
     *length = g->l_r[i];
 }
 
-/* The sextic in tan(phi / 2) that holds the three end points.  Thesis: 3.2.1, (3.1) to (3.4).  (127 add,
- * 178 multiply, 3 divide, 2 square root) */
+/* The sextic in tan(phi / 2) that holds the three end points.  Thesis: 3.2.1, (3.1) to (3.4).  (123 add,
+ * 173 multiply, 3 divide, 2 square root) */
 KRHPR_STATIC void krhpr_platform_spatial_a_sextic(
     const double s[9], const double anchor[6], const double length[3], double turned,
     double *KRHPR_RESTRICT sign, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
@@ -564,6 +560,9 @@ KRHPR_STATIC void krhpr_platform_spatial_a_sextic(
     const double s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1;
     const double s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2;
     const double s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0;
+    const double y_n_0 = s_12_2 * s_n_1 - s_12_1 * s_n_2; /* along y_1 or against it */
+    const double y_n_1 = s_12_0 * s_n_2 - s_12_2 * s_n_0;
+    const double y_n_2 = s_12_1 * s_n_0 - s_12_0 * s_n_1;
     const double s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2;
     const double s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2;
     const double t1 = d_2_0 * d_3_1;
@@ -576,65 +575,66 @@ KRHPR_STATIC void krhpr_platform_spatial_a_sextic(
     const double s_n_w = s_n_2_a * sense_2;
     const double flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2));
     const double v_1 = sqrt(s_12_2_a); /* |s_12| */
-    const double t5 = 1.0 / v_1;
-    const double x_1_0 = s_12_0 * t5; /* (3.1) */
-    const double x_1_1 = s_12_1 * t5;
-    const double x_1_2 = s_12_2 * t5;
-    const double t6 = 1.0 / sqrt(s_n_w);
-    const double z_1_0 = s_n_0 * sense * t6; /* (3.2) */
-    const double z_1_1 = t6 * (s_n_1 * sense);
-    const double z_1_2 = t6 * (s_n_2 * sense);
-    const double y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2;
-    const double y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0;
-    const double y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1;
-    const double r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2;
-    const double r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2;
-    const double points_10 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2;
-    const double c_22 = d_2_0 * points_10;
+    const double v_n = sqrt(s_n_w);
+    const double w_1 = 1.0 / v_1;
+    const double w_n = sense / v_n; /* 1 / |s_n|, negative where the legs go the other way */
+    const double x_1_0 = s_12_0 * w_1; /* (3.1) */
+    const double x_1_1 = s_12_1 * w_1;
+    const double x_1_2 = s_12_2 * w_1;
+    const double z_1_0 = s_n_0 * w_n; /* (3.2) */
+    const double z_1_1 = s_n_1 * w_n;
+    const double z_1_2 = s_n_2 * w_n;
+    const double w_y = w_1 * w_n;
+    const double y_1_0 = y_n_0 * w_y;
+    const double y_1_1 = y_n_1 * w_y;
+    const double y_1_2 = y_n_2 * w_y;
+    const double r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
+    const double r_3_1 = w_n * (s_n_2_a * w_1);
+    const double c_22 = d_2_0 * v_1;
     const double c_23 = d_2_0 * r_3_0 + d_2_1 * r_3_1;
-    const double c_32 = d_3_0 * points_10;
+    const double c_32 = d_3_0 * v_1;
     const double c_33 = d_3_0 * r_3_0 + d_3_1 * r_3_1;
-    const double s_22 = points_10 * (anchor[1] - anchor[3]);
+    const double s_22 = v_1 * (anchor[1] - anchor[3]);
     const double s_23 = d_2_0 * r_3_1 - d_2_1 * r_3_0;
-    const double s_32 = points_10 * (anchor[1] - anchor[5]);
+    const double s_32 = v_1 * (anchor[1] - anchor[5]);
     const double s_33 = d_3_0 * r_3_1 - d_3_1 * r_3_0;
-    const double t7 = d_2_0 * d_2_0 + d_2_1 * d_2_1 + points_10 * points_10;
-    const double t8 = c_22 * 2.0;
-    const double z2_0 = t7 - t8;
+    const double t5 = s_12_2_a + (d_2_0 * d_2_0 + d_2_1 * d_2_1);
+    const double t6 = c_22 * 2.0;
+    const double z2_0 = t5 - t6;
     const double e2_1 = s_22 * 4.0;
-    const double z2_2 = t7 + t8;
-    const double t9 = d_3_0 * d_3_0 + d_3_1 * d_3_1 + r_3_0 * r_3_0 + r_3_1 * r_3_1;
-    const double t10 = c_33 * 2.0;
-    const double z3_0 = t9 - t10;
+    const double z2_2 = t5 + t6;
+    const double t7 = d_3_0 * d_3_0 + d_3_1 * d_3_1 + r_3_0 * r_3_0 + r_3_1 * r_3_1;
+    const double t8 = c_33 * 2.0;
+    const double z3_0 = t7 - t8;
     const double e3_1 = s_33 * 4.0;
-    const double z3_2 = t9 + t10;
-    const double t11 = length[1] * length[1];
-    const double t12 = length[0] * length[0];
-    const double e2_0 = t11 - z2_0 - t12;
-    const double e2_2 = t11 - z2_2 - t12;
-    const double t13 = length[2] * length[2];
-    const double e3_0 = t13 - z3_0 - t12;
-    const double e3_2 = t13 - z3_2 - t12;
-    const double t14 = d_2_0 * d_3_0;
-    const double t15 = d_2_1 * d_3_1;
-    const double t16 = r_3_0 * points_10;
-    const double w_0 = t14 + t15 + t16 - c_23 - c_32;
-    const double t17 = s_23 * 2.0 + s_32 * 2.0;
-    const double w_2 = t16 + (t15 + (t14 + (c_23 + c_32)));
-    const double t18 = r_3_1 * points_10;
-    const double D_0 = t1 + s_32 + t18 - s_23 - t2;
-    const double D_1 = c_23 * 2.0 - c_32 * 2.0;
-    const double D_2 = t18 + (t1 + s_23) - s_32 - t2;
+    const double z3_2 = t7 + t8;
+    const double t9 = length[1] * length[1];
+    const double t10 = length[0] * length[0];
+    const double e2_0 = t9 - z2_0 - t10;
+    const double e2_2 = t9 - z2_2 - t10;
+    const double t11 = length[2] * length[2];
+    const double e3_0 = t11 - z3_0 - t10;
+    const double e3_2 = t11 - z3_2 - t10;
+    const double t12 = d_2_0 * d_3_0;
+    const double t13 = d_2_1 * d_3_1;
+    const double t14 = v_1 * r_3_0;
+    const double w_0 = t12 + t13 + t14 - c_23 - c_32;
+    const double t15 = 2.0 * (s_23 + s_32);
+    const double w_2 = t14 + (t13 + (t12 + (c_23 + c_32)));
+    const double t16 = v_1 * r_3_1;
+    const double D_0 = t1 + s_32 + t16 - s_23 - t2;
+    const double D_1 = 2.0 * (c_23 - c_32);
+    const double D_2 = t16 + (t1 + s_23) - s_32 - t2;
     const double e22_0 = e2_0 * e2_0;
-    const double t19 = 2.0 * e2_0;
-    const double e22_1 = e2_1 * t19;
-    const double e22_2 = e2_1 * e2_1 + e2_2 * t19;
+    const double t17 = 2.0 * e2_0;
+    const double e22_1 = e2_1 * t17;
+    const double e22_2 = e2_1 * e2_1 + e2_2 * t17;
     const double e22_3 = e2_2 * (2.0 * e2_1);
     const double e22_4 = e2_2 * e2_2;
     const double e33_0 = e3_0 * e3_0;
-    const double t20 = 2.0 * e3_0;
-    const double e33_1 = e3_1 * t20;
-    const double e33_2 = e3_1 * e3_1 + e3_2 * t20;
+    const double t18 = 2.0 * e3_0;
+    const double e33_1 = e3_1 * t18;
+    const double e33_2 = e3_1 * e3_1 + e3_2 * t18;
     const double e33_3 = e3_2 * (2.0 * e3_1);
     const double e33_4 = e3_2 * e3_2;
     const double e23_0 = e2_0 * e3_0;
@@ -643,27 +643,27 @@ KRHPR_STATIC void krhpr_platform_spatial_a_sextic(
     const double e23_3 = e2_1 * e3_2 + e3_1 * e2_2;
     const double e23_4 = e2_2 * e3_2;
     const double DD_0 = D_0 * D_0;
-    const double t21 = 2.0 * D_0;
-    const double DD_1 = D_1 * t21;
-    const double DD_2 = D_1 * D_1 + D_2 * t21;
+    const double t19 = 2.0 * D_0;
+    const double DD_1 = D_1 * t19;
+    const double DD_2 = D_1 * D_1 + D_2 * t19;
     const double DD_3 = D_2 * (2.0 * D_1);
     const double DD_4 = D_2 * D_2;
-    const double t22 = 2.0 * e23_0;
-    const double t23 = z3_0 * e22_1 - e3_1 * e22_0 - e2_1 * e33_0 + z2_0 * e33_1 - t12 * (4.0 * DD_1) + t17 * t22;
-    const double t24 = 2.0 * e23_1;
-    const double t25 = z3_2 * e22_0 - e3_1 * e22_1 + z3_0 * e22_2 + z2_2 * e33_0 - e2_1 * e33_1 + z2_0 * e33_2;
-    const double t26 = 4.0 * t12;
-    const double t27 = 2.0 * e23_2;
-    const double t28 = z3_2 * e22_1 - e3_1 * e22_2 + z3_0 * e22_3 + z2_2 * e33_1 - e2_1 * e33_2 + z2_0 * e33_3;
-    const double t29 = 2.0 * e23_3;
-    const double t30 = z3_2 * e22_2 - e3_1 * e22_3 + z3_0 * e22_4 + z2_2 * e33_2 - e2_1 * e33_3 + z2_0 * e33_4;
-    const double t31 = 2.0 * e23_4;
-    const double t32 = z3_2 * e22_3 - e3_1 * e22_4 + z2_2 * e33_3 - e2_1 * e33_4 - t12 * (4.0 * DD_3) - w_2 * t29;
+    const double t20 = 2.0 * e23_0;
+    const double t21 = z3_0 * e22_1 - e3_1 * e22_0 - e2_1 * e33_0 + z2_0 * e33_1 - t10 * (4.0 * DD_1) + t15 * t20;
+    const double t22 = 2.0 * e23_1;
+    const double t23 = z3_2 * e22_0 - e3_1 * e22_1 + z3_0 * e22_2 + z2_2 * e33_0 - e2_1 * e33_1 + z2_0 * e33_2;
+    const double t24 = 4.0 * t10;
+    const double t25 = 2.0 * e23_2;
+    const double t26 = z3_2 * e22_1 - e3_1 * e22_2 + z3_0 * e22_3 + z2_2 * e33_1 - e2_1 * e33_2 + z2_0 * e33_3;
+    const double t27 = 2.0 * e23_3;
+    const double t28 = z3_2 * e22_2 - e3_1 * e22_3 + z3_0 * e22_4 + z2_2 * e33_2 - e2_1 * e33_3 + z2_0 * e33_4;
+    const double t29 = 2.0 * e23_4;
+    const double t30 = z3_2 * e22_3 - e3_1 * e22_4 + z2_2 * e33_3 - e2_1 * e33_4 - t10 * (4.0 * DD_3) - w_2 * t27;
     sign[0] = 1.0 - t4 * t4;
     flatness[0] = flatness_0;
     points[0] = 0.0;
     points[1] = 0.0;
-    points[2] = points_10;
+    points[2] = v_1;
     points[3] = 0.0;
     points[4] = r_3_0;
     points[5] = r_3_1;
@@ -676,16 +676,16 @@ KRHPR_STATIC void krhpr_platform_spatial_a_sextic(
     axes[6] = x_1_2;
     axes[7] = y_1_2;
     axes[8] = z_1_2;
-    sextic[0] = z3_0 * e22_0 + z2_0 * e33_0 - t12 * (4.0 * DD_0) - w_0 * t22;
-    sextic[1] = t23 - w_0 * t24;
-    sextic[2] = t25 - t26 * (DD_0 + DD_2) - w_2 * t22 + t17 * t24 - w_0 * t27;
-    sextic[3] = t28 - t26 * (DD_1 + DD_3) - w_2 * t24 + t17 * t27 - w_0 * t29;
-    sextic[4] = t30 - t26 * (DD_2 + DD_4) - w_2 * t27 + t17 * t29 - w_0 * t31;
-    sextic[5] = t32 + t17 * t31;
-    sextic[6] = z3_2 * e22_4 + z2_2 * e33_4 - t12 * (4.0 * DD_4) - w_2 * t31;
+    sextic[0] = z3_0 * e22_0 + z2_0 * e33_0 - t10 * (4.0 * DD_0) - w_0 * t20;
+    sextic[1] = t21 - w_0 * t22;
+    sextic[2] = t23 - t24 * (DD_0 + DD_2) - w_2 * t20 + t15 * t22 - w_0 * t25;
+    sextic[3] = t26 - t24 * (DD_1 + DD_3) - w_2 * t22 + t15 * t25 - w_0 * t27;
+    sextic[4] = t28 - t24 * (DD_2 + DD_4) - w_2 * t25 + t15 * t27 - w_0 * t29;
+    sextic[5] = t30 + t15 * t29;
+    sextic[6] = z3_2 * e22_4 + z2_2 * e33_4 - t10 * (4.0 * DD_4) - w_2 * t29;
 }
 
-/* The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (184 add, 232 multiply, 9 divide, 2
+/* The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (184 add, 224 multiply, 9 divide, 2
  * square root) */
 KRHPR_STATIC void krhpr_platform_spatial_a_assembly(
     const double root[2], const double s[9], const double anchor[6], const double length[3],
@@ -721,7 +721,7 @@ KRHPR_STATIC void krhpr_platform_spatial_a_assembly(
     const double e_2 = t13 - t14 - z_2_0 * z_2_0 - z_2_1 * z_2_1;
     const double t15 = length[2] * length[2];
     const double e_3 = t15 - t14 - z_3_0 * z_3_0 - z_3_1 * z_3_1;
-    const double t16 = 1.0 / (z_3_1 * (2.0 * z_2_0) - z_3_0 * (2.0 * z_2_1));
+    const double t16 = 1.0 / (2.0 * (z_2_0 * z_3_1 - z_2_1 * z_3_0));
     const double a_1_0_0 = (z_3_1 * e_2 - z_2_1 * e_3) * t16;
     const double a_1_0_1 = t16 * (z_2_0 * e_3 - z_3_0 * e_2);
     const double a_1_1_0 = a_1_0_0 - points[0];
@@ -730,63 +730,64 @@ KRHPR_STATIC void krhpr_platform_spatial_a_assembly(
     const double a_2_1_1 = t6 + (t5 + a_1_0_1) - points[3];
     const double a_3_1_0 = t8 + a_1_0_0 - points[4] - t9;
     const double a_3_1_1 = t11 + (t10 + a_1_0_1) - points[5];
-    const double t17 = t14 * 0.5;
-    const double f_1_1 = 0.5 * (a_1_1_0 * a_1_1_0) + 0.5 * (a_1_1_1 * a_1_1_1) - t17;
-    const double t18 = t13 * 0.5;
-    const double f_2_1 = 0.5 * (a_2_1_0 * a_2_1_0) + 0.5 * (a_2_1_1 * a_2_1_1) - t18;
-    const double t19 = t15 * 0.5;
-    const double f_3_1 = 0.5 * (a_3_1_0 * a_3_1_0) + 0.5 * (a_3_1_1 * a_3_1_1) - t19;
+    const double f_1_1 = (a_1_1_0 * a_1_1_0 + a_1_1_1 * a_1_1_1 - t14) * 0.5;
+    const double f_2_1 = 0.5 * (a_2_1_0 * a_2_1_0 + a_2_1_1 * a_2_1_1 - t13);
+    const double f_3_1 = 0.5 * (a_3_1_0 * a_3_1_0 + a_3_1_1 * a_3_1_1 - t15);
     const double g_2_1 = a_2_1_1 * (t3 - t4) - t7 * a_2_1_0;
     const double g_3_1 = a_3_1_1 * (t8 - t9) - t12 * a_3_1_0;
     const double lambda_1_1 = a_2_1_0 * a_3_1_1 - a_2_1_1 * a_3_1_0;
     const double lambda_2_1 = a_1_1_1 * a_3_1_0 - a_1_1_0 * a_3_1_1;
     const double lambda_3_1 = a_1_1_0 * a_2_1_1 - a_1_1_1 * a_2_1_0;
-    const double t20 = (f_1_1 * lambda_1_1 + f_2_1 * lambda_2_1 + f_3_1 * lambda_3_1) / (g_2_1 * lambda_2_1 + g_3_1 * lambda_3_1);
-    const double t21 = g_2_1 * t20 - f_2_1;
-    const double t22 = g_3_1 * t20 - f_3_1;
-    const double t23 = lambda_1_1 * (a_3_1_1 * t21 - a_2_1_1 * t22) + lambda_2_1 * (a_1_1_1 * t22 + a_3_1_1 * f_1_1);
-    const double t24 = 1.0 / (lambda_1_1 * lambda_1_1 + lambda_2_1 * lambda_2_1 + lambda_3_1 * lambda_3_1);
-    const double move_1_0 = (t23 - lambda_3_1 * (a_1_1_1 * t21 + a_2_1_1 * f_1_1)) * t24;
-    const double t25 = lambda_1_1 * (a_2_1_0 * t22 - a_3_1_0 * t21) - lambda_2_1 * (a_1_1_0 * t22 + a_3_1_0 * f_1_1);
-    const double move_1_1 = t24 * (t25 + lambda_3_1 * (a_1_1_0 * t21 + a_2_1_0 * f_1_1));
-    const double norm_1 = 1.0 / sqrt(1.0 + t20 * t20);
-    const double cos_1 = norm_1 * (cos_0 + sin_0 * t20);
-    const double sin_1 = norm_1 * (sin_0 - cos_0 * t20);
+    const double t17 = (f_1_1 * lambda_1_1 + f_2_1 * lambda_2_1 + f_3_1 * lambda_3_1) / (g_2_1 * lambda_2_1 + g_3_1 * lambda_3_1);
+    const double t18 = g_2_1 * t17 - f_2_1;
+    const double t19 = g_3_1 * t17 - f_3_1;
+    const double t20 = lambda_1_1 * (a_3_1_1 * t18 - a_2_1_1 * t19) + lambda_2_1 * (a_1_1_1 * t19 + a_3_1_1 * f_1_1);
+    const double t21 = 1.0 / (lambda_1_1 * lambda_1_1 + lambda_2_1 * lambda_2_1 + lambda_3_1 * lambda_3_1);
+    const double move_1_0 = (t20 - lambda_3_1 * (a_1_1_1 * t18 + a_2_1_1 * f_1_1)) * t21;
+    const double t22 = lambda_1_1 * (a_2_1_0 * t19 - a_3_1_0 * t18) - lambda_2_1 * (a_1_1_0 * t19 + a_3_1_0 * f_1_1);
+    const double move_1_1 = t21 * (t22 + lambda_3_1 * (a_1_1_0 * t18 + a_2_1_0 * f_1_1));
+    const double norm_1_of = 1.0 + t17 * t17;
+    const double norm_12 = 1.0 / norm_1_of;
+    const double norm_1 = norm_12 * sqrt(norm_1_of);
+    const double cos_1 = norm_1 * (cos_0 + sin_0 * t17);
+    const double sin_1 = norm_1 * (sin_0 - cos_0 * t17);
     const double a_1_1_on_0 = a_1_0_0 + move_1_0;
     const double a_1_1_on_1 = a_1_0_1 + move_1_1;
     const double a_1_2_0 = a_1_1_on_0 - points[0];
     const double a_1_2_1 = a_1_1_on_1 - points[1];
-    const double t26 = d_2_0 * cos_1;
-    const double t27 = d_2_1 * sin_1;
-    const double a_2_2_0 = a_1_1_on_0 + t26 - points[2] - t27;
-    const double t28 = d_2_1 * cos_1;
-    const double t29 = d_2_0 * sin_1;
-    const double a_2_2_1 = a_1_1_on_1 + t28 + t29 - points[3];
-    const double t30 = d_3_0 * cos_1;
-    const double t31 = d_3_1 * sin_1;
-    const double a_3_2_0 = a_1_1_on_0 + t30 - points[4] - t31;
-    const double t32 = d_3_1 * cos_1;
-    const double t33 = d_3_0 * sin_1;
-    const double a_3_2_1 = a_1_1_on_1 + t32 + t33 - points[5];
-    const double f_1_2 = 0.5 * (a_1_2_0 * a_1_2_0) + 0.5 * (a_1_2_1 * a_1_2_1) - t17;
-    const double f_2_2 = 0.5 * (a_2_2_0 * a_2_2_0) + 0.5 * (a_2_2_1 * a_2_2_1) - t18;
-    const double f_3_2 = 0.5 * (a_3_2_0 * a_3_2_0) + 0.5 * (a_3_2_1 * a_3_2_1) - t19;
-    const double g_2_2 = a_2_2_1 * (t26 - t27) - a_2_2_0 * (t28 + t29);
-    const double g_3_2 = a_3_2_1 * (t30 - t31) - a_3_2_0 * (t32 + t33);
+    const double t23 = d_2_0 * cos_1;
+    const double t24 = d_2_1 * sin_1;
+    const double a_2_2_0 = a_1_1_on_0 + t23 - points[2] - t24;
+    const double t25 = d_2_1 * cos_1;
+    const double t26 = d_2_0 * sin_1;
+    const double a_2_2_1 = a_1_1_on_1 + t25 + t26 - points[3];
+    const double t27 = d_3_0 * cos_1;
+    const double t28 = d_3_1 * sin_1;
+    const double a_3_2_0 = a_1_1_on_0 + t27 - points[4] - t28;
+    const double t29 = d_3_1 * cos_1;
+    const double t30 = d_3_0 * sin_1;
+    const double a_3_2_1 = a_1_1_on_1 + t29 + t30 - points[5];
+    const double f_1_2 = 0.5 * (a_1_2_0 * a_1_2_0 + a_1_2_1 * a_1_2_1 - t14);
+    const double f_2_2 = 0.5 * (a_2_2_0 * a_2_2_0 + a_2_2_1 * a_2_2_1 - t13);
+    const double f_3_2 = 0.5 * (a_3_2_0 * a_3_2_0 + a_3_2_1 * a_3_2_1 - t15);
+    const double g_2_2 = a_2_2_1 * (t23 - t24) - a_2_2_0 * (t25 + t26);
+    const double g_3_2 = a_3_2_1 * (t27 - t28) - a_3_2_0 * (t29 + t30);
     const double lambda_1_2 = a_2_2_0 * a_3_2_1 - a_2_2_1 * a_3_2_0;
     const double lambda_2_2 = a_1_2_1 * a_3_2_0 - a_1_2_0 * a_3_2_1;
     const double lambda_3_2 = a_1_2_0 * a_2_2_1 - a_1_2_1 * a_2_2_0;
-    const double t34 = (f_1_2 * lambda_1_2 + f_2_2 * lambda_2_2 + f_3_2 * lambda_3_2) / (g_2_2 * lambda_2_2 + g_3_2 * lambda_3_2);
-    const double t35 = g_2_2 * t34 - f_2_2;
-    const double t36 = g_3_2 * t34 - f_3_2;
-    const double t37 = lambda_1_2 * (a_3_2_1 * t35 - a_2_2_1 * t36) + lambda_2_2 * (a_1_2_1 * t36 + a_3_2_1 * f_1_2);
-    const double t38 = 1.0 / (lambda_1_2 * lambda_1_2 + lambda_2_2 * lambda_2_2 + lambda_3_2 * lambda_3_2);
-    const double move_2_0 = (t37 - lambda_3_2 * (a_1_2_1 * t35 + a_2_2_1 * f_1_2)) * t38;
-    const double t39 = lambda_1_2 * (a_2_2_0 * t36 - a_3_2_0 * t35) - lambda_2_2 * (a_1_2_0 * t36 + a_3_2_0 * f_1_2);
-    const double move_2_1 = t38 * (t39 + lambda_3_2 * (a_1_2_0 * t35 + a_2_2_0 * f_1_2));
-    const double norm_2 = 1.0 / sqrt(1.0 + t34 * t34);
-    const double cos_2 = norm_2 * (cos_1 + sin_1 * t34);
-    const double sin_2 = norm_2 * (sin_1 - cos_1 * t34);
+    const double t31 = (f_1_2 * lambda_1_2 + f_2_2 * lambda_2_2 + f_3_2 * lambda_3_2) / (g_2_2 * lambda_2_2 + g_3_2 * lambda_3_2);
+    const double t32 = g_2_2 * t31 - f_2_2;
+    const double t33 = g_3_2 * t31 - f_3_2;
+    const double t34 = lambda_1_2 * (a_3_2_1 * t32 - a_2_2_1 * t33) + lambda_2_2 * (a_1_2_1 * t33 + a_3_2_1 * f_1_2);
+    const double t35 = 1.0 / (lambda_1_2 * lambda_1_2 + lambda_2_2 * lambda_2_2 + lambda_3_2 * lambda_3_2);
+    const double move_2_0 = (t34 - lambda_3_2 * (a_1_2_1 * t32 + a_2_2_1 * f_1_2)) * t35;
+    const double t36 = lambda_1_2 * (a_2_2_0 * t33 - a_3_2_0 * t32) - lambda_2_2 * (a_1_2_0 * t33 + a_3_2_0 * f_1_2);
+    const double move_2_1 = t35 * (t36 + lambda_3_2 * (a_1_2_0 * t32 + a_2_2_0 * f_1_2));
+    const double norm_2_of = 1.0 + t31 * t31;
+    const double norm_22 = 1.0 / norm_2_of;
+    const double norm_2 = norm_22 * sqrt(norm_2_of);
+    const double cos_2 = norm_2 * (cos_1 + sin_1 * t31);
+    const double sin_2 = norm_2 * (sin_1 - cos_1 * t31);
     const double a_1_2_on_0 = a_1_1_on_0 + move_2_0;
     const double a_1_2_on_1 = a_1_1_on_1 + move_2_1;
     const double Rd_2_0 = d_2_0 * cos_2 - d_2_1 * sin_2;
@@ -807,18 +808,18 @@ KRHPR_STATIC void krhpr_platform_spatial_a_assembly(
     const double u_2_1 = cos_2 * a_2_1 - sin_2 * a_2_0;
     const double u_3_0 = cos_2 * a_3_0 + sin_2 * a_3_1;
     const double u_3_1 = cos_2 * a_3_1 - sin_2 * a_3_0;
-    const double t40 = anchor[1] * u_1_0;
-    const double t41 = anchor[0] * u_1_1;
-    const double t42 = anchor[3] * u_2_0;
-    const double t43 = anchor[2] * u_2_1;
-    const double t44 = anchor[5] * u_3_0;
-    const double t45 = anchor[4] * u_3_1;
-    const double t46 = (t41 - t40) * (u_2_0 * u_3_1 - u_2_1 * u_3_0) + (t43 - t42) * (u_1_1 * u_3_0 - u_1_0 * u_3_1);
-    const double det_J_a = (points[2] * points[5] - points[3] * points[4]) * (t46 + (t45 - t44) * (u_1_0 * u_2_1 - u_1_1 * u_2_0));
-    const double t47 = a_1_0 * a_1_0 + a_1_1 * a_1_1 - t14;
-    const double t48 = a_2_0 * a_2_0 + a_2_1 * a_2_1 - t13;
-    const double t49 = a_3_0 * a_3_0 + a_3_1 * a_3_1 - t15;
-    const double t50 = t15 + (t13 + t14);
+    const double t37 = anchor[1] * u_1_0;
+    const double t38 = anchor[0] * u_1_1;
+    const double t39 = anchor[3] * u_2_0;
+    const double t40 = anchor[2] * u_2_1;
+    const double t41 = anchor[5] * u_3_0;
+    const double t42 = anchor[4] * u_3_1;
+    const double t43 = (t38 - t37) * (u_2_0 * u_3_1 - u_2_1 * u_3_0) + (t40 - t39) * (u_1_1 * u_3_0 - u_1_0 * u_3_1);
+    const double det_J_a = (points[2] * points[5] - points[3] * points[4]) * (t43 + (t42 - t41) * (u_1_0 * u_2_1 - u_1_1 * u_2_0));
+    const double t44 = a_1_0 * a_1_0 + a_1_1 * a_1_1 - t14;
+    const double t45 = a_2_0 * a_2_0 + a_2_1 * a_2_1 - t13;
+    const double t46 = a_3_0 * a_3_0 + a_3_1 * a_3_1 - t15;
+    const double t47 = t15 + (t13 + t14);
     p[0] = s[0] + axes[0] * p_l_0 + axes[1] * p_l_1;
     p[1] = s[1] + axes[3] * p_l_0 + axes[4] * p_l_1;
     p[2] = s[2] + axes[6] * p_l_0 + axes[7] * p_l_1;
@@ -832,10 +833,10 @@ KRHPR_STATIC void krhpr_platform_spatial_a_assembly(
     Q[7] = axes[7] * cos_2 - axes[6] * sin_2;
     Q[8] = axes[8];
     *det_J = det_J_a;
-    miss[0] = (t47 * t47 + t48 * t48 + t49 * t49) / (t50 * t50);
-    tail_y[0] = t40 - t41;
-    tail_y[1] = t42 - t43;
-    tail_y[2] = t44 - t45;
+    miss[0] = (t44 * t44 + t45 * t45 + t46 * t46) / (t47 * t47);
+    tail_y[0] = t37 - t38;
+    tail_y[1] = t39 - t40;
+    tail_y[2] = t41 - t42;
     tail_x[0] = anchor[0] * u_1_0 + anchor[1] * u_1_1;
     tail_x[1] = anchor[2] * u_2_0 + anchor[3] * u_2_1;
     tail_x[2] = anchor[4] * u_3_0 + anchor[5] * u_3_1;
@@ -884,7 +885,7 @@ KRHPR_STATIC void krhpr_platform_spatial_a_uniqueness(
 }
 
 /* The pose nearby in the platform's plane, and whether steps from it are certain to converge.  Thesis:
- * 3.2.2, (3.4) to (3.9).  (107 add, 164 multiply, 8 divide, 10 square root, 1 select) */
+ * 3.2.2, (3.4) to (3.9).  (100 add, 157 multiply, 8 divide, 10 square root, 1 select) */
 KRHPR_STATIC void krhpr_platform_spatial_a_newton_start(
     const double s[9], const double anchor[6], const double length[3], const double p_near[3],
     const double Q_near[9], double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
@@ -904,6 +905,9 @@ KRHPR_STATIC void krhpr_platform_spatial_a_newton_start(
     const double s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1;
     const double s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2;
     const double s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0;
+    const double y_n_0 = s_12_2 * s_n_1 - s_12_1 * s_n_2; /* along y_1 or against it */
+    const double y_n_1 = s_12_0 * s_n_2 - s_12_2 * s_n_0;
+    const double y_n_2 = s_12_1 * s_n_0 - s_12_0 * s_n_1;
     const double s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2;
     const double s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2;
     const double sense = d_2_0 * d_3_1 - d_2_1 * d_3_0; /* positive where the legs go round z_1 */
@@ -911,26 +915,27 @@ KRHPR_STATIC void krhpr_platform_spatial_a_newton_start(
     const double s_n_w = s_n_2_a * sense_2;
     const double flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2));
     const double v_1 = sqrt(s_12_2_a); /* |s_12| */
-    const double t1 = 1.0 / v_1;
-    const double x_1_0 = s_12_0 * t1; /* (3.1) */
-    const double x_1_1 = s_12_1 * t1;
-    const double x_1_2 = s_12_2 * t1;
-    const double t2 = 1.0 / sqrt(s_n_w);
-    const double z_1_0 = s_n_0 * sense * t2; /* (3.2) */
-    const double z_1_1 = t2 * (s_n_1 * sense);
-    const double z_1_2 = t2 * (s_n_2 * sense);
-    const double y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2;
-    const double y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0;
-    const double y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1;
-    const double r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2;
-    const double r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2;
-    const double t3 = s_12_0 * x_1_0;
-    const double t4 = s_12_1 * x_1_1;
-    const double t5 = s_12_2 * x_1_2;
-    const double c = Q_near[0] * x_1_0 + Q_near[3] * x_1_1 + Q_near[6] * x_1_2;
-    const double s_a = Q_near[0] * y_1_0 + Q_near[3] * y_1_1 + Q_near[6] * y_1_2;
-    const double norm = 1.0 / sqrt(c * c + s_a * s_a);
-    const double cos = c * norm;
+    const double v_n = sqrt(s_n_w);
+    const double w_1 = 1.0 / v_1;
+    const double w_n = sense / v_n; /* 1 / |s_n|, negative where the legs go the other way */
+    const double x_1_0 = s_12_0 * w_1; /* (3.1) */
+    const double x_1_1 = s_12_1 * w_1;
+    const double x_1_2 = s_12_2 * w_1;
+    const double z_1_0 = s_n_0 * w_n; /* (3.2) */
+    const double z_1_1 = s_n_1 * w_n;
+    const double z_1_2 = s_n_2 * w_n;
+    const double w_y = w_1 * w_n;
+    const double y_1_0 = y_n_0 * w_y;
+    const double y_1_1 = y_n_1 * w_y;
+    const double y_1_2 = y_n_2 * w_y;
+    const double r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
+    const double r_3_1 = w_n * (s_n_2_a * w_1);
+    const double c = Q_near[0] * s_12_0 + Q_near[3] * s_12_1 + Q_near[6] * s_12_2;
+    const double s_a = sense * (Q_near[0] * y_n_0 + Q_near[3] * y_n_1 + Q_near[6] * y_n_2);
+    const double norm_of = s_a * s_a + s_n_w * (c * c);
+    const double norm2 = 1.0 / norm_of;
+    const double norm = norm2 * sqrt(norm_of);
+    const double cos = v_n * (c * norm);
     const double sin = s_a * norm;
     const double arm_0 = p_near[0] + anchor[0] * Q_near[0] + anchor[1] * Q_near[1] - s[0]; /* S_1 to B_1 */
     const double arm_1 = p_near[1] + anchor[0] * Q_near[3] + anchor[1] * Q_near[4] - s[1];
@@ -941,53 +946,52 @@ KRHPR_STATIC void krhpr_platform_spatial_a_newton_start(
     const double Rd_2_1 = d_2_1 * cos + d_2_0 * sin;
     const double Rd_3_0 = d_3_0 * cos - d_3_1 * sin;
     const double Rd_3_1 = d_3_1 * cos + d_3_0 * sin;
-    const double b_2_0 = a_1_0 + Rd_2_0 - t3 - t4 - t5; /* S_i to B_i */
+    const double b_2_0 = a_1_0 + Rd_2_0 - v_1; /* S_i to B_i */
     const double b_2_1 = a_1_1 + Rd_2_1;
     const double b_3_0 = a_1_0 + Rd_3_0 - r_3_0;
     const double b_3_1 = a_1_1 + Rd_3_1 - r_3_1;
-    const double t6 = d_2_0 * d_2_0;
-    const double t7 = d_2_1 * d_2_1;
-    const double t8 = d_3_0 * d_3_0;
-    const double t9 = d_3_1 * d_3_1;
-    const double L_2 = 0.5 * t6 + 0.5 * t7 + 0.5 * t8 + 0.5 * t9; /* the platform's size, squared */
+    const double t1 = d_2_0 * d_2_0 + d_2_1 * d_2_1;
+    const double t2 = d_3_0 * d_3_0;
+    const double t3 = d_3_1 * d_3_1;
+    const double L_2 = (t1 + t2 + t3) * 0.5; /* the platform's size, squared */
     const double L = sqrt(L_2);
-    const double F_1 = 0.5 * (a_1_0 * a_1_0) + 0.5 * (a_1_1 * a_1_1) - 0.5 * (length[0] * length[0]);
-    const double F_2 = 0.5 * (b_2_0 * b_2_0) + 0.5 * (b_2_1 * b_2_1) - 0.5 * (length[1] * length[1]);
-    const double F_3 = 0.5 * (b_3_0 * b_3_0) + 0.5 * (b_3_1 * b_3_1) - 0.5 * (length[2] * length[2]);
-    const double t10 = 1.0 / L;
-    const double G_2 = (Rd_2_0 * b_2_1 - Rd_2_1 * b_2_0) * t10;
-    const double G_3 = t10 * (Rd_3_0 * b_3_1 - Rd_3_1 * b_3_0);
+    const double F_1 = 0.5 * (a_1_0 * a_1_0 + a_1_1 * a_1_1 - length[0] * length[0]);
+    const double F_2 = 0.5 * (b_2_0 * b_2_0 + b_2_1 * b_2_1 - length[1] * length[1]);
+    const double F_3 = 0.5 * (b_3_0 * b_3_0 + b_3_1 * b_3_1 - length[2] * length[2]);
+    const double t4 = 1.0 / L;
+    const double G_2 = (Rd_2_0 * b_2_1 - Rd_2_1 * b_2_0) * t4;
+    const double G_3 = t4 * (Rd_3_0 * b_3_1 - Rd_3_1 * b_3_0);
     const double mu_1 = b_2_0 * b_3_1 - b_2_1 * b_3_0;
     const double mu_2 = a_1_1 * b_3_0 - a_1_0 * b_3_1;
     const double mu_3 = a_1_0 * b_2_1 - a_1_1 * b_2_0;
     const double det = G_2 * mu_2 + G_3 * mu_3;
     const double inv_1_1 = b_2_1 * G_3 - b_3_1 * G_2;
     const double inv_1_2 = b_3_0 * G_2 - b_2_0 * G_3;
-    const double t11 = a_1_1 * G_3;
+    const double t5 = a_1_1 * G_3;
     const double inv_2_2 = a_1_0 * G_3;
     const double inv_3_1 = a_1_1 * G_2;
-    const double t12 = a_1_0 * G_2;
-    const double t13 = inv_1_1 * inv_1_1 + inv_1_2 * inv_1_2 + t11 * t11 + inv_2_2 * inv_2_2 + inv_3_1 * inv_3_1;
-    const double b_2 = (t13 + t12 * t12 + mu_1 * mu_1 + mu_2 * mu_2 + mu_3 * mu_3) / (det * det); /* b squared */
-    const double t14 = F_1 * inv_1_1 - F_2 * t11 + F_3 * inv_3_1;
-    const double t15 = F_1 * inv_1_2 + F_2 * inv_2_2 - F_3 * t12;
-    const double t16 = F_1 * mu_1 + F_2 * mu_2 + F_3 * mu_3;
-    const double step = sqrt(t14 * t14 + t15 * t15 + t16 * t16) / fabs(det); /* n */
-    const double q_2 = sqrt(t6 + t7); /* |d_i| */
+    const double t6 = a_1_0 * G_2;
+    const double t7 = inv_1_1 * inv_1_1 + inv_1_2 * inv_1_2 + t5 * t5 + inv_2_2 * inv_2_2 + inv_3_1 * inv_3_1;
+    const double b_2 = (t7 + t6 * t6 + mu_1 * mu_1 + mu_2 * mu_2 + mu_3 * mu_3) / (det * det); /* b squared */
+    const double t8 = F_1 * inv_1_1 - F_2 * t5 + F_3 * inv_3_1;
+    const double t9 = F_1 * inv_1_2 + F_2 * inv_2_2 - F_3 * t6;
+    const double t10 = F_1 * mu_1 + F_2 * mu_2 + F_3 * mu_3;
+    const double step = sqrt(t8 * t8 + t9 * t9 + t10 * t10) / fabs(det); /* n */
+    const double q_2 = sqrt(t1); /* |d_i| */
     const double o_2_0 = b_2_0 - Rd_2_0;
     const double o_2_1 = b_2_1 - Rd_2_1;
-    const double t17 = step * 2.0;
-    const double t18 = 1.0 / L_2;
-    const double bent_2 = q_2 * (sqrt(o_2_0 * o_2_0 + o_2_1 * o_2_1) + t17) * t18;
-    const double q_3 = sqrt(t8 + t9); /* |d_i| */
+    const double t11 = step * 2.0;
+    const double t12 = 1.0 / L_2;
+    const double bent_2 = q_2 * (sqrt(o_2_0 * o_2_0 + o_2_1 * o_2_1) + t11) * t12;
+    const double q_3 = sqrt(t2 + t3); /* |d_i| */
     const double o_3_0 = b_3_0 - Rd_3_0;
     const double o_3_1 = b_3_1 - Rd_3_1;
-    const double bent_3 = t18 * (q_3 * (t17 + sqrt(o_3_0 * o_3_0 + o_3_1 * o_3_1)));
-    const double t19 = 6.0 + bent_2 * bent_2 + bent_3 * bent_3 + t18 * (2.0 * (q_2 * q_2)) + t18 * (2.0 * (q_3 * q_3));
+    const double bent_3 = t12 * (q_3 * (t11 + sqrt(o_3_0 * o_3_0 + o_3_1 * o_3_1)));
+    const double t13 = 6.0 + bent_2 * bent_2 + bent_3 * bent_3 + t12 * (2.0 * (q_2 * q_2)) + t12 * (2.0 * (q_3 * q_3));
     flatness[0] = flatness_0;
     points[0] = 0.0;
     points[1] = 0.0;
-    points[2] = t3 + t4 + t5;
+    points[2] = v_1;
     points[3] = 0.0;
     points[4] = r_3_0;
     points[5] = r_3_1;
@@ -1007,7 +1011,7 @@ KRHPR_STATIC void krhpr_platform_spatial_a_newton_start(
     start[2] = a_1_1;
     start[3] = cos;
     start[4] = sin;
-    *kantorovich = t17 * sqrt(b_2 * t19);
+    *kantorovich = t11 * sqrt(b_2 * t13);
 }
 
 /* Angles whose sines and cosines `newton_step` reads.  (no operations) */
@@ -1017,7 +1021,7 @@ KRHPR_STATIC void krhpr_platform_spatial_a_newton_step_angles(
     angle[0] = state[0];
 }
 
-/* One Newton step of the links' lengths.  Thesis: 3.2.2, (3.4) to (3.9).  (63 add, 81 multiply, 4 divide, 1
+/* One Newton step of the links' lengths.  Thesis: 3.2.2, (3.4) to (3.9).  (63 add, 76 multiply, 4 divide, 1
  * square root) */
 KRHPR_STATIC void krhpr_platform_spatial_a_newton_step(
     const double state[5], const double centre[2], const double anchor[6], const double length[3],
@@ -1044,9 +1048,9 @@ KRHPR_STATIC void krhpr_platform_spatial_a_newton_step(
     const double t7 = d_3_1 * cos;
     const double t8 = d_3_0 * sin;
     const double a_3_on_1 = state[2] + t7 + t8 - points[5];
-    const double f_1_on = 0.5 * (a_1_on_0 * a_1_on_0) + 0.5 * (a_1_on_1 * a_1_on_1) - 0.5 * (length[0] * length[0]);
-    const double f_2_on = 0.5 * (a_2_on_0 * a_2_on_0) + 0.5 * (a_2_on_1 * a_2_on_1) - 0.5 * (length[1] * length[1]);
-    const double f_3_on = 0.5 * (a_3_on_0 * a_3_on_0) + 0.5 * (a_3_on_1 * a_3_on_1) - 0.5 * (length[2] * length[2]);
+    const double f_1_on = (a_1_on_0 * a_1_on_0 + a_1_on_1 * a_1_on_1 - length[0] * length[0]) * 0.5;
+    const double f_2_on = 0.5 * (a_2_on_0 * a_2_on_0 + a_2_on_1 * a_2_on_1 - length[1] * length[1]);
+    const double f_3_on = 0.5 * (a_3_on_0 * a_3_on_0 + a_3_on_1 * a_3_on_1 - length[2] * length[2]);
     const double g_2_on = a_2_on_1 * (t1 - t2) - a_2_on_0 * (t3 + t4);
     const double g_3_on = a_3_on_1 * (t5 - t6) - a_3_on_0 * (t7 + t8);
     const double lambda_1_on = a_2_on_0 * a_3_on_1 - a_2_on_1 * a_3_on_0;
@@ -1062,7 +1066,9 @@ KRHPR_STATIC void krhpr_platform_spatial_a_newton_step(
     const double t15 = lambda_1_on * (a_2_on_0 * t11 - a_3_on_0 * t10) - lambda_2_on * (a_1_on_0 * t11 + a_3_on_0 * f_1_on);
     const double move_on_1 = t14 * (t15 + lambda_3_on * (a_1_on_0 * t10 + a_2_on_0 * f_1_on));
     const double t16 = t9 * t9;
-    const double norm_on = 1.0 / sqrt(1.0 + t16);
+    const double norm_on_of = 1.0 + t16;
+    const double norm_on2 = 1.0 / norm_on_of;
+    const double norm_on = norm_on2 * sqrt(norm_on_of);
     const double cos_on = norm_on * (cos + sin * t9);
     const double sin_on = norm_on * (sin - cos * t9);
     const double size = d_2_0 * d_2_0 + d_2_1 * d_2_1 + d_3_0 * d_3_0 + d_3_1 * d_3_1;
@@ -1134,8 +1140,8 @@ KRHPR_STATIC void krhpr_platform_spatial_a_newton_pose(
 KRHPR_STATIC void krhpr_platform_spatial_a_arm(
     const krhpr_platform_spatial_a_geometry *g, int i, double *KRHPR_RESTRICT arm)
 {
-    arm[0] = g->k[2][i];
-    arm[1] = g->k[3][i];
+    arm[0] = g->k[0][i];
+    arm[1] = g->k[1][i];
 }
 
 /* Angles whose sines and cosines `turns_1` reads.  (no operations) */
@@ -1192,7 +1198,7 @@ KRHPR_STATIC void krhpr_platform_spatial_a_turns_3(
     turns[5] = sine[2];
 }
 
-/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (98 add, 131 multiply, 5
+/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (93 add, 124 multiply, 5
  * divide, 5 square root, 4 select) */
 KRHPR_STATIC void krhpr_platform_spatial_a_one_encoder(
     const double s[9], const double turns[2], const double anchor[6], const double length[3],
@@ -1211,6 +1217,9 @@ KRHPR_STATIC void krhpr_platform_spatial_a_one_encoder(
     const double s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1;
     const double s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2;
     const double s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0;
+    const double y_n_0 = s_12_2 * s_n_1 - s_12_1 * s_n_2; /* along y_1 or against it */
+    const double y_n_1 = s_12_0 * s_n_2 - s_12_2 * s_n_0;
+    const double y_n_2 = s_12_1 * s_n_0 - s_12_0 * s_n_1;
     const double s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2;
     const double s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2;
     const double sense = (anchor[2] - anchor[0]) * (anchor[5] - anchor[1]) - (anchor[3] - anchor[1]) * (anchor[4] - anchor[0]); /* positive where the legs go round z_1 */
@@ -1218,71 +1227,72 @@ KRHPR_STATIC void krhpr_platform_spatial_a_one_encoder(
     const double s_n_w = s_n_2_a * sense_2;
     const double flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2));
     const double v_1 = sqrt(s_12_2_a); /* |s_12| */
-    const double t1 = 1.0 / v_1;
-    const double x_1_0 = s_12_0 * t1; /* (3.1) */
-    const double x_1_1 = s_12_1 * t1;
-    const double x_1_2 = s_12_2 * t1;
-    const double t2 = 1.0 / sqrt(s_n_w);
-    const double z_1_0 = s_n_0 * sense * t2; /* (3.2) */
-    const double z_1_1 = t2 * (s_n_1 * sense);
-    const double z_1_2 = t2 * (s_n_2 * sense);
-    const double y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2;
-    const double y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0;
-    const double y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1;
-    const double r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2;
-    const double r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2;
+    const double v_n = sqrt(s_n_w);
+    const double w_1 = 1.0 / v_1;
+    const double w_n = sense / v_n; /* 1 / |s_n|, negative where the legs go the other way */
+    const double x_1_0 = s_12_0 * w_1; /* (3.1) */
+    const double x_1_1 = s_12_1 * w_1;
+    const double x_1_2 = s_12_2 * w_1;
+    const double z_1_0 = s_n_0 * w_n; /* (3.2) */
+    const double z_1_1 = s_n_1 * w_n;
+    const double z_1_2 = s_n_2 * w_n;
+    const double w_y = w_1 * w_n;
+    const double y_1_0 = y_n_0 * w_y;
+    const double y_1_1 = y_n_1 * w_y;
+    const double y_1_2 = y_n_2 * w_y;
+    const double r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
+    const double r_3_1 = w_n * (s_n_2_a * w_1);
     const double w_2_0 = anchor[2] - e_1_0; /* S_1 to B_i */
     const double w_2_1 = anchor[3] - e_1_1;
     const double w_3_0 = anchor[4] - e_1_0;
     const double w_3_1 = anchor[5] - e_1_1;
-    const double t3 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2;
-    const double M = w_2_0 * t3;
-    const double L = t3 * (e_1_1 - anchor[3]);
-    const double N = 0.5 * (w_2_0 * w_2_0) + 0.5 * (w_2_1 * w_2_1) + 0.5 * (t3 * t3) - 0.5 * (length[1] * length[1]);
-    const double ML_2 = L * L + M * M;
-    const double t4 = 1.0 / ML_2;
-    const double radicand_a = 1.0 - N * N * t4;
-    const double root = sqrt(t4 * radicand_a);
-    const double middle = N * t4;
-    const double t5 = M * middle;
-    const double t6 = L * root;
-    const double cos_plus = t5 - t6;
-    const double t7 = L * middle;
-    const double t8 = M * root;
-    const double sin_plus = t7 + t8;
+    const double M = v_1 * w_2_0;
+    const double t1 = v_1 * w_2_1;
+    const double N = (s_12_2_a + w_2_0 * w_2_0 + w_2_1 * w_2_1 - length[1] * length[1]) * 0.5;
+    const double ML_2 = t1 * t1 + M * M;
+    const double t2 = 1.0 / ML_2;
+    const double radicand_a = 1.0 - N * N * t2;
+    const double root = sqrt(t2 * radicand_a);
+    const double middle = N * t2;
+    const double t3 = M * middle;
+    const double t4 = t1 * root;
+    const double cos_plus = t3 + t4;
+    const double t5 = t1 * middle;
+    const double t6 = M * root;
+    const double sin_plus = t6 - t5;
     const double a_3_plus_0 = w_3_0 * cos_plus - r_3_0 - w_3_1 * sin_plus; /* S_3 to B_3 */
     const double a_3_plus_1 = w_3_1 * cos_plus + w_3_0 * sin_plus - r_3_1;
     const double miss_plus = sqrt(a_3_plus_0 * a_3_plus_0 + a_3_plus_1 * a_3_plus_1) - length[2];
-    const double cos_minus = t5 + t6;
-    const double sin_minus = t7 - t8;
-    const double a_3_minus_0 = w_3_0 * cos_minus - r_3_0 - w_3_1 * sin_minus; /* S_3 to B_3 */
-    const double a_3_minus_1 = w_3_1 * cos_minus + w_3_0 * sin_minus - r_3_1;
+    const double cos_minus = t3 - t4;
+    const double t7 = t5 + t6;
+    const double a_3_minus_0 = w_3_0 * cos_minus - r_3_0 + w_3_1 * t7; /* S_3 to B_3 */
+    const double a_3_minus_1 = w_3_1 * cos_minus - w_3_0 * t7 - r_3_1;
     const double miss_minus = sqrt(a_3_minus_0 * a_3_minus_0 + a_3_minus_1 * a_3_minus_1) - length[2];
-    const double t9 = fabs(miss_plus);
-    const double t10 = fabs(miss_minus);
-    const double gap = t10 - t9;
-    const double t11 = gap + 1e-300;
-    const double sign = t11 / fabs(t11);
+    const double t8 = fabs(miss_plus);
+    const double t9 = fabs(miss_minus);
+    const double gap = t9 - t8;
+    const double t10 = gap + 1e-300;
+    const double sign = t10 / fabs(t10);
+    const double t11 = t4 * sign;
+    const double cos_best = t3 + t11;
     const double t12 = t6 * sign;
-    const double cos_best = t5 - t12;
-    const double t13 = t8 * sign;
-    const double sin_best = t7 + t13;
-    const double cos_other = t5 + t12;
-    const double sin_other = t7 - t13;
+    const double sin_best = t12 - t5;
+    const double cos_other = t3 - t11;
+    const double t13 = t5 + t12;
     const double t14 = e_1_1 * sin_best - e_1_0 * cos_best;
     const double t15 = e_1_1 * cos_best + e_1_0 * sin_best;
-    const double t16 = e_1_1 * sin_other - e_1_0 * cos_other;
-    const double t17 = e_1_1 * cos_other + e_1_0 * sin_other;
-    const double t18 = 0.5 * miss_minus + 0.5 * miss_plus;
-    const double t19 = 0.5 * sign * (miss_plus - miss_minus);
+    const double t16 = e_1_1 * t13 + e_1_0 * cos_other;
+    const double t17 = e_1_0 * t13 - e_1_1 * cos_other;
+    const double t18 = miss_plus + miss_minus;
+    const double t19 = sign * (miss_plus - miss_minus);
     flatness[0] = flatness_0;
     radicand[0] = radicand_a;
     p[0] = s[0] + x_1_0 * t14 - y_1_0 * t15;
     p[1] = s[1] + x_1_1 * t14 - y_1_1 * t15;
     p[2] = s[2] + x_1_2 * t14 - y_1_2 * t15;
-    p[3] = s[0] + x_1_0 * t16 - y_1_0 * t17;
-    p[4] = s[1] + x_1_1 * t16 - y_1_1 * t17;
-    p[5] = s[2] + x_1_2 * t16 - y_1_2 * t17;
+    p[3] = s[0] - x_1_0 * t16 + y_1_0 * t17;
+    p[4] = s[1] - x_1_1 * t16 + y_1_1 * t17;
+    p[5] = s[2] - x_1_2 * t16 + y_1_2 * t17;
     Q[0] = x_1_0 * cos_best + y_1_0 * sin_best;
     Q[1] = y_1_0 * cos_best - x_1_0 * sin_best;
     Q[2] = z_1_0;
@@ -1292,22 +1302,22 @@ KRHPR_STATIC void krhpr_platform_spatial_a_one_encoder(
     Q[6] = x_1_2 * cos_best + y_1_2 * sin_best;
     Q[7] = y_1_2 * cos_best - x_1_2 * sin_best;
     Q[8] = z_1_2;
-    Q[9] = x_1_0 * cos_other + y_1_0 * sin_other;
-    Q[10] = y_1_0 * cos_other - x_1_0 * sin_other;
+    Q[9] = x_1_0 * cos_other - y_1_0 * t13;
+    Q[10] = y_1_0 * cos_other + x_1_0 * t13;
     Q[11] = z_1_0;
-    Q[12] = x_1_1 * cos_other + y_1_1 * sin_other;
-    Q[13] = y_1_1 * cos_other - x_1_1 * sin_other;
+    Q[12] = x_1_1 * cos_other - y_1_1 * t13;
+    Q[13] = y_1_1 * cos_other + x_1_1 * t13;
     Q[14] = z_1_1;
-    Q[15] = x_1_2 * cos_other + y_1_2 * sin_other;
-    Q[16] = y_1_2 * cos_other - x_1_2 * sin_other;
+    Q[15] = x_1_2 * cos_other - y_1_2 * t13;
+    Q[16] = y_1_2 * cos_other + x_1_2 * t13;
     Q[17] = z_1_2;
-    mismatch[0] = t18 + t19;
-    mismatch[1] = t18 - t19;
-    agreement[0] = tolerance - krhpr_min(t9, t10);
+    mismatch[0] = 0.5 * (t18 + t19);
+    mismatch[1] = 0.5 * (t18 - t19);
+    agreement[0] = tolerance - krhpr_min(t8, t9);
 }
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
- * (3.24).  (49 add, 68 multiply, 5 divide, 3 square root, 1 select) */
+ * (3.24).  (45 add, 65 multiply, 5 divide, 3 square root, 1 select) */
 KRHPR_STATIC void krhpr_platform_spatial_a_two_encoders(
     const double s[9], const double turns[4], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
@@ -1328,6 +1338,9 @@ KRHPR_STATIC void krhpr_platform_spatial_a_two_encoders(
     const double s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1;
     const double s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2;
     const double s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0;
+    const double y_n_0 = s_12_2 * s_n_1 - s_12_1 * s_n_2; /* along y_1 or against it */
+    const double y_n_1 = s_12_0 * s_n_2 - s_12_2 * s_n_0;
+    const double y_n_2 = s_12_1 * s_n_0 - s_12_0 * s_n_1;
     const double s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2;
     const double s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2;
     const double sense = (anchor[2] - anchor[0]) * (anchor[5] - anchor[1]) - (anchor[3] - anchor[1]) * (anchor[4] - anchor[0]); /* positive where the legs go round z_1 */
@@ -1335,32 +1348,33 @@ KRHPR_STATIC void krhpr_platform_spatial_a_two_encoders(
     const double s_n_w = s_n_2_a * sense_2;
     const double flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2));
     const double v_1 = sqrt(s_12_2_a); /* |s_12| */
-    const double t1 = 1.0 / v_1;
-    const double x_1_0 = s_12_0 * t1; /* (3.1) */
-    const double x_1_1 = s_12_1 * t1;
-    const double x_1_2 = s_12_2 * t1;
-    const double t2 = 1.0 / sqrt(s_n_w);
-    const double z_1_0 = s_n_0 * sense * t2; /* (3.2) */
-    const double z_1_1 = t2 * (s_n_1 * sense);
-    const double z_1_2 = t2 * (s_n_2 * sense);
-    const double y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2;
-    const double y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0;
-    const double y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1;
-    const double r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2;
-    const double r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2;
-    const double points_10 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2;
+    const double v_n = sqrt(s_n_w);
+    const double w_1 = 1.0 / v_1;
+    const double w_n = sense / v_n; /* 1 / |s_n|, negative where the legs go the other way */
+    const double x_1_0 = s_12_0 * w_1; /* (3.1) */
+    const double x_1_1 = s_12_1 * w_1;
+    const double x_1_2 = s_12_2 * w_1;
+    const double z_1_0 = s_n_0 * w_n; /* (3.2) */
+    const double z_1_1 = s_n_1 * w_n;
+    const double z_1_2 = s_n_2 * w_n;
+    const double w_y = w_1 * w_n;
+    const double y_1_0 = y_n_0 * w_y;
+    const double y_1_1 = y_n_1 * w_y;
+    const double y_1_2 = y_n_2 * w_y;
+    const double r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
+    const double r_3_1 = w_n * (s_n_2_a * w_1);
     const double d_12_0 = e_2_0 - e_1_0;
     const double d_12_1 = e_2_1 - e_1_1;
     const double d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const double t3 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1 + points_10 * points_10;
-    const double t4 = 1.0 / d_12_2;
-    const double cos = points_10 * d_12_0 * t4;
-    const double sin = t4 * (points_10 * (e_1_1 - e_2_1));
-    const double gap_0 = points_10 - sqrt(d_12_2);
+    const double spread_0 = d_12_2 / (s_12_2_a + (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1));
+    const double t1 = 1.0 / d_12_2;
+    const double cos = v_1 * d_12_0 * t1;
+    const double sin = t1 * (v_1 * (e_1_1 - e_2_1));
+    const double gap_0 = v_1 - sqrt(d_12_2);
     flatness[0] = flatness_0;
     points[0] = 0.0;
     points[1] = 0.0;
-    points[2] = points_10;
+    points[2] = v_1;
     points[3] = 0.0;
     points[4] = r_3_0;
     points[5] = r_3_1;
@@ -1377,7 +1391,7 @@ KRHPR_STATIC void krhpr_platform_spatial_a_two_encoders(
     ends[1] = e_1_1;
     ends[2] = e_2_0;
     ends[3] = e_2_1;
-    spread[0] = d_12_2 / t3;
+    spread[0] = spread_0;
     linear[0] = cos;
     linear[1] = sin;
     linear[2] = -sin;
@@ -1389,7 +1403,7 @@ KRHPR_STATIC void krhpr_platform_spatial_a_two_encoders(
 }
 
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
- * 3.2.5, (3.30).  (65 add, 84 multiply, 5 divide, 7 square root, 5 select) */
+ * 3.2.5, (3.30).  (59 add, 82 multiply, 5 divide, 7 square root, 5 select) */
 KRHPR_STATIC void krhpr_platform_spatial_a_three_encoders(
     const double s[9], const double turns[6], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
@@ -1412,6 +1426,9 @@ KRHPR_STATIC void krhpr_platform_spatial_a_three_encoders(
     const double s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1;
     const double s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2;
     const double s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0;
+    const double y_n_0 = s_12_2 * s_n_1 - s_12_1 * s_n_2; /* along y_1 or against it */
+    const double y_n_1 = s_12_0 * s_n_2 - s_12_2 * s_n_0;
+    const double y_n_2 = s_12_1 * s_n_0 - s_12_0 * s_n_1;
     const double s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2;
     const double s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2;
     const double sense = (anchor[2] - anchor[0]) * (anchor[5] - anchor[1]) - (anchor[3] - anchor[1]) * (anchor[4] - anchor[0]); /* positive where the legs go round z_1 */
@@ -1419,23 +1436,21 @@ KRHPR_STATIC void krhpr_platform_spatial_a_three_encoders(
     const double s_n_w = s_n_2_a * sense_2;
     const double flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2));
     const double v_1 = sqrt(s_12_2_a); /* |s_12| */
-    const double t1 = 1.0 / v_1;
-    const double x_1_0 = s_12_0 * t1; /* (3.1) */
-    const double x_1_1 = s_12_1 * t1;
-    const double x_1_2 = s_12_2 * t1;
-    const double t2 = 1.0 / sqrt(s_n_w);
-    const double z_1_0 = s_n_0 * sense * t2; /* (3.2) */
-    const double z_1_1 = t2 * (s_n_1 * sense);
-    const double z_1_2 = t2 * (s_n_2 * sense);
-    const double y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2;
-    const double y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0;
-    const double y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1;
-    const double r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2;
-    const double r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2;
-    const double t3 = s_12_0 * x_1_0;
-    const double t4 = s_12_1 * x_1_1;
-    const double t5 = s_12_2 * x_1_2;
-    const double points_10 = t3 + t4 + t5;
+    const double v_n = sqrt(s_n_w);
+    const double w_1 = 1.0 / v_1;
+    const double w_n = sense / v_n; /* 1 / |s_n|, negative where the legs go the other way */
+    const double x_1_0 = s_12_0 * w_1; /* (3.1) */
+    const double x_1_1 = s_12_1 * w_1;
+    const double x_1_2 = s_12_2 * w_1;
+    const double z_1_0 = s_n_0 * w_n; /* (3.2) */
+    const double z_1_1 = s_n_1 * w_n;
+    const double z_1_2 = s_n_2 * w_n;
+    const double w_y = w_1 * w_n;
+    const double y_1_0 = y_n_0 * w_y;
+    const double y_1_1 = y_n_1 * w_y;
+    const double y_1_2 = y_n_2 * w_y;
+    const double r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
+    const double r_3_1 = w_n * (s_n_2_a * w_1);
     const double d_12_0 = e_2_0 - e_1_0;
     const double d_12_1 = e_2_1 - e_1_1;
     const double d_13_0 = e_3_0 - e_1_0;
@@ -1443,25 +1458,25 @@ KRHPR_STATIC void krhpr_platform_spatial_a_three_encoders(
     const double area = d_12_0 * d_13_1 - d_12_1 * d_13_0;
     const double d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
     const double d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
-    const double t6 = 1.0 / area;
-    const double u_x_0 = (points_10 * d_13_1 - r_3_0 * d_12_1) * t6;
-    const double u_x_1 = t6 * (r_3_1 * (e_1_1 - e_2_1));
-    const double u_y_0 = t6 * (r_3_0 * d_12_0 - points_10 * d_13_0);
-    const double u_y_1 = t6 * (r_3_1 * d_12_0);
-    const double gap_0 = points_10 - sqrt(d_2_0);
-    const double t7 = r_3_1 * r_3_1;
-    const double r_2_1 = r_3_0 * r_3_0 + t7;
+    const double t1 = 1.0 / area;
+    const double u_x_0 = (v_1 * d_13_1 - r_3_0 * d_12_1) * t1;
+    const double u_x_1 = t1 * (r_3_1 * (e_1_1 - e_2_1));
+    const double u_y_0 = t1 * (r_3_0 * d_12_0 - v_1 * d_13_0);
+    const double u_y_1 = t1 * (r_3_1 * d_12_0);
+    const double gap_0 = v_1 - sqrt(d_2_0);
+    const double t2 = r_3_1 * r_3_1;
+    const double r_2_1 = r_3_0 * r_3_0 + t2;
     const double gap_1 = sqrt(r_2_1) - sqrt(d_2_1);
-    const double t8 = r_3_0 - t3 - t4 - t5;
-    const double r_2_2 = t7 + t8 * t8;
-    const double t9 = d_13_0 - d_12_0;
-    const double t10 = d_13_1 - d_12_1;
-    const double d_2_2 = t9 * t9 + t10 * t10;
+    const double t3 = r_3_0 - v_1;
+    const double r_2_2 = t2 + t3 * t3;
+    const double t4 = d_13_0 - d_12_0;
+    const double t5 = d_13_1 - d_12_1;
+    const double d_2_2 = t4 * t4 + t5 * t5;
     const double gap_2 = sqrt(r_2_2) - sqrt(d_2_2);
     flatness[0] = flatness_0;
     points[0] = 0.0;
     points[1] = 0.0;
-    points[2] = points_10;
+    points[2] = v_1;
     points[3] = 0.0;
     points[4] = r_3_0;
     points[5] = r_3_1;

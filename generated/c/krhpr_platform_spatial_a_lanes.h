@@ -16,20 +16,17 @@ KRHPR_INLINE void krhpr_platform_spatial_a_end_point_angles_lanes(
     angle[0] = redundant;
 }
 
-/* End point of the sub-leg, arrangement (a).  Thesis: (1.37), 2.5.  (10 add, 12 multiply) */
+/* End point of the sub-leg, arrangement (a).  Thesis: (1.37), 2.5.  (10 add, 10 multiply) */
 KRHPR_INLINE void krhpr_platform_spatial_a_end_point_lanes(
     const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at sine[1], const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT s)
 {
-    const krhpr_lanes g_l_r = krhpr_of_leg(g->l_r, i);
-    const krhpr_lanes g_e_r_0 = krhpr_of_leg(g->e_r[0], i);
-    const krhpr_lanes g_e_r_1 = krhpr_of_leg(g->e_r[1], i);
     const krhpr_lanes g_b_0 = krhpr_of_leg(g->b[0], i);
     const krhpr_lanes g_b_1 = krhpr_of_leg(g->b[1], i);
-    const krhpr_lanes l_c = g_l_r * cosine[0];
-    const krhpr_lanes l_s = g_l_r * sine[0];
-    const krhpr_lanes s_l_0 = g_b_0 - g_e_r_0 * l_c - g_e_r_1 * l_s; /* S_i in the platform frame */
-    const krhpr_lanes s_l_1 = g_b_1 + g_e_r_0 * l_s - g_e_r_1 * l_c;
+    const krhpr_lanes g_k_0 = krhpr_of_leg(g->k[0], i);
+    const krhpr_lanes g_k_1 = krhpr_of_leg(g->k[1], i);
+    const krhpr_lanes s_l_0 = g_b_0 - g_k_0 * cosine[0] - g_k_1 * sine[0]; /* S_i in the platform frame */
+    const krhpr_lanes s_l_1 = g_b_1 + g_k_0 * sine[0] - g_k_1 * cosine[0];
     s[0] = p[0] + Q[0] * s_l_0 + Q[1] * s_l_1;
     s[1] = p[1] + Q[3] * s_l_0 + Q[4] * s_l_1;
     s[2] = p[2] + Q[6] * s_l_0 + Q[7] * s_l_1;
@@ -64,7 +61,7 @@ KRHPR_INLINE void krhpr_platform_spatial_a_residual_lanes(
 {
     const krhpr_lanes g_b_0 = krhpr_of_leg(g->b[0], i);
     const krhpr_lanes g_b_1 = krhpr_of_leg(g->b[1], i);
-    const krhpr_lanes g_k_0 = krhpr_of_leg(g->k[0], i);
+    const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes Qb_0 = g_b_0 * Q[0] + g_b_1 * Q[1]; /* Q b_i */
     const krhpr_lanes Qb_1 = g_b_0 * Q[3] + g_b_1 * Q[4];
     const krhpr_lanes Qb_2 = g_b_0 * Q[6] + g_b_1 * Q[7];
@@ -72,7 +69,7 @@ KRHPR_INLINE void krhpr_platform_spatial_a_residual_lanes(
     const krhpr_lanes a_1 = p[1] + Qb_1 - s[1];
     const krhpr_lanes a_2 = p[2] + Qb_2 - s[2];
     const krhpr_lanes a2 = a_0 * a_0 + a_1 * a_1 + a_2 * a_2;
-    residual[0] = a2 * 0.5 - g_k_0;
+    residual[0] = (a2 - g_k_2) * 0.5;
     residual[1] = Q[2] * a_0 + Q[5] * a_1 + Q[8] * a_2;
 }
 
@@ -164,7 +161,7 @@ KRHPR_INLINE void krhpr_platform_spatial_a_line_of_redundant_angles_lanes(
 }
 
 /* The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis: (1.33),
- * (1.34).  (7 add, 8 multiply) */
+ * (1.34).  (7 add, 6 multiply) */
 KRHPR_INLINE void krhpr_platform_spatial_a_line_of_redundant_lanes(
     const krhpr_platform_spatial_a_geometry *g, int i, const krhpr_lanes_at sine[1],
     const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT line,
@@ -172,14 +169,12 @@ KRHPR_INLINE void krhpr_platform_spatial_a_line_of_redundant_lanes(
 {
     const krhpr_lanes g_R_p = krhpr_of_leg(g->R_p, i);
     const krhpr_lanes g_l_r = krhpr_of_leg(g->l_r, i);
-    const krhpr_lanes g_e_r_0 = krhpr_of_leg(g->e_r[0], i);
-    const krhpr_lanes g_e_r_1 = krhpr_of_leg(g->e_r[1], i);
     const krhpr_lanes g_b_0 = krhpr_of_leg(g->b[0], i);
     const krhpr_lanes g_b_1 = krhpr_of_leg(g->b[1], i);
-    const krhpr_lanes l_c = g_l_r * cosine[0];
-    const krhpr_lanes l_s = g_l_r * sine[0];
-    const krhpr_lanes s_l_0 = g_b_0 - g_e_r_0 * l_c - g_e_r_1 * l_s; /* S_i in the platform frame */
-    const krhpr_lanes s_l_1 = g_b_1 + g_e_r_0 * l_s - g_e_r_1 * l_c;
+    const krhpr_lanes g_k_0 = krhpr_of_leg(g->k[0], i);
+    const krhpr_lanes g_k_1 = krhpr_of_leg(g->k[1], i);
+    const krhpr_lanes s_l_0 = g_b_0 - g_k_0 * cosine[0] - g_k_1 * sine[0]; /* S_i in the platform frame */
+    const krhpr_lanes s_l_1 = g_b_1 + g_k_0 * sine[0] - g_k_1 * cosine[0];
     const krhpr_lanes a_0 = g_b_0 - s_l_0;
     const krhpr_lanes a_1 = g_b_1 - s_l_1;
     line[0] = a_0;
@@ -321,16 +316,16 @@ KRHPR_INLINE void krhpr_platform_spatial_a_joint_lanes(
     const krhpr_lanes g_e_r_1 = krhpr_of_leg(g->e_r[1], i);
     const krhpr_lanes g_b_0 = krhpr_of_leg(g->b[0], i);
     const krhpr_lanes g_b_1 = krhpr_of_leg(g->b[1], i);
-    const krhpr_lanes g_k_1 = krhpr_of_leg(g->k[1], i);
+    const krhpr_lanes g_k_3 = krhpr_of_leg(g->k[3], i);
     const krhpr_lanes Qb_0 = g_b_0 * Q[0] + g_b_1 * Q[1]; /* Q b_i */
     const krhpr_lanes Qb_1 = g_b_0 * Q[3] + g_b_1 * Q[4];
     const krhpr_lanes Qb_2 = g_b_0 * Q[6] + g_b_1 * Q[7];
     const krhpr_lanes a_0 = p[0] + Qb_0 - s[0]; /* (1.4) */
-    const krhpr_lanes x_r_0 = a_0 * g_k_1; /* from S_i to B_i */
+    const krhpr_lanes x_r_0 = a_0 * g_k_3; /* from S_i to B_i */
     const krhpr_lanes a_1 = p[1] + Qb_1 - s[1]; /* (1.4) */
-    const krhpr_lanes x_r_1 = g_k_1 * a_1; /* from S_i to B_i */
+    const krhpr_lanes x_r_1 = g_k_3 * a_1; /* from S_i to B_i */
     const krhpr_lanes a_2 = p[2] + Qb_2 - s[2]; /* (1.4) */
-    const krhpr_lanes x_r_2 = g_k_1 * a_2; /* from S_i to B_i */
+    const krhpr_lanes x_r_2 = g_k_3 * a_2; /* from S_i to B_i */
     const krhpr_lanes y_r_0 = Q[5] * x_r_2 - Q[8] * x_r_1;
     const krhpr_lanes y_r_1 = Q[8] * x_r_0 - Q[2] * x_r_2;
     const krhpr_lanes y_r_2 = Q[2] * x_r_1 - Q[5] * x_r_0;
@@ -414,7 +409,7 @@ KRHPR_INLINE void krhpr_platform_spatial_a_solve_lanes(
 
 /* Factors of det J and margins.  Singular where the three redundant links' lines meet in a point or are
  * parallel (det J_a = 0), or where S_1, S_2, S_3 are collinear (det J_n = 0; excluded for l < 3 R_p / 4,
- * (1.35)).  Thesis: 1.4, 2.3.2.  (12 add, 20 multiply, 2 divide) */
+ * (1.35)).  Thesis: 1.4, 2.3.2.  (12 add, 18 multiply, 2 divide) */
 KRHPR_INLINE void krhpr_platform_spatial_a_type_2_lanes(
     const krhpr_lanes_at line[18], const krhpr_lanes_at point[6], const krhpr_lanes_at scale[6],
     krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins)
@@ -423,7 +418,7 @@ KRHPR_INLINE void krhpr_platform_spatial_a_type_2_lanes(
     const krhpr_lanes det_a = t1 + line[5] * (line[6] * line[13] - line[7] * line[12]); /* det J_a */
     const krhpr_lanes t2 = point[1] * (point[4] - point[2]) + point[2] * point[5] - point[0] * (point[5] - point[3]);
     const krhpr_lanes det_n = t2 - point[3] * point[4]; /* det J_n */
-    const krhpr_lanes R = scale[1] * (1.0 / 3.0) + scale[3] * (1.0 / 3.0) + scale[5] * (1.0 / 3.0); /* mean platform radius */
+    const krhpr_lanes R = (scale[5] + (scale[1] + scale[3])) * (1.0 / 3.0); /* mean platform radius */
     type_2[0] = det_a;
     type_2[1] = det_n;
     margins[0] = -det_a / (scale[4] * (scale[2] * (scale[0] * R)));
@@ -561,8 +556,8 @@ KRHPR_INLINE void krhpr_platform_spatial_a_tie_lanes(
     *length = g_l_r;
 }
 
-/* The sextic in tan(phi / 2) that holds the three end points.  Thesis: 3.2.1, (3.1) to (3.4).  (127 add,
- * 178 multiply, 3 divide, 2 square root) */
+/* The sextic in tan(phi / 2) that holds the three end points.  Thesis: 3.2.1, (3.1) to (3.4).  (123 add,
+ * 173 multiply, 3 divide, 2 square root) */
 KRHPR_INLINE void krhpr_platform_spatial_a_sextic_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at anchor[6], const krhpr_lanes_at length[3],
     krhpr_lanes turned, krhpr_lanes_at *KRHPR_RESTRICT sign, krhpr_lanes_at *KRHPR_RESTRICT flatness,
@@ -582,6 +577,9 @@ KRHPR_INLINE void krhpr_platform_spatial_a_sextic_lanes(
     const krhpr_lanes s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1;
     const krhpr_lanes s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2;
     const krhpr_lanes s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0;
+    const krhpr_lanes y_n_0 = s_12_2 * s_n_1 - s_12_1 * s_n_2; /* along y_1 or against it */
+    const krhpr_lanes y_n_1 = s_12_0 * s_n_2 - s_12_2 * s_n_0;
+    const krhpr_lanes y_n_2 = s_12_1 * s_n_0 - s_12_0 * s_n_1;
     const krhpr_lanes s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2;
     const krhpr_lanes s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2;
     const krhpr_lanes t1 = d_2_0 * d_3_1;
@@ -594,65 +592,66 @@ KRHPR_INLINE void krhpr_platform_spatial_a_sextic_lanes(
     const krhpr_lanes s_n_w = s_n_2_a * sense_2;
     const krhpr_lanes flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2));
     const krhpr_lanes v_1 = krhpr_lanes_sqrt(s_12_2_a); /* |s_12| */
-    const krhpr_lanes t5 = 1.0 / v_1;
-    const krhpr_lanes x_1_0 = s_12_0 * t5; /* (3.1) */
-    const krhpr_lanes x_1_1 = s_12_1 * t5;
-    const krhpr_lanes x_1_2 = s_12_2 * t5;
-    const krhpr_lanes t6 = 1.0 / krhpr_lanes_sqrt(s_n_w);
-    const krhpr_lanes z_1_0 = s_n_0 * sense * t6; /* (3.2) */
-    const krhpr_lanes z_1_1 = t6 * (s_n_1 * sense);
-    const krhpr_lanes z_1_2 = t6 * (s_n_2 * sense);
-    const krhpr_lanes y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2;
-    const krhpr_lanes y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0;
-    const krhpr_lanes y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1;
-    const krhpr_lanes r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2;
-    const krhpr_lanes r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2;
-    const krhpr_lanes points_10 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2;
-    const krhpr_lanes c_22 = d_2_0 * points_10;
+    const krhpr_lanes v_n = krhpr_lanes_sqrt(s_n_w);
+    const krhpr_lanes w_1 = 1.0 / v_1;
+    const krhpr_lanes w_n = sense / v_n; /* 1 / |s_n|, negative where the legs go the other way */
+    const krhpr_lanes x_1_0 = s_12_0 * w_1; /* (3.1) */
+    const krhpr_lanes x_1_1 = s_12_1 * w_1;
+    const krhpr_lanes x_1_2 = s_12_2 * w_1;
+    const krhpr_lanes z_1_0 = s_n_0 * w_n; /* (3.2) */
+    const krhpr_lanes z_1_1 = s_n_1 * w_n;
+    const krhpr_lanes z_1_2 = s_n_2 * w_n;
+    const krhpr_lanes w_y = w_1 * w_n;
+    const krhpr_lanes y_1_0 = y_n_0 * w_y;
+    const krhpr_lanes y_1_1 = y_n_1 * w_y;
+    const krhpr_lanes y_1_2 = y_n_2 * w_y;
+    const krhpr_lanes r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
+    const krhpr_lanes r_3_1 = w_n * (s_n_2_a * w_1);
+    const krhpr_lanes c_22 = d_2_0 * v_1;
     const krhpr_lanes c_23 = d_2_0 * r_3_0 + d_2_1 * r_3_1;
-    const krhpr_lanes c_32 = d_3_0 * points_10;
+    const krhpr_lanes c_32 = d_3_0 * v_1;
     const krhpr_lanes c_33 = d_3_0 * r_3_0 + d_3_1 * r_3_1;
-    const krhpr_lanes s_22 = points_10 * (anchor[1] - anchor[3]);
+    const krhpr_lanes s_22 = v_1 * (anchor[1] - anchor[3]);
     const krhpr_lanes s_23 = d_2_0 * r_3_1 - d_2_1 * r_3_0;
-    const krhpr_lanes s_32 = points_10 * (anchor[1] - anchor[5]);
+    const krhpr_lanes s_32 = v_1 * (anchor[1] - anchor[5]);
     const krhpr_lanes s_33 = d_3_0 * r_3_1 - d_3_1 * r_3_0;
-    const krhpr_lanes t7 = d_2_0 * d_2_0 + d_2_1 * d_2_1 + points_10 * points_10;
-    const krhpr_lanes t8 = c_22 * 2.0;
-    const krhpr_lanes z2_0 = t7 - t8;
+    const krhpr_lanes t5 = s_12_2_a + (d_2_0 * d_2_0 + d_2_1 * d_2_1);
+    const krhpr_lanes t6 = c_22 * 2.0;
+    const krhpr_lanes z2_0 = t5 - t6;
     const krhpr_lanes e2_1 = s_22 * 4.0;
-    const krhpr_lanes z2_2 = t7 + t8;
-    const krhpr_lanes t9 = d_3_0 * d_3_0 + d_3_1 * d_3_1 + r_3_0 * r_3_0 + r_3_1 * r_3_1;
-    const krhpr_lanes t10 = c_33 * 2.0;
-    const krhpr_lanes z3_0 = t9 - t10;
+    const krhpr_lanes z2_2 = t5 + t6;
+    const krhpr_lanes t7 = d_3_0 * d_3_0 + d_3_1 * d_3_1 + r_3_0 * r_3_0 + r_3_1 * r_3_1;
+    const krhpr_lanes t8 = c_33 * 2.0;
+    const krhpr_lanes z3_0 = t7 - t8;
     const krhpr_lanes e3_1 = s_33 * 4.0;
-    const krhpr_lanes z3_2 = t9 + t10;
-    const krhpr_lanes t11 = length[1] * length[1];
-    const krhpr_lanes t12 = length[0] * length[0];
-    const krhpr_lanes e2_0 = t11 - z2_0 - t12;
-    const krhpr_lanes e2_2 = t11 - z2_2 - t12;
-    const krhpr_lanes t13 = length[2] * length[2];
-    const krhpr_lanes e3_0 = t13 - z3_0 - t12;
-    const krhpr_lanes e3_2 = t13 - z3_2 - t12;
-    const krhpr_lanes t14 = d_2_0 * d_3_0;
-    const krhpr_lanes t15 = d_2_1 * d_3_1;
-    const krhpr_lanes t16 = r_3_0 * points_10;
-    const krhpr_lanes w_0 = t14 + t15 + t16 - c_23 - c_32;
-    const krhpr_lanes t17 = s_23 * 2.0 + s_32 * 2.0;
-    const krhpr_lanes w_2 = t16 + (t15 + (t14 + (c_23 + c_32)));
-    const krhpr_lanes t18 = r_3_1 * points_10;
-    const krhpr_lanes D_0 = t1 + s_32 + t18 - s_23 - t2;
-    const krhpr_lanes D_1 = c_23 * 2.0 - c_32 * 2.0;
-    const krhpr_lanes D_2 = t18 + (t1 + s_23) - s_32 - t2;
+    const krhpr_lanes z3_2 = t7 + t8;
+    const krhpr_lanes t9 = length[1] * length[1];
+    const krhpr_lanes t10 = length[0] * length[0];
+    const krhpr_lanes e2_0 = t9 - z2_0 - t10;
+    const krhpr_lanes e2_2 = t9 - z2_2 - t10;
+    const krhpr_lanes t11 = length[2] * length[2];
+    const krhpr_lanes e3_0 = t11 - z3_0 - t10;
+    const krhpr_lanes e3_2 = t11 - z3_2 - t10;
+    const krhpr_lanes t12 = d_2_0 * d_3_0;
+    const krhpr_lanes t13 = d_2_1 * d_3_1;
+    const krhpr_lanes t14 = v_1 * r_3_0;
+    const krhpr_lanes w_0 = t12 + t13 + t14 - c_23 - c_32;
+    const krhpr_lanes t15 = 2.0 * (s_23 + s_32);
+    const krhpr_lanes w_2 = t14 + (t13 + (t12 + (c_23 + c_32)));
+    const krhpr_lanes t16 = v_1 * r_3_1;
+    const krhpr_lanes D_0 = t1 + s_32 + t16 - s_23 - t2;
+    const krhpr_lanes D_1 = 2.0 * (c_23 - c_32);
+    const krhpr_lanes D_2 = t16 + (t1 + s_23) - s_32 - t2;
     const krhpr_lanes e22_0 = e2_0 * e2_0;
-    const krhpr_lanes t19 = 2.0 * e2_0;
-    const krhpr_lanes e22_1 = e2_1 * t19;
-    const krhpr_lanes e22_2 = e2_1 * e2_1 + e2_2 * t19;
+    const krhpr_lanes t17 = 2.0 * e2_0;
+    const krhpr_lanes e22_1 = e2_1 * t17;
+    const krhpr_lanes e22_2 = e2_1 * e2_1 + e2_2 * t17;
     const krhpr_lanes e22_3 = e2_2 * (2.0 * e2_1);
     const krhpr_lanes e22_4 = e2_2 * e2_2;
     const krhpr_lanes e33_0 = e3_0 * e3_0;
-    const krhpr_lanes t20 = 2.0 * e3_0;
-    const krhpr_lanes e33_1 = e3_1 * t20;
-    const krhpr_lanes e33_2 = e3_1 * e3_1 + e3_2 * t20;
+    const krhpr_lanes t18 = 2.0 * e3_0;
+    const krhpr_lanes e33_1 = e3_1 * t18;
+    const krhpr_lanes e33_2 = e3_1 * e3_1 + e3_2 * t18;
     const krhpr_lanes e33_3 = e3_2 * (2.0 * e3_1);
     const krhpr_lanes e33_4 = e3_2 * e3_2;
     const krhpr_lanes e23_0 = e2_0 * e3_0;
@@ -661,27 +660,27 @@ KRHPR_INLINE void krhpr_platform_spatial_a_sextic_lanes(
     const krhpr_lanes e23_3 = e2_1 * e3_2 + e3_1 * e2_2;
     const krhpr_lanes e23_4 = e2_2 * e3_2;
     const krhpr_lanes DD_0 = D_0 * D_0;
-    const krhpr_lanes t21 = 2.0 * D_0;
-    const krhpr_lanes DD_1 = D_1 * t21;
-    const krhpr_lanes DD_2 = D_1 * D_1 + D_2 * t21;
+    const krhpr_lanes t19 = 2.0 * D_0;
+    const krhpr_lanes DD_1 = D_1 * t19;
+    const krhpr_lanes DD_2 = D_1 * D_1 + D_2 * t19;
     const krhpr_lanes DD_3 = D_2 * (2.0 * D_1);
     const krhpr_lanes DD_4 = D_2 * D_2;
-    const krhpr_lanes t22 = 2.0 * e23_0;
-    const krhpr_lanes t23 = z3_0 * e22_1 - e3_1 * e22_0 - e2_1 * e33_0 + z2_0 * e33_1 - t12 * (4.0 * DD_1) + t17 * t22;
-    const krhpr_lanes t24 = 2.0 * e23_1;
-    const krhpr_lanes t25 = z3_2 * e22_0 - e3_1 * e22_1 + z3_0 * e22_2 + z2_2 * e33_0 - e2_1 * e33_1 + z2_0 * e33_2;
-    const krhpr_lanes t26 = 4.0 * t12;
-    const krhpr_lanes t27 = 2.0 * e23_2;
-    const krhpr_lanes t28 = z3_2 * e22_1 - e3_1 * e22_2 + z3_0 * e22_3 + z2_2 * e33_1 - e2_1 * e33_2 + z2_0 * e33_3;
-    const krhpr_lanes t29 = 2.0 * e23_3;
-    const krhpr_lanes t30 = z3_2 * e22_2 - e3_1 * e22_3 + z3_0 * e22_4 + z2_2 * e33_2 - e2_1 * e33_3 + z2_0 * e33_4;
-    const krhpr_lanes t31 = 2.0 * e23_4;
-    const krhpr_lanes t32 = z3_2 * e22_3 - e3_1 * e22_4 + z2_2 * e33_3 - e2_1 * e33_4 - t12 * (4.0 * DD_3) - w_2 * t29;
+    const krhpr_lanes t20 = 2.0 * e23_0;
+    const krhpr_lanes t21 = z3_0 * e22_1 - e3_1 * e22_0 - e2_1 * e33_0 + z2_0 * e33_1 - t10 * (4.0 * DD_1) + t15 * t20;
+    const krhpr_lanes t22 = 2.0 * e23_1;
+    const krhpr_lanes t23 = z3_2 * e22_0 - e3_1 * e22_1 + z3_0 * e22_2 + z2_2 * e33_0 - e2_1 * e33_1 + z2_0 * e33_2;
+    const krhpr_lanes t24 = 4.0 * t10;
+    const krhpr_lanes t25 = 2.0 * e23_2;
+    const krhpr_lanes t26 = z3_2 * e22_1 - e3_1 * e22_2 + z3_0 * e22_3 + z2_2 * e33_1 - e2_1 * e33_2 + z2_0 * e33_3;
+    const krhpr_lanes t27 = 2.0 * e23_3;
+    const krhpr_lanes t28 = z3_2 * e22_2 - e3_1 * e22_3 + z3_0 * e22_4 + z2_2 * e33_2 - e2_1 * e33_3 + z2_0 * e33_4;
+    const krhpr_lanes t29 = 2.0 * e23_4;
+    const krhpr_lanes t30 = z3_2 * e22_3 - e3_1 * e22_4 + z2_2 * e33_3 - e2_1 * e33_4 - t10 * (4.0 * DD_3) - w_2 * t27;
     sign[0] = 1.0 - t4 * t4;
     flatness[0] = flatness_0;
     points[0] = krhpr_all(0.0);
     points[1] = krhpr_all(0.0);
-    points[2] = points_10;
+    points[2] = v_1;
     points[3] = krhpr_all(0.0);
     points[4] = r_3_0;
     points[5] = r_3_1;
@@ -694,16 +693,16 @@ KRHPR_INLINE void krhpr_platform_spatial_a_sextic_lanes(
     axes[6] = x_1_2;
     axes[7] = y_1_2;
     axes[8] = z_1_2;
-    sextic[0] = z3_0 * e22_0 + z2_0 * e33_0 - t12 * (4.0 * DD_0) - w_0 * t22;
-    sextic[1] = t23 - w_0 * t24;
-    sextic[2] = t25 - t26 * (DD_0 + DD_2) - w_2 * t22 + t17 * t24 - w_0 * t27;
-    sextic[3] = t28 - t26 * (DD_1 + DD_3) - w_2 * t24 + t17 * t27 - w_0 * t29;
-    sextic[4] = t30 - t26 * (DD_2 + DD_4) - w_2 * t27 + t17 * t29 - w_0 * t31;
-    sextic[5] = t32 + t17 * t31;
-    sextic[6] = z3_2 * e22_4 + z2_2 * e33_4 - t12 * (4.0 * DD_4) - w_2 * t31;
+    sextic[0] = z3_0 * e22_0 + z2_0 * e33_0 - t10 * (4.0 * DD_0) - w_0 * t20;
+    sextic[1] = t21 - w_0 * t22;
+    sextic[2] = t23 - t24 * (DD_0 + DD_2) - w_2 * t20 + t15 * t22 - w_0 * t25;
+    sextic[3] = t26 - t24 * (DD_1 + DD_3) - w_2 * t22 + t15 * t25 - w_0 * t27;
+    sextic[4] = t28 - t24 * (DD_2 + DD_4) - w_2 * t25 + t15 * t27 - w_0 * t29;
+    sextic[5] = t30 + t15 * t29;
+    sextic[6] = z3_2 * e22_4 + z2_2 * e33_4 - t10 * (4.0 * DD_4) - w_2 * t29;
 }
 
-/* The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (184 add, 232 multiply, 9 divide, 2
+/* The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (184 add, 224 multiply, 9 divide, 2
  * square root) */
 KRHPR_INLINE void krhpr_platform_spatial_a_assembly_lanes(
     const krhpr_lanes_at root[2], const krhpr_lanes_at s[9], const krhpr_lanes_at anchor[6],
@@ -740,7 +739,7 @@ KRHPR_INLINE void krhpr_platform_spatial_a_assembly_lanes(
     const krhpr_lanes e_2 = t13 - t14 - z_2_0 * z_2_0 - z_2_1 * z_2_1;
     const krhpr_lanes t15 = length[2] * length[2];
     const krhpr_lanes e_3 = t15 - t14 - z_3_0 * z_3_0 - z_3_1 * z_3_1;
-    const krhpr_lanes t16 = 1.0 / (z_3_1 * (2.0 * z_2_0) - z_3_0 * (2.0 * z_2_1));
+    const krhpr_lanes t16 = 1.0 / (2.0 * (z_2_0 * z_3_1 - z_2_1 * z_3_0));
     const krhpr_lanes a_1_0_0 = (z_3_1 * e_2 - z_2_1 * e_3) * t16;
     const krhpr_lanes a_1_0_1 = t16 * (z_2_0 * e_3 - z_3_0 * e_2);
     const krhpr_lanes a_1_1_0 = a_1_0_0 - points[0];
@@ -749,63 +748,64 @@ KRHPR_INLINE void krhpr_platform_spatial_a_assembly_lanes(
     const krhpr_lanes a_2_1_1 = t6 + (t5 + a_1_0_1) - points[3];
     const krhpr_lanes a_3_1_0 = t8 + a_1_0_0 - points[4] - t9;
     const krhpr_lanes a_3_1_1 = t11 + (t10 + a_1_0_1) - points[5];
-    const krhpr_lanes t17 = t14 * 0.5;
-    const krhpr_lanes f_1_1 = 0.5 * (a_1_1_0 * a_1_1_0) + 0.5 * (a_1_1_1 * a_1_1_1) - t17;
-    const krhpr_lanes t18 = t13 * 0.5;
-    const krhpr_lanes f_2_1 = 0.5 * (a_2_1_0 * a_2_1_0) + 0.5 * (a_2_1_1 * a_2_1_1) - t18;
-    const krhpr_lanes t19 = t15 * 0.5;
-    const krhpr_lanes f_3_1 = 0.5 * (a_3_1_0 * a_3_1_0) + 0.5 * (a_3_1_1 * a_3_1_1) - t19;
+    const krhpr_lanes f_1_1 = (a_1_1_0 * a_1_1_0 + a_1_1_1 * a_1_1_1 - t14) * 0.5;
+    const krhpr_lanes f_2_1 = 0.5 * (a_2_1_0 * a_2_1_0 + a_2_1_1 * a_2_1_1 - t13);
+    const krhpr_lanes f_3_1 = 0.5 * (a_3_1_0 * a_3_1_0 + a_3_1_1 * a_3_1_1 - t15);
     const krhpr_lanes g_2_1 = a_2_1_1 * (t3 - t4) - t7 * a_2_1_0;
     const krhpr_lanes g_3_1 = a_3_1_1 * (t8 - t9) - t12 * a_3_1_0;
     const krhpr_lanes lambda_1_1 = a_2_1_0 * a_3_1_1 - a_2_1_1 * a_3_1_0;
     const krhpr_lanes lambda_2_1 = a_1_1_1 * a_3_1_0 - a_1_1_0 * a_3_1_1;
     const krhpr_lanes lambda_3_1 = a_1_1_0 * a_2_1_1 - a_1_1_1 * a_2_1_0;
-    const krhpr_lanes t20 = (f_1_1 * lambda_1_1 + f_2_1 * lambda_2_1 + f_3_1 * lambda_3_1) / (g_2_1 * lambda_2_1 + g_3_1 * lambda_3_1);
-    const krhpr_lanes t21 = g_2_1 * t20 - f_2_1;
-    const krhpr_lanes t22 = g_3_1 * t20 - f_3_1;
-    const krhpr_lanes t23 = lambda_1_1 * (a_3_1_1 * t21 - a_2_1_1 * t22) + lambda_2_1 * (a_1_1_1 * t22 + a_3_1_1 * f_1_1);
-    const krhpr_lanes t24 = 1.0 / (lambda_1_1 * lambda_1_1 + lambda_2_1 * lambda_2_1 + lambda_3_1 * lambda_3_1);
-    const krhpr_lanes move_1_0 = (t23 - lambda_3_1 * (a_1_1_1 * t21 + a_2_1_1 * f_1_1)) * t24;
-    const krhpr_lanes t25 = lambda_1_1 * (a_2_1_0 * t22 - a_3_1_0 * t21) - lambda_2_1 * (a_1_1_0 * t22 + a_3_1_0 * f_1_1);
-    const krhpr_lanes move_1_1 = t24 * (t25 + lambda_3_1 * (a_1_1_0 * t21 + a_2_1_0 * f_1_1));
-    const krhpr_lanes norm_1 = 1.0 / krhpr_lanes_sqrt(1.0 + t20 * t20);
-    const krhpr_lanes cos_1 = norm_1 * (cos_0 + sin_0 * t20);
-    const krhpr_lanes sin_1 = norm_1 * (sin_0 - cos_0 * t20);
+    const krhpr_lanes t17 = (f_1_1 * lambda_1_1 + f_2_1 * lambda_2_1 + f_3_1 * lambda_3_1) / (g_2_1 * lambda_2_1 + g_3_1 * lambda_3_1);
+    const krhpr_lanes t18 = g_2_1 * t17 - f_2_1;
+    const krhpr_lanes t19 = g_3_1 * t17 - f_3_1;
+    const krhpr_lanes t20 = lambda_1_1 * (a_3_1_1 * t18 - a_2_1_1 * t19) + lambda_2_1 * (a_1_1_1 * t19 + a_3_1_1 * f_1_1);
+    const krhpr_lanes t21 = 1.0 / (lambda_1_1 * lambda_1_1 + lambda_2_1 * lambda_2_1 + lambda_3_1 * lambda_3_1);
+    const krhpr_lanes move_1_0 = (t20 - lambda_3_1 * (a_1_1_1 * t18 + a_2_1_1 * f_1_1)) * t21;
+    const krhpr_lanes t22 = lambda_1_1 * (a_2_1_0 * t19 - a_3_1_0 * t18) - lambda_2_1 * (a_1_1_0 * t19 + a_3_1_0 * f_1_1);
+    const krhpr_lanes move_1_1 = t21 * (t22 + lambda_3_1 * (a_1_1_0 * t18 + a_2_1_0 * f_1_1));
+    const krhpr_lanes norm_1_of = 1.0 + t17 * t17;
+    const krhpr_lanes norm_12 = 1.0 / norm_1_of;
+    const krhpr_lanes norm_1 = norm_12 * krhpr_lanes_sqrt(norm_1_of);
+    const krhpr_lanes cos_1 = norm_1 * (cos_0 + sin_0 * t17);
+    const krhpr_lanes sin_1 = norm_1 * (sin_0 - cos_0 * t17);
     const krhpr_lanes a_1_1_on_0 = a_1_0_0 + move_1_0;
     const krhpr_lanes a_1_1_on_1 = a_1_0_1 + move_1_1;
     const krhpr_lanes a_1_2_0 = a_1_1_on_0 - points[0];
     const krhpr_lanes a_1_2_1 = a_1_1_on_1 - points[1];
-    const krhpr_lanes t26 = d_2_0 * cos_1;
-    const krhpr_lanes t27 = d_2_1 * sin_1;
-    const krhpr_lanes a_2_2_0 = a_1_1_on_0 + t26 - points[2] - t27;
-    const krhpr_lanes t28 = d_2_1 * cos_1;
-    const krhpr_lanes t29 = d_2_0 * sin_1;
-    const krhpr_lanes a_2_2_1 = a_1_1_on_1 + t28 + t29 - points[3];
-    const krhpr_lanes t30 = d_3_0 * cos_1;
-    const krhpr_lanes t31 = d_3_1 * sin_1;
-    const krhpr_lanes a_3_2_0 = a_1_1_on_0 + t30 - points[4] - t31;
-    const krhpr_lanes t32 = d_3_1 * cos_1;
-    const krhpr_lanes t33 = d_3_0 * sin_1;
-    const krhpr_lanes a_3_2_1 = a_1_1_on_1 + t32 + t33 - points[5];
-    const krhpr_lanes f_1_2 = 0.5 * (a_1_2_0 * a_1_2_0) + 0.5 * (a_1_2_1 * a_1_2_1) - t17;
-    const krhpr_lanes f_2_2 = 0.5 * (a_2_2_0 * a_2_2_0) + 0.5 * (a_2_2_1 * a_2_2_1) - t18;
-    const krhpr_lanes f_3_2 = 0.5 * (a_3_2_0 * a_3_2_0) + 0.5 * (a_3_2_1 * a_3_2_1) - t19;
-    const krhpr_lanes g_2_2 = a_2_2_1 * (t26 - t27) - a_2_2_0 * (t28 + t29);
-    const krhpr_lanes g_3_2 = a_3_2_1 * (t30 - t31) - a_3_2_0 * (t32 + t33);
+    const krhpr_lanes t23 = d_2_0 * cos_1;
+    const krhpr_lanes t24 = d_2_1 * sin_1;
+    const krhpr_lanes a_2_2_0 = a_1_1_on_0 + t23 - points[2] - t24;
+    const krhpr_lanes t25 = d_2_1 * cos_1;
+    const krhpr_lanes t26 = d_2_0 * sin_1;
+    const krhpr_lanes a_2_2_1 = a_1_1_on_1 + t25 + t26 - points[3];
+    const krhpr_lanes t27 = d_3_0 * cos_1;
+    const krhpr_lanes t28 = d_3_1 * sin_1;
+    const krhpr_lanes a_3_2_0 = a_1_1_on_0 + t27 - points[4] - t28;
+    const krhpr_lanes t29 = d_3_1 * cos_1;
+    const krhpr_lanes t30 = d_3_0 * sin_1;
+    const krhpr_lanes a_3_2_1 = a_1_1_on_1 + t29 + t30 - points[5];
+    const krhpr_lanes f_1_2 = 0.5 * (a_1_2_0 * a_1_2_0 + a_1_2_1 * a_1_2_1 - t14);
+    const krhpr_lanes f_2_2 = 0.5 * (a_2_2_0 * a_2_2_0 + a_2_2_1 * a_2_2_1 - t13);
+    const krhpr_lanes f_3_2 = 0.5 * (a_3_2_0 * a_3_2_0 + a_3_2_1 * a_3_2_1 - t15);
+    const krhpr_lanes g_2_2 = a_2_2_1 * (t23 - t24) - a_2_2_0 * (t25 + t26);
+    const krhpr_lanes g_3_2 = a_3_2_1 * (t27 - t28) - a_3_2_0 * (t29 + t30);
     const krhpr_lanes lambda_1_2 = a_2_2_0 * a_3_2_1 - a_2_2_1 * a_3_2_0;
     const krhpr_lanes lambda_2_2 = a_1_2_1 * a_3_2_0 - a_1_2_0 * a_3_2_1;
     const krhpr_lanes lambda_3_2 = a_1_2_0 * a_2_2_1 - a_1_2_1 * a_2_2_0;
-    const krhpr_lanes t34 = (f_1_2 * lambda_1_2 + f_2_2 * lambda_2_2 + f_3_2 * lambda_3_2) / (g_2_2 * lambda_2_2 + g_3_2 * lambda_3_2);
-    const krhpr_lanes t35 = g_2_2 * t34 - f_2_2;
-    const krhpr_lanes t36 = g_3_2 * t34 - f_3_2;
-    const krhpr_lanes t37 = lambda_1_2 * (a_3_2_1 * t35 - a_2_2_1 * t36) + lambda_2_2 * (a_1_2_1 * t36 + a_3_2_1 * f_1_2);
-    const krhpr_lanes t38 = 1.0 / (lambda_1_2 * lambda_1_2 + lambda_2_2 * lambda_2_2 + lambda_3_2 * lambda_3_2);
-    const krhpr_lanes move_2_0 = (t37 - lambda_3_2 * (a_1_2_1 * t35 + a_2_2_1 * f_1_2)) * t38;
-    const krhpr_lanes t39 = lambda_1_2 * (a_2_2_0 * t36 - a_3_2_0 * t35) - lambda_2_2 * (a_1_2_0 * t36 + a_3_2_0 * f_1_2);
-    const krhpr_lanes move_2_1 = t38 * (t39 + lambda_3_2 * (a_1_2_0 * t35 + a_2_2_0 * f_1_2));
-    const krhpr_lanes norm_2 = 1.0 / krhpr_lanes_sqrt(1.0 + t34 * t34);
-    const krhpr_lanes cos_2 = norm_2 * (cos_1 + sin_1 * t34);
-    const krhpr_lanes sin_2 = norm_2 * (sin_1 - cos_1 * t34);
+    const krhpr_lanes t31 = (f_1_2 * lambda_1_2 + f_2_2 * lambda_2_2 + f_3_2 * lambda_3_2) / (g_2_2 * lambda_2_2 + g_3_2 * lambda_3_2);
+    const krhpr_lanes t32 = g_2_2 * t31 - f_2_2;
+    const krhpr_lanes t33 = g_3_2 * t31 - f_3_2;
+    const krhpr_lanes t34 = lambda_1_2 * (a_3_2_1 * t32 - a_2_2_1 * t33) + lambda_2_2 * (a_1_2_1 * t33 + a_3_2_1 * f_1_2);
+    const krhpr_lanes t35 = 1.0 / (lambda_1_2 * lambda_1_2 + lambda_2_2 * lambda_2_2 + lambda_3_2 * lambda_3_2);
+    const krhpr_lanes move_2_0 = (t34 - lambda_3_2 * (a_1_2_1 * t32 + a_2_2_1 * f_1_2)) * t35;
+    const krhpr_lanes t36 = lambda_1_2 * (a_2_2_0 * t33 - a_3_2_0 * t32) - lambda_2_2 * (a_1_2_0 * t33 + a_3_2_0 * f_1_2);
+    const krhpr_lanes move_2_1 = t35 * (t36 + lambda_3_2 * (a_1_2_0 * t32 + a_2_2_0 * f_1_2));
+    const krhpr_lanes norm_2_of = 1.0 + t31 * t31;
+    const krhpr_lanes norm_22 = 1.0 / norm_2_of;
+    const krhpr_lanes norm_2 = norm_22 * krhpr_lanes_sqrt(norm_2_of);
+    const krhpr_lanes cos_2 = norm_2 * (cos_1 + sin_1 * t31);
+    const krhpr_lanes sin_2 = norm_2 * (sin_1 - cos_1 * t31);
     const krhpr_lanes a_1_2_on_0 = a_1_1_on_0 + move_2_0;
     const krhpr_lanes a_1_2_on_1 = a_1_1_on_1 + move_2_1;
     const krhpr_lanes Rd_2_0 = d_2_0 * cos_2 - d_2_1 * sin_2;
@@ -826,18 +826,18 @@ KRHPR_INLINE void krhpr_platform_spatial_a_assembly_lanes(
     const krhpr_lanes u_2_1 = cos_2 * a_2_1 - sin_2 * a_2_0;
     const krhpr_lanes u_3_0 = cos_2 * a_3_0 + sin_2 * a_3_1;
     const krhpr_lanes u_3_1 = cos_2 * a_3_1 - sin_2 * a_3_0;
-    const krhpr_lanes t40 = anchor[1] * u_1_0;
-    const krhpr_lanes t41 = anchor[0] * u_1_1;
-    const krhpr_lanes t42 = anchor[3] * u_2_0;
-    const krhpr_lanes t43 = anchor[2] * u_2_1;
-    const krhpr_lanes t44 = anchor[5] * u_3_0;
-    const krhpr_lanes t45 = anchor[4] * u_3_1;
-    const krhpr_lanes t46 = (t41 - t40) * (u_2_0 * u_3_1 - u_2_1 * u_3_0) + (t43 - t42) * (u_1_1 * u_3_0 - u_1_0 * u_3_1);
-    const krhpr_lanes det_J_a = (points[2] * points[5] - points[3] * points[4]) * (t46 + (t45 - t44) * (u_1_0 * u_2_1 - u_1_1 * u_2_0));
-    const krhpr_lanes t47 = a_1_0 * a_1_0 + a_1_1 * a_1_1 - t14;
-    const krhpr_lanes t48 = a_2_0 * a_2_0 + a_2_1 * a_2_1 - t13;
-    const krhpr_lanes t49 = a_3_0 * a_3_0 + a_3_1 * a_3_1 - t15;
-    const krhpr_lanes t50 = t15 + (t13 + t14);
+    const krhpr_lanes t37 = anchor[1] * u_1_0;
+    const krhpr_lanes t38 = anchor[0] * u_1_1;
+    const krhpr_lanes t39 = anchor[3] * u_2_0;
+    const krhpr_lanes t40 = anchor[2] * u_2_1;
+    const krhpr_lanes t41 = anchor[5] * u_3_0;
+    const krhpr_lanes t42 = anchor[4] * u_3_1;
+    const krhpr_lanes t43 = (t38 - t37) * (u_2_0 * u_3_1 - u_2_1 * u_3_0) + (t40 - t39) * (u_1_1 * u_3_0 - u_1_0 * u_3_1);
+    const krhpr_lanes det_J_a = (points[2] * points[5] - points[3] * points[4]) * (t43 + (t42 - t41) * (u_1_0 * u_2_1 - u_1_1 * u_2_0));
+    const krhpr_lanes t44 = a_1_0 * a_1_0 + a_1_1 * a_1_1 - t14;
+    const krhpr_lanes t45 = a_2_0 * a_2_0 + a_2_1 * a_2_1 - t13;
+    const krhpr_lanes t46 = a_3_0 * a_3_0 + a_3_1 * a_3_1 - t15;
+    const krhpr_lanes t47 = t15 + (t13 + t14);
     p[0] = s[0] + axes[0] * p_l_0 + axes[1] * p_l_1;
     p[1] = s[1] + axes[3] * p_l_0 + axes[4] * p_l_1;
     p[2] = s[2] + axes[6] * p_l_0 + axes[7] * p_l_1;
@@ -851,10 +851,10 @@ KRHPR_INLINE void krhpr_platform_spatial_a_assembly_lanes(
     Q[7] = axes[7] * cos_2 - axes[6] * sin_2;
     Q[8] = axes[8];
     *det_J = det_J_a;
-    miss[0] = (t47 * t47 + t48 * t48 + t49 * t49) / (t50 * t50);
-    tail_y[0] = t40 - t41;
-    tail_y[1] = t42 - t43;
-    tail_y[2] = t44 - t45;
+    miss[0] = (t44 * t44 + t45 * t45 + t46 * t46) / (t47 * t47);
+    tail_y[0] = t37 - t38;
+    tail_y[1] = t39 - t40;
+    tail_y[2] = t41 - t42;
     tail_x[0] = anchor[0] * u_1_0 + anchor[1] * u_1_1;
     tail_x[1] = anchor[2] * u_2_0 + anchor[3] * u_2_1;
     tail_x[2] = anchor[4] * u_3_0 + anchor[5] * u_3_1;
@@ -904,7 +904,7 @@ KRHPR_INLINE void krhpr_platform_spatial_a_uniqueness_lanes(
 }
 
 /* The pose nearby in the platform's plane, and whether steps from it are certain to converge.  Thesis:
- * 3.2.2, (3.4) to (3.9).  (107 add, 164 multiply, 8 divide, 10 square root, 1 select) */
+ * 3.2.2, (3.4) to (3.9).  (100 add, 157 multiply, 8 divide, 10 square root, 1 select) */
 KRHPR_INLINE void krhpr_platform_spatial_a_newton_start_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at anchor[6], const krhpr_lanes_at length[3],
     const krhpr_lanes_at p_near[3], const krhpr_lanes_at Q_near[9], krhpr_lanes_at *KRHPR_RESTRICT flatness,
@@ -925,6 +925,9 @@ KRHPR_INLINE void krhpr_platform_spatial_a_newton_start_lanes(
     const krhpr_lanes s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1;
     const krhpr_lanes s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2;
     const krhpr_lanes s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0;
+    const krhpr_lanes y_n_0 = s_12_2 * s_n_1 - s_12_1 * s_n_2; /* along y_1 or against it */
+    const krhpr_lanes y_n_1 = s_12_0 * s_n_2 - s_12_2 * s_n_0;
+    const krhpr_lanes y_n_2 = s_12_1 * s_n_0 - s_12_0 * s_n_1;
     const krhpr_lanes s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2;
     const krhpr_lanes s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2;
     const krhpr_lanes sense = d_2_0 * d_3_1 - d_2_1 * d_3_0; /* positive where the legs go round z_1 */
@@ -932,26 +935,27 @@ KRHPR_INLINE void krhpr_platform_spatial_a_newton_start_lanes(
     const krhpr_lanes s_n_w = s_n_2_a * sense_2;
     const krhpr_lanes flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2));
     const krhpr_lanes v_1 = krhpr_lanes_sqrt(s_12_2_a); /* |s_12| */
-    const krhpr_lanes t1 = 1.0 / v_1;
-    const krhpr_lanes x_1_0 = s_12_0 * t1; /* (3.1) */
-    const krhpr_lanes x_1_1 = s_12_1 * t1;
-    const krhpr_lanes x_1_2 = s_12_2 * t1;
-    const krhpr_lanes t2 = 1.0 / krhpr_lanes_sqrt(s_n_w);
-    const krhpr_lanes z_1_0 = s_n_0 * sense * t2; /* (3.2) */
-    const krhpr_lanes z_1_1 = t2 * (s_n_1 * sense);
-    const krhpr_lanes z_1_2 = t2 * (s_n_2 * sense);
-    const krhpr_lanes y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2;
-    const krhpr_lanes y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0;
-    const krhpr_lanes y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1;
-    const krhpr_lanes r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2;
-    const krhpr_lanes r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2;
-    const krhpr_lanes t3 = s_12_0 * x_1_0;
-    const krhpr_lanes t4 = s_12_1 * x_1_1;
-    const krhpr_lanes t5 = s_12_2 * x_1_2;
-    const krhpr_lanes c = Q_near[0] * x_1_0 + Q_near[3] * x_1_1 + Q_near[6] * x_1_2;
-    const krhpr_lanes s_a = Q_near[0] * y_1_0 + Q_near[3] * y_1_1 + Q_near[6] * y_1_2;
-    const krhpr_lanes norm = 1.0 / krhpr_lanes_sqrt(c * c + s_a * s_a);
-    const krhpr_lanes cos = c * norm;
+    const krhpr_lanes v_n = krhpr_lanes_sqrt(s_n_w);
+    const krhpr_lanes w_1 = 1.0 / v_1;
+    const krhpr_lanes w_n = sense / v_n; /* 1 / |s_n|, negative where the legs go the other way */
+    const krhpr_lanes x_1_0 = s_12_0 * w_1; /* (3.1) */
+    const krhpr_lanes x_1_1 = s_12_1 * w_1;
+    const krhpr_lanes x_1_2 = s_12_2 * w_1;
+    const krhpr_lanes z_1_0 = s_n_0 * w_n; /* (3.2) */
+    const krhpr_lanes z_1_1 = s_n_1 * w_n;
+    const krhpr_lanes z_1_2 = s_n_2 * w_n;
+    const krhpr_lanes w_y = w_1 * w_n;
+    const krhpr_lanes y_1_0 = y_n_0 * w_y;
+    const krhpr_lanes y_1_1 = y_n_1 * w_y;
+    const krhpr_lanes y_1_2 = y_n_2 * w_y;
+    const krhpr_lanes r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
+    const krhpr_lanes r_3_1 = w_n * (s_n_2_a * w_1);
+    const krhpr_lanes c = Q_near[0] * s_12_0 + Q_near[3] * s_12_1 + Q_near[6] * s_12_2;
+    const krhpr_lanes s_a = sense * (Q_near[0] * y_n_0 + Q_near[3] * y_n_1 + Q_near[6] * y_n_2);
+    const krhpr_lanes norm_of = s_a * s_a + s_n_w * (c * c);
+    const krhpr_lanes norm2 = 1.0 / norm_of;
+    const krhpr_lanes norm = norm2 * krhpr_lanes_sqrt(norm_of);
+    const krhpr_lanes cos = v_n * (c * norm);
     const krhpr_lanes sin = s_a * norm;
     const krhpr_lanes arm_0 = p_near[0] + anchor[0] * Q_near[0] + anchor[1] * Q_near[1] - s[0]; /* S_1 to B_1 */
     const krhpr_lanes arm_1 = p_near[1] + anchor[0] * Q_near[3] + anchor[1] * Q_near[4] - s[1];
@@ -962,53 +966,52 @@ KRHPR_INLINE void krhpr_platform_spatial_a_newton_start_lanes(
     const krhpr_lanes Rd_2_1 = d_2_1 * cos + d_2_0 * sin;
     const krhpr_lanes Rd_3_0 = d_3_0 * cos - d_3_1 * sin;
     const krhpr_lanes Rd_3_1 = d_3_1 * cos + d_3_0 * sin;
-    const krhpr_lanes b_2_0 = a_1_0 + Rd_2_0 - t3 - t4 - t5; /* S_i to B_i */
+    const krhpr_lanes b_2_0 = a_1_0 + Rd_2_0 - v_1; /* S_i to B_i */
     const krhpr_lanes b_2_1 = a_1_1 + Rd_2_1;
     const krhpr_lanes b_3_0 = a_1_0 + Rd_3_0 - r_3_0;
     const krhpr_lanes b_3_1 = a_1_1 + Rd_3_1 - r_3_1;
-    const krhpr_lanes t6 = d_2_0 * d_2_0;
-    const krhpr_lanes t7 = d_2_1 * d_2_1;
-    const krhpr_lanes t8 = d_3_0 * d_3_0;
-    const krhpr_lanes t9 = d_3_1 * d_3_1;
-    const krhpr_lanes L_2 = 0.5 * t6 + 0.5 * t7 + 0.5 * t8 + 0.5 * t9; /* the platform's size, squared */
+    const krhpr_lanes t1 = d_2_0 * d_2_0 + d_2_1 * d_2_1;
+    const krhpr_lanes t2 = d_3_0 * d_3_0;
+    const krhpr_lanes t3 = d_3_1 * d_3_1;
+    const krhpr_lanes L_2 = (t1 + t2 + t3) * 0.5; /* the platform's size, squared */
     const krhpr_lanes L = krhpr_lanes_sqrt(L_2);
-    const krhpr_lanes F_1 = 0.5 * (a_1_0 * a_1_0) + 0.5 * (a_1_1 * a_1_1) - 0.5 * (length[0] * length[0]);
-    const krhpr_lanes F_2 = 0.5 * (b_2_0 * b_2_0) + 0.5 * (b_2_1 * b_2_1) - 0.5 * (length[1] * length[1]);
-    const krhpr_lanes F_3 = 0.5 * (b_3_0 * b_3_0) + 0.5 * (b_3_1 * b_3_1) - 0.5 * (length[2] * length[2]);
-    const krhpr_lanes t10 = 1.0 / L;
-    const krhpr_lanes G_2 = (Rd_2_0 * b_2_1 - Rd_2_1 * b_2_0) * t10;
-    const krhpr_lanes G_3 = t10 * (Rd_3_0 * b_3_1 - Rd_3_1 * b_3_0);
+    const krhpr_lanes F_1 = 0.5 * (a_1_0 * a_1_0 + a_1_1 * a_1_1 - length[0] * length[0]);
+    const krhpr_lanes F_2 = 0.5 * (b_2_0 * b_2_0 + b_2_1 * b_2_1 - length[1] * length[1]);
+    const krhpr_lanes F_3 = 0.5 * (b_3_0 * b_3_0 + b_3_1 * b_3_1 - length[2] * length[2]);
+    const krhpr_lanes t4 = 1.0 / L;
+    const krhpr_lanes G_2 = (Rd_2_0 * b_2_1 - Rd_2_1 * b_2_0) * t4;
+    const krhpr_lanes G_3 = t4 * (Rd_3_0 * b_3_1 - Rd_3_1 * b_3_0);
     const krhpr_lanes mu_1 = b_2_0 * b_3_1 - b_2_1 * b_3_0;
     const krhpr_lanes mu_2 = a_1_1 * b_3_0 - a_1_0 * b_3_1;
     const krhpr_lanes mu_3 = a_1_0 * b_2_1 - a_1_1 * b_2_0;
     const krhpr_lanes det = G_2 * mu_2 + G_3 * mu_3;
     const krhpr_lanes inv_1_1 = b_2_1 * G_3 - b_3_1 * G_2;
     const krhpr_lanes inv_1_2 = b_3_0 * G_2 - b_2_0 * G_3;
-    const krhpr_lanes t11 = a_1_1 * G_3;
+    const krhpr_lanes t5 = a_1_1 * G_3;
     const krhpr_lanes inv_2_2 = a_1_0 * G_3;
     const krhpr_lanes inv_3_1 = a_1_1 * G_2;
-    const krhpr_lanes t12 = a_1_0 * G_2;
-    const krhpr_lanes t13 = inv_1_1 * inv_1_1 + inv_1_2 * inv_1_2 + t11 * t11 + inv_2_2 * inv_2_2 + inv_3_1 * inv_3_1;
-    const krhpr_lanes b_2 = (t13 + t12 * t12 + mu_1 * mu_1 + mu_2 * mu_2 + mu_3 * mu_3) / (det * det); /* b squared */
-    const krhpr_lanes t14 = F_1 * inv_1_1 - F_2 * t11 + F_3 * inv_3_1;
-    const krhpr_lanes t15 = F_1 * inv_1_2 + F_2 * inv_2_2 - F_3 * t12;
-    const krhpr_lanes t16 = F_1 * mu_1 + F_2 * mu_2 + F_3 * mu_3;
-    const krhpr_lanes step = krhpr_lanes_sqrt(t14 * t14 + t15 * t15 + t16 * t16) / krhpr_lanes_fabs(det); /* n */
-    const krhpr_lanes q_2 = krhpr_lanes_sqrt(t6 + t7); /* |d_i| */
+    const krhpr_lanes t6 = a_1_0 * G_2;
+    const krhpr_lanes t7 = inv_1_1 * inv_1_1 + inv_1_2 * inv_1_2 + t5 * t5 + inv_2_2 * inv_2_2 + inv_3_1 * inv_3_1;
+    const krhpr_lanes b_2 = (t7 + t6 * t6 + mu_1 * mu_1 + mu_2 * mu_2 + mu_3 * mu_3) / (det * det); /* b squared */
+    const krhpr_lanes t8 = F_1 * inv_1_1 - F_2 * t5 + F_3 * inv_3_1;
+    const krhpr_lanes t9 = F_1 * inv_1_2 + F_2 * inv_2_2 - F_3 * t6;
+    const krhpr_lanes t10 = F_1 * mu_1 + F_2 * mu_2 + F_3 * mu_3;
+    const krhpr_lanes step = krhpr_lanes_sqrt(t8 * t8 + t9 * t9 + t10 * t10) / krhpr_lanes_fabs(det); /* n */
+    const krhpr_lanes q_2 = krhpr_lanes_sqrt(t1); /* |d_i| */
     const krhpr_lanes o_2_0 = b_2_0 - Rd_2_0;
     const krhpr_lanes o_2_1 = b_2_1 - Rd_2_1;
-    const krhpr_lanes t17 = step * 2.0;
-    const krhpr_lanes t18 = 1.0 / L_2;
-    const krhpr_lanes bent_2 = q_2 * (krhpr_lanes_sqrt(o_2_0 * o_2_0 + o_2_1 * o_2_1) + t17) * t18;
-    const krhpr_lanes q_3 = krhpr_lanes_sqrt(t8 + t9); /* |d_i| */
+    const krhpr_lanes t11 = step * 2.0;
+    const krhpr_lanes t12 = 1.0 / L_2;
+    const krhpr_lanes bent_2 = q_2 * (krhpr_lanes_sqrt(o_2_0 * o_2_0 + o_2_1 * o_2_1) + t11) * t12;
+    const krhpr_lanes q_3 = krhpr_lanes_sqrt(t2 + t3); /* |d_i| */
     const krhpr_lanes o_3_0 = b_3_0 - Rd_3_0;
     const krhpr_lanes o_3_1 = b_3_1 - Rd_3_1;
-    const krhpr_lanes bent_3 = t18 * (q_3 * (t17 + krhpr_lanes_sqrt(o_3_0 * o_3_0 + o_3_1 * o_3_1)));
-    const krhpr_lanes t19 = 6.0 + bent_2 * bent_2 + bent_3 * bent_3 + t18 * (2.0 * (q_2 * q_2)) + t18 * (2.0 * (q_3 * q_3));
+    const krhpr_lanes bent_3 = t12 * (q_3 * (t11 + krhpr_lanes_sqrt(o_3_0 * o_3_0 + o_3_1 * o_3_1)));
+    const krhpr_lanes t13 = 6.0 + bent_2 * bent_2 + bent_3 * bent_3 + t12 * (2.0 * (q_2 * q_2)) + t12 * (2.0 * (q_3 * q_3));
     flatness[0] = flatness_0;
     points[0] = krhpr_all(0.0);
     points[1] = krhpr_all(0.0);
-    points[2] = t3 + t4 + t5;
+    points[2] = v_1;
     points[3] = krhpr_all(0.0);
     points[4] = r_3_0;
     points[5] = r_3_1;
@@ -1028,7 +1031,7 @@ KRHPR_INLINE void krhpr_platform_spatial_a_newton_start_lanes(
     start[2] = a_1_1;
     start[3] = cos;
     start[4] = sin;
-    *kantorovich = t17 * krhpr_lanes_sqrt(b_2 * t19);
+    *kantorovich = t11 * krhpr_lanes_sqrt(b_2 * t13);
 }
 
 /* Angles whose sines and cosines `newton_step` reads.  (no operations) */
@@ -1038,7 +1041,7 @@ KRHPR_INLINE void krhpr_platform_spatial_a_newton_step_angles_lanes(
     angle[0] = state[0];
 }
 
-/* One Newton step of the links' lengths.  Thesis: 3.2.2, (3.4) to (3.9).  (63 add, 81 multiply, 4 divide, 1
+/* One Newton step of the links' lengths.  Thesis: 3.2.2, (3.4) to (3.9).  (63 add, 76 multiply, 4 divide, 1
  * square root) */
 KRHPR_INLINE void krhpr_platform_spatial_a_newton_step_lanes(
     const krhpr_lanes_at state[5], const krhpr_lanes_at centre[2], const krhpr_lanes_at anchor[6],
@@ -1066,9 +1069,9 @@ KRHPR_INLINE void krhpr_platform_spatial_a_newton_step_lanes(
     const krhpr_lanes t7 = d_3_1 * cos;
     const krhpr_lanes t8 = d_3_0 * sin;
     const krhpr_lanes a_3_on_1 = state[2] + t7 + t8 - points[5];
-    const krhpr_lanes f_1_on = 0.5 * (a_1_on_0 * a_1_on_0) + 0.5 * (a_1_on_1 * a_1_on_1) - 0.5 * (length[0] * length[0]);
-    const krhpr_lanes f_2_on = 0.5 * (a_2_on_0 * a_2_on_0) + 0.5 * (a_2_on_1 * a_2_on_1) - 0.5 * (length[1] * length[1]);
-    const krhpr_lanes f_3_on = 0.5 * (a_3_on_0 * a_3_on_0) + 0.5 * (a_3_on_1 * a_3_on_1) - 0.5 * (length[2] * length[2]);
+    const krhpr_lanes f_1_on = (a_1_on_0 * a_1_on_0 + a_1_on_1 * a_1_on_1 - length[0] * length[0]) * 0.5;
+    const krhpr_lanes f_2_on = 0.5 * (a_2_on_0 * a_2_on_0 + a_2_on_1 * a_2_on_1 - length[1] * length[1]);
+    const krhpr_lanes f_3_on = 0.5 * (a_3_on_0 * a_3_on_0 + a_3_on_1 * a_3_on_1 - length[2] * length[2]);
     const krhpr_lanes g_2_on = a_2_on_1 * (t1 - t2) - a_2_on_0 * (t3 + t4);
     const krhpr_lanes g_3_on = a_3_on_1 * (t5 - t6) - a_3_on_0 * (t7 + t8);
     const krhpr_lanes lambda_1_on = a_2_on_0 * a_3_on_1 - a_2_on_1 * a_3_on_0;
@@ -1084,7 +1087,9 @@ KRHPR_INLINE void krhpr_platform_spatial_a_newton_step_lanes(
     const krhpr_lanes t15 = lambda_1_on * (a_2_on_0 * t11 - a_3_on_0 * t10) - lambda_2_on * (a_1_on_0 * t11 + a_3_on_0 * f_1_on);
     const krhpr_lanes move_on_1 = t14 * (t15 + lambda_3_on * (a_1_on_0 * t10 + a_2_on_0 * f_1_on));
     const krhpr_lanes t16 = t9 * t9;
-    const krhpr_lanes norm_on = 1.0 / krhpr_lanes_sqrt(1.0 + t16);
+    const krhpr_lanes norm_on_of = 1.0 + t16;
+    const krhpr_lanes norm_on2 = 1.0 / norm_on_of;
+    const krhpr_lanes norm_on = norm_on2 * krhpr_lanes_sqrt(norm_on_of);
     const krhpr_lanes cos_on = norm_on * (cos + sin * t9);
     const krhpr_lanes sin_on = norm_on * (sin - cos * t9);
     const krhpr_lanes size = d_2_0 * d_2_0 + d_2_1 * d_2_1 + d_3_0 * d_3_0 + d_3_1 * d_3_1;
@@ -1158,10 +1163,10 @@ KRHPR_INLINE void krhpr_platform_spatial_a_newton_pose_lanes(
 KRHPR_INLINE void krhpr_platform_spatial_a_arm_lanes(
     const krhpr_platform_spatial_a_geometry *g, int i, krhpr_lanes_at *KRHPR_RESTRICT arm)
 {
-    const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
-    const krhpr_lanes g_k_3 = krhpr_of_leg(g->k[3], i);
-    arm[0] = g_k_2;
-    arm[1] = g_k_3;
+    const krhpr_lanes g_k_0 = krhpr_of_leg(g->k[0], i);
+    const krhpr_lanes g_k_1 = krhpr_of_leg(g->k[1], i);
+    arm[0] = g_k_0;
+    arm[1] = g_k_1;
 }
 
 /* Angles whose sines and cosines `turns_1` reads.  (no operations) */
@@ -1218,7 +1223,7 @@ KRHPR_INLINE void krhpr_platform_spatial_a_turns_3_lanes(
     turns[5] = sine[2];
 }
 
-/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (98 add, 131 multiply, 5
+/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (93 add, 124 multiply, 5
  * divide, 5 square root, 4 select) */
 KRHPR_INLINE void krhpr_platform_spatial_a_one_encoder_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at turns[2], const krhpr_lanes_at anchor[6],
@@ -1238,6 +1243,9 @@ KRHPR_INLINE void krhpr_platform_spatial_a_one_encoder_lanes(
     const krhpr_lanes s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1;
     const krhpr_lanes s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2;
     const krhpr_lanes s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0;
+    const krhpr_lanes y_n_0 = s_12_2 * s_n_1 - s_12_1 * s_n_2; /* along y_1 or against it */
+    const krhpr_lanes y_n_1 = s_12_0 * s_n_2 - s_12_2 * s_n_0;
+    const krhpr_lanes y_n_2 = s_12_1 * s_n_0 - s_12_0 * s_n_1;
     const krhpr_lanes s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2;
     const krhpr_lanes s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2;
     const krhpr_lanes sense = (anchor[2] - anchor[0]) * (anchor[5] - anchor[1]) - (anchor[3] - anchor[1]) * (anchor[4] - anchor[0]); /* positive where the legs go round z_1 */
@@ -1245,71 +1253,72 @@ KRHPR_INLINE void krhpr_platform_spatial_a_one_encoder_lanes(
     const krhpr_lanes s_n_w = s_n_2_a * sense_2;
     const krhpr_lanes flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2));
     const krhpr_lanes v_1 = krhpr_lanes_sqrt(s_12_2_a); /* |s_12| */
-    const krhpr_lanes t1 = 1.0 / v_1;
-    const krhpr_lanes x_1_0 = s_12_0 * t1; /* (3.1) */
-    const krhpr_lanes x_1_1 = s_12_1 * t1;
-    const krhpr_lanes x_1_2 = s_12_2 * t1;
-    const krhpr_lanes t2 = 1.0 / krhpr_lanes_sqrt(s_n_w);
-    const krhpr_lanes z_1_0 = s_n_0 * sense * t2; /* (3.2) */
-    const krhpr_lanes z_1_1 = t2 * (s_n_1 * sense);
-    const krhpr_lanes z_1_2 = t2 * (s_n_2 * sense);
-    const krhpr_lanes y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2;
-    const krhpr_lanes y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0;
-    const krhpr_lanes y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1;
-    const krhpr_lanes r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2;
-    const krhpr_lanes r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2;
+    const krhpr_lanes v_n = krhpr_lanes_sqrt(s_n_w);
+    const krhpr_lanes w_1 = 1.0 / v_1;
+    const krhpr_lanes w_n = sense / v_n; /* 1 / |s_n|, negative where the legs go the other way */
+    const krhpr_lanes x_1_0 = s_12_0 * w_1; /* (3.1) */
+    const krhpr_lanes x_1_1 = s_12_1 * w_1;
+    const krhpr_lanes x_1_2 = s_12_2 * w_1;
+    const krhpr_lanes z_1_0 = s_n_0 * w_n; /* (3.2) */
+    const krhpr_lanes z_1_1 = s_n_1 * w_n;
+    const krhpr_lanes z_1_2 = s_n_2 * w_n;
+    const krhpr_lanes w_y = w_1 * w_n;
+    const krhpr_lanes y_1_0 = y_n_0 * w_y;
+    const krhpr_lanes y_1_1 = y_n_1 * w_y;
+    const krhpr_lanes y_1_2 = y_n_2 * w_y;
+    const krhpr_lanes r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
+    const krhpr_lanes r_3_1 = w_n * (s_n_2_a * w_1);
     const krhpr_lanes w_2_0 = anchor[2] - e_1_0; /* S_1 to B_i */
     const krhpr_lanes w_2_1 = anchor[3] - e_1_1;
     const krhpr_lanes w_3_0 = anchor[4] - e_1_0;
     const krhpr_lanes w_3_1 = anchor[5] - e_1_1;
-    const krhpr_lanes t3 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2;
-    const krhpr_lanes M = w_2_0 * t3;
-    const krhpr_lanes L = t3 * (e_1_1 - anchor[3]);
-    const krhpr_lanes N = 0.5 * (w_2_0 * w_2_0) + 0.5 * (w_2_1 * w_2_1) + 0.5 * (t3 * t3) - 0.5 * (length[1] * length[1]);
-    const krhpr_lanes ML_2 = L * L + M * M;
-    const krhpr_lanes t4 = 1.0 / ML_2;
-    const krhpr_lanes radicand_a = 1.0 - N * N * t4;
-    const krhpr_lanes root = krhpr_lanes_sqrt(t4 * radicand_a);
-    const krhpr_lanes middle = N * t4;
-    const krhpr_lanes t5 = M * middle;
-    const krhpr_lanes t6 = L * root;
-    const krhpr_lanes cos_plus = t5 - t6;
-    const krhpr_lanes t7 = L * middle;
-    const krhpr_lanes t8 = M * root;
-    const krhpr_lanes sin_plus = t7 + t8;
+    const krhpr_lanes M = v_1 * w_2_0;
+    const krhpr_lanes t1 = v_1 * w_2_1;
+    const krhpr_lanes N = (s_12_2_a + w_2_0 * w_2_0 + w_2_1 * w_2_1 - length[1] * length[1]) * 0.5;
+    const krhpr_lanes ML_2 = t1 * t1 + M * M;
+    const krhpr_lanes t2 = 1.0 / ML_2;
+    const krhpr_lanes radicand_a = 1.0 - N * N * t2;
+    const krhpr_lanes root = krhpr_lanes_sqrt(t2 * radicand_a);
+    const krhpr_lanes middle = N * t2;
+    const krhpr_lanes t3 = M * middle;
+    const krhpr_lanes t4 = t1 * root;
+    const krhpr_lanes cos_plus = t3 + t4;
+    const krhpr_lanes t5 = t1 * middle;
+    const krhpr_lanes t6 = M * root;
+    const krhpr_lanes sin_plus = t6 - t5;
     const krhpr_lanes a_3_plus_0 = w_3_0 * cos_plus - r_3_0 - w_3_1 * sin_plus; /* S_3 to B_3 */
     const krhpr_lanes a_3_plus_1 = w_3_1 * cos_plus + w_3_0 * sin_plus - r_3_1;
     const krhpr_lanes miss_plus = krhpr_lanes_sqrt(a_3_plus_0 * a_3_plus_0 + a_3_plus_1 * a_3_plus_1) - length[2];
-    const krhpr_lanes cos_minus = t5 + t6;
-    const krhpr_lanes sin_minus = t7 - t8;
-    const krhpr_lanes a_3_minus_0 = w_3_0 * cos_minus - r_3_0 - w_3_1 * sin_minus; /* S_3 to B_3 */
-    const krhpr_lanes a_3_minus_1 = w_3_1 * cos_minus + w_3_0 * sin_minus - r_3_1;
+    const krhpr_lanes cos_minus = t3 - t4;
+    const krhpr_lanes t7 = t5 + t6;
+    const krhpr_lanes a_3_minus_0 = w_3_0 * cos_minus - r_3_0 + w_3_1 * t7; /* S_3 to B_3 */
+    const krhpr_lanes a_3_minus_1 = w_3_1 * cos_minus - w_3_0 * t7 - r_3_1;
     const krhpr_lanes miss_minus = krhpr_lanes_sqrt(a_3_minus_0 * a_3_minus_0 + a_3_minus_1 * a_3_minus_1) - length[2];
-    const krhpr_lanes t9 = krhpr_lanes_fabs(miss_plus);
-    const krhpr_lanes t10 = krhpr_lanes_fabs(miss_minus);
-    const krhpr_lanes gap = t10 - t9;
-    const krhpr_lanes t11 = gap + 1e-300;
-    const krhpr_lanes sign = t11 / krhpr_lanes_fabs(t11);
+    const krhpr_lanes t8 = krhpr_lanes_fabs(miss_plus);
+    const krhpr_lanes t9 = krhpr_lanes_fabs(miss_minus);
+    const krhpr_lanes gap = t9 - t8;
+    const krhpr_lanes t10 = gap + 1e-300;
+    const krhpr_lanes sign = t10 / krhpr_lanes_fabs(t10);
+    const krhpr_lanes t11 = t4 * sign;
+    const krhpr_lanes cos_best = t3 + t11;
     const krhpr_lanes t12 = t6 * sign;
-    const krhpr_lanes cos_best = t5 - t12;
-    const krhpr_lanes t13 = t8 * sign;
-    const krhpr_lanes sin_best = t7 + t13;
-    const krhpr_lanes cos_other = t5 + t12;
-    const krhpr_lanes sin_other = t7 - t13;
+    const krhpr_lanes sin_best = t12 - t5;
+    const krhpr_lanes cos_other = t3 - t11;
+    const krhpr_lanes t13 = t5 + t12;
     const krhpr_lanes t14 = e_1_1 * sin_best - e_1_0 * cos_best;
     const krhpr_lanes t15 = e_1_1 * cos_best + e_1_0 * sin_best;
-    const krhpr_lanes t16 = e_1_1 * sin_other - e_1_0 * cos_other;
-    const krhpr_lanes t17 = e_1_1 * cos_other + e_1_0 * sin_other;
-    const krhpr_lanes t18 = 0.5 * miss_minus + 0.5 * miss_plus;
-    const krhpr_lanes t19 = 0.5 * sign * (miss_plus - miss_minus);
+    const krhpr_lanes t16 = e_1_1 * t13 + e_1_0 * cos_other;
+    const krhpr_lanes t17 = e_1_0 * t13 - e_1_1 * cos_other;
+    const krhpr_lanes t18 = miss_plus + miss_minus;
+    const krhpr_lanes t19 = sign * (miss_plus - miss_minus);
     flatness[0] = flatness_0;
     radicand[0] = radicand_a;
     p[0] = s[0] + x_1_0 * t14 - y_1_0 * t15;
     p[1] = s[1] + x_1_1 * t14 - y_1_1 * t15;
     p[2] = s[2] + x_1_2 * t14 - y_1_2 * t15;
-    p[3] = s[0] + x_1_0 * t16 - y_1_0 * t17;
-    p[4] = s[1] + x_1_1 * t16 - y_1_1 * t17;
-    p[5] = s[2] + x_1_2 * t16 - y_1_2 * t17;
+    p[3] = s[0] - x_1_0 * t16 + y_1_0 * t17;
+    p[4] = s[1] - x_1_1 * t16 + y_1_1 * t17;
+    p[5] = s[2] - x_1_2 * t16 + y_1_2 * t17;
     Q[0] = x_1_0 * cos_best + y_1_0 * sin_best;
     Q[1] = y_1_0 * cos_best - x_1_0 * sin_best;
     Q[2] = z_1_0;
@@ -1319,22 +1328,22 @@ KRHPR_INLINE void krhpr_platform_spatial_a_one_encoder_lanes(
     Q[6] = x_1_2 * cos_best + y_1_2 * sin_best;
     Q[7] = y_1_2 * cos_best - x_1_2 * sin_best;
     Q[8] = z_1_2;
-    Q[9] = x_1_0 * cos_other + y_1_0 * sin_other;
-    Q[10] = y_1_0 * cos_other - x_1_0 * sin_other;
+    Q[9] = x_1_0 * cos_other - y_1_0 * t13;
+    Q[10] = y_1_0 * cos_other + x_1_0 * t13;
     Q[11] = z_1_0;
-    Q[12] = x_1_1 * cos_other + y_1_1 * sin_other;
-    Q[13] = y_1_1 * cos_other - x_1_1 * sin_other;
+    Q[12] = x_1_1 * cos_other - y_1_1 * t13;
+    Q[13] = y_1_1 * cos_other + x_1_1 * t13;
     Q[14] = z_1_1;
-    Q[15] = x_1_2 * cos_other + y_1_2 * sin_other;
-    Q[16] = y_1_2 * cos_other - x_1_2 * sin_other;
+    Q[15] = x_1_2 * cos_other - y_1_2 * t13;
+    Q[16] = y_1_2 * cos_other + x_1_2 * t13;
     Q[17] = z_1_2;
-    mismatch[0] = t18 + t19;
-    mismatch[1] = t18 - t19;
-    agreement[0] = tolerance - krhpr_lanes_min(t9, t10);
+    mismatch[0] = 0.5 * (t18 + t19);
+    mismatch[1] = 0.5 * (t18 - t19);
+    agreement[0] = tolerance - krhpr_lanes_min(t8, t9);
 }
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
- * (3.24).  (49 add, 68 multiply, 5 divide, 3 square root, 1 select) */
+ * (3.24).  (45 add, 65 multiply, 5 divide, 3 square root, 1 select) */
 KRHPR_INLINE void krhpr_platform_spatial_a_two_encoders_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at turns[4], const krhpr_lanes_at anchor[6],
     const krhpr_lanes_at length[3], const krhpr_lanes_at arm[6], krhpr_lanes tolerance,
@@ -1357,6 +1366,9 @@ KRHPR_INLINE void krhpr_platform_spatial_a_two_encoders_lanes(
     const krhpr_lanes s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1;
     const krhpr_lanes s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2;
     const krhpr_lanes s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0;
+    const krhpr_lanes y_n_0 = s_12_2 * s_n_1 - s_12_1 * s_n_2; /* along y_1 or against it */
+    const krhpr_lanes y_n_1 = s_12_0 * s_n_2 - s_12_2 * s_n_0;
+    const krhpr_lanes y_n_2 = s_12_1 * s_n_0 - s_12_0 * s_n_1;
     const krhpr_lanes s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2;
     const krhpr_lanes s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2;
     const krhpr_lanes sense = (anchor[2] - anchor[0]) * (anchor[5] - anchor[1]) - (anchor[3] - anchor[1]) * (anchor[4] - anchor[0]); /* positive where the legs go round z_1 */
@@ -1364,32 +1376,33 @@ KRHPR_INLINE void krhpr_platform_spatial_a_two_encoders_lanes(
     const krhpr_lanes s_n_w = s_n_2_a * sense_2;
     const krhpr_lanes flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2));
     const krhpr_lanes v_1 = krhpr_lanes_sqrt(s_12_2_a); /* |s_12| */
-    const krhpr_lanes t1 = 1.0 / v_1;
-    const krhpr_lanes x_1_0 = s_12_0 * t1; /* (3.1) */
-    const krhpr_lanes x_1_1 = s_12_1 * t1;
-    const krhpr_lanes x_1_2 = s_12_2 * t1;
-    const krhpr_lanes t2 = 1.0 / krhpr_lanes_sqrt(s_n_w);
-    const krhpr_lanes z_1_0 = s_n_0 * sense * t2; /* (3.2) */
-    const krhpr_lanes z_1_1 = t2 * (s_n_1 * sense);
-    const krhpr_lanes z_1_2 = t2 * (s_n_2 * sense);
-    const krhpr_lanes y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2;
-    const krhpr_lanes y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0;
-    const krhpr_lanes y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1;
-    const krhpr_lanes r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2;
-    const krhpr_lanes r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2;
-    const krhpr_lanes points_10 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2;
+    const krhpr_lanes v_n = krhpr_lanes_sqrt(s_n_w);
+    const krhpr_lanes w_1 = 1.0 / v_1;
+    const krhpr_lanes w_n = sense / v_n; /* 1 / |s_n|, negative where the legs go the other way */
+    const krhpr_lanes x_1_0 = s_12_0 * w_1; /* (3.1) */
+    const krhpr_lanes x_1_1 = s_12_1 * w_1;
+    const krhpr_lanes x_1_2 = s_12_2 * w_1;
+    const krhpr_lanes z_1_0 = s_n_0 * w_n; /* (3.2) */
+    const krhpr_lanes z_1_1 = s_n_1 * w_n;
+    const krhpr_lanes z_1_2 = s_n_2 * w_n;
+    const krhpr_lanes w_y = w_1 * w_n;
+    const krhpr_lanes y_1_0 = y_n_0 * w_y;
+    const krhpr_lanes y_1_1 = y_n_1 * w_y;
+    const krhpr_lanes y_1_2 = y_n_2 * w_y;
+    const krhpr_lanes r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
+    const krhpr_lanes r_3_1 = w_n * (s_n_2_a * w_1);
     const krhpr_lanes d_12_0 = e_2_0 - e_1_0;
     const krhpr_lanes d_12_1 = e_2_1 - e_1_1;
     const krhpr_lanes d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
-    const krhpr_lanes t3 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1 + points_10 * points_10;
-    const krhpr_lanes t4 = 1.0 / d_12_2;
-    const krhpr_lanes cos = points_10 * d_12_0 * t4;
-    const krhpr_lanes sin = t4 * (points_10 * (e_1_1 - e_2_1));
-    const krhpr_lanes gap_0 = points_10 - krhpr_lanes_sqrt(d_12_2);
+    const krhpr_lanes spread_0 = d_12_2 / (s_12_2_a + (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1));
+    const krhpr_lanes t1 = 1.0 / d_12_2;
+    const krhpr_lanes cos = v_1 * d_12_0 * t1;
+    const krhpr_lanes sin = t1 * (v_1 * (e_1_1 - e_2_1));
+    const krhpr_lanes gap_0 = v_1 - krhpr_lanes_sqrt(d_12_2);
     flatness[0] = flatness_0;
     points[0] = krhpr_all(0.0);
     points[1] = krhpr_all(0.0);
-    points[2] = points_10;
+    points[2] = v_1;
     points[3] = krhpr_all(0.0);
     points[4] = r_3_0;
     points[5] = r_3_1;
@@ -1406,7 +1419,7 @@ KRHPR_INLINE void krhpr_platform_spatial_a_two_encoders_lanes(
     ends[1] = e_1_1;
     ends[2] = e_2_0;
     ends[3] = e_2_1;
-    spread[0] = d_12_2 / t3;
+    spread[0] = spread_0;
     linear[0] = cos;
     linear[1] = sin;
     linear[2] = -sin;
@@ -1418,7 +1431,7 @@ KRHPR_INLINE void krhpr_platform_spatial_a_two_encoders_lanes(
 }
 
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
- * 3.2.5, (3.30).  (65 add, 84 multiply, 5 divide, 7 square root, 5 select) */
+ * 3.2.5, (3.30).  (59 add, 82 multiply, 5 divide, 7 square root, 5 select) */
 KRHPR_INLINE void krhpr_platform_spatial_a_three_encoders_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at turns[6], const krhpr_lanes_at anchor[6],
     const krhpr_lanes_at length[3], const krhpr_lanes_at arm[6], krhpr_lanes tolerance,
@@ -1443,6 +1456,9 @@ KRHPR_INLINE void krhpr_platform_spatial_a_three_encoders_lanes(
     const krhpr_lanes s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1;
     const krhpr_lanes s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2;
     const krhpr_lanes s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0;
+    const krhpr_lanes y_n_0 = s_12_2 * s_n_1 - s_12_1 * s_n_2; /* along y_1 or against it */
+    const krhpr_lanes y_n_1 = s_12_0 * s_n_2 - s_12_2 * s_n_0;
+    const krhpr_lanes y_n_2 = s_12_1 * s_n_0 - s_12_0 * s_n_1;
     const krhpr_lanes s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2;
     const krhpr_lanes s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2;
     const krhpr_lanes sense = (anchor[2] - anchor[0]) * (anchor[5] - anchor[1]) - (anchor[3] - anchor[1]) * (anchor[4] - anchor[0]); /* positive where the legs go round z_1 */
@@ -1450,23 +1466,21 @@ KRHPR_INLINE void krhpr_platform_spatial_a_three_encoders_lanes(
     const krhpr_lanes s_n_w = s_n_2_a * sense_2;
     const krhpr_lanes flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2));
     const krhpr_lanes v_1 = krhpr_lanes_sqrt(s_12_2_a); /* |s_12| */
-    const krhpr_lanes t1 = 1.0 / v_1;
-    const krhpr_lanes x_1_0 = s_12_0 * t1; /* (3.1) */
-    const krhpr_lanes x_1_1 = s_12_1 * t1;
-    const krhpr_lanes x_1_2 = s_12_2 * t1;
-    const krhpr_lanes t2 = 1.0 / krhpr_lanes_sqrt(s_n_w);
-    const krhpr_lanes z_1_0 = s_n_0 * sense * t2; /* (3.2) */
-    const krhpr_lanes z_1_1 = t2 * (s_n_1 * sense);
-    const krhpr_lanes z_1_2 = t2 * (s_n_2 * sense);
-    const krhpr_lanes y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2;
-    const krhpr_lanes y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0;
-    const krhpr_lanes y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1;
-    const krhpr_lanes r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2;
-    const krhpr_lanes r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2;
-    const krhpr_lanes t3 = s_12_0 * x_1_0;
-    const krhpr_lanes t4 = s_12_1 * x_1_1;
-    const krhpr_lanes t5 = s_12_2 * x_1_2;
-    const krhpr_lanes points_10 = t3 + t4 + t5;
+    const krhpr_lanes v_n = krhpr_lanes_sqrt(s_n_w);
+    const krhpr_lanes w_1 = 1.0 / v_1;
+    const krhpr_lanes w_n = sense / v_n; /* 1 / |s_n|, negative where the legs go the other way */
+    const krhpr_lanes x_1_0 = s_12_0 * w_1; /* (3.1) */
+    const krhpr_lanes x_1_1 = s_12_1 * w_1;
+    const krhpr_lanes x_1_2 = s_12_2 * w_1;
+    const krhpr_lanes z_1_0 = s_n_0 * w_n; /* (3.2) */
+    const krhpr_lanes z_1_1 = s_n_1 * w_n;
+    const krhpr_lanes z_1_2 = s_n_2 * w_n;
+    const krhpr_lanes w_y = w_1 * w_n;
+    const krhpr_lanes y_1_0 = y_n_0 * w_y;
+    const krhpr_lanes y_1_1 = y_n_1 * w_y;
+    const krhpr_lanes y_1_2 = y_n_2 * w_y;
+    const krhpr_lanes r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
+    const krhpr_lanes r_3_1 = w_n * (s_n_2_a * w_1);
     const krhpr_lanes d_12_0 = e_2_0 - e_1_0;
     const krhpr_lanes d_12_1 = e_2_1 - e_1_1;
     const krhpr_lanes d_13_0 = e_3_0 - e_1_0;
@@ -1474,26 +1488,26 @@ KRHPR_INLINE void krhpr_platform_spatial_a_three_encoders_lanes(
     const krhpr_lanes area = d_12_0 * d_13_1 - d_12_1 * d_13_0;
     const krhpr_lanes d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
     const krhpr_lanes d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1;
-    const krhpr_lanes t6 = 1.0 / area;
-    const krhpr_lanes u_x_0 = (points_10 * d_13_1 - r_3_0 * d_12_1) * t6;
-    const krhpr_lanes u_x_1 = t6 * (r_3_1 * (e_1_1 - e_2_1));
-    const krhpr_lanes u_y_0 = t6 * (r_3_0 * d_12_0 - points_10 * d_13_0);
-    const krhpr_lanes u_y_1 = t6 * (r_3_1 * d_12_0);
-    const krhpr_lanes gap_0 = points_10 - krhpr_lanes_sqrt(d_2_0);
-    const krhpr_lanes t7 = r_3_1 * r_3_1;
-    const krhpr_lanes r_2_1 = r_3_0 * r_3_0 + t7;
+    const krhpr_lanes t1 = 1.0 / area;
+    const krhpr_lanes u_x_0 = (v_1 * d_13_1 - r_3_0 * d_12_1) * t1;
+    const krhpr_lanes u_x_1 = t1 * (r_3_1 * (e_1_1 - e_2_1));
+    const krhpr_lanes u_y_0 = t1 * (r_3_0 * d_12_0 - v_1 * d_13_0);
+    const krhpr_lanes u_y_1 = t1 * (r_3_1 * d_12_0);
+    const krhpr_lanes gap_0 = v_1 - krhpr_lanes_sqrt(d_2_0);
+    const krhpr_lanes t2 = r_3_1 * r_3_1;
+    const krhpr_lanes r_2_1 = r_3_0 * r_3_0 + t2;
     const krhpr_lanes gap_1 = krhpr_lanes_sqrt(r_2_1) - krhpr_lanes_sqrt(d_2_1);
-    const krhpr_lanes t8 = r_3_0 - t3 - t4 - t5;
-    const krhpr_lanes r_2_2 = t7 + t8 * t8;
-    const krhpr_lanes t9 = d_13_0 - d_12_0;
-    const krhpr_lanes t10 = d_13_1 - d_12_1;
-    const krhpr_lanes d_2_2 = t9 * t9 + t10 * t10;
+    const krhpr_lanes t3 = r_3_0 - v_1;
+    const krhpr_lanes r_2_2 = t2 + t3 * t3;
+    const krhpr_lanes t4 = d_13_0 - d_12_0;
+    const krhpr_lanes t5 = d_13_1 - d_12_1;
+    const krhpr_lanes d_2_2 = t4 * t4 + t5 * t5;
     const krhpr_lanes gap_2 = krhpr_lanes_sqrt(r_2_2) - krhpr_lanes_sqrt(d_2_2);
-    const krhpr_lanes t11 = krhpr_lanes_max(krhpr_lanes_max(krhpr_lanes_fabs(gap_0), krhpr_lanes_fabs(gap_1)), krhpr_lanes_fabs(gap_2));
+    const krhpr_lanes t6 = krhpr_lanes_max(krhpr_lanes_max(krhpr_lanes_fabs(gap_0), krhpr_lanes_fabs(gap_1)), krhpr_lanes_fabs(gap_2));
     flatness[0] = flatness_0;
     points[0] = krhpr_all(0.0);
     points[1] = krhpr_all(0.0);
-    points[2] = points_10;
+    points[2] = v_1;
     points[3] = krhpr_all(0.0);
     points[4] = r_3_0;
     points[5] = r_3_1;
@@ -1522,7 +1536,7 @@ KRHPR_INLINE void krhpr_platform_spatial_a_three_encoders_lanes(
     mismatch[0] = gap_0;
     mismatch[1] = gap_1;
     mismatch[2] = gap_2;
-    agreement[0] = tolerance - t11;
+    agreement[0] = tolerance - t6;
 }
 
 /* One Gauss-Newton step with encoders at 2 legs.  Thesis: 3.2.6, (3.32), (3.33).  (157 add, 264 multiply, 8

@@ -110,23 +110,28 @@ KRHPR_API int krhpr_spatial_delta_a_end_points(
     double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9))) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
-        krhpr_lanes s_legs[3];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3];
         krhpr_platform_spatial_a_end_point_lanes(
             &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
         krhpr_legs_store(s, 3, s_legs, 3, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(redundant, 3))) {
+        krhpr_fill_nan(s, 9);
+        return KRHPR_INVALID_INPUT;
     }
     return status;
 }
@@ -140,9 +145,9 @@ KRHPR_API int krhpr_spatial_delta_a_redundant_coordinates(
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes redundant_legs[1];
         krhpr_lanes tail_y_legs[1];
@@ -163,29 +168,38 @@ KRHPR_API int krhpr_spatial_delta_a_subleg_forward(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!krhpr_is_clean(krhpr_taint(theta, 9) + krhpr_taint(s_near, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(s_near, 9))) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes s_near_legs[3]; krhpr_legs_load(s_near_legs, s_near, 3, i);
-        krhpr_lanes s_legs[3];
-        krhpr_lanes radicand_legs[1];
         krhpr_lanes angle_legs[3];
         krhpr_lanes sine_legs[3];
         krhpr_lanes cosine_legs[3];
         krhpr_subleg_delta_forward_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_near_legs[3]; krhpr_legs_load(s_near_legs, s_near, 3, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes radicand_legs[1];
         krhpr_subleg_delta_forward_lanes(
             &g->subleg, i, s_near_legs, sine_legs, cosine_legs, s_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(s, 3, s_legs, 3, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(s + 3 * i, 3);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(s, 9);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(s + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -196,27 +210,32 @@ KRHPR_API int krhpr_spatial_delta_a_subleg_forward_all(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!krhpr_is_clean(krhpr_taint(theta, 9))) {
-        krhpr_fill_nan(s, 18);
-        return KRHPR_INVALID_INPUT;
-    }
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes s_legs[6];
-        krhpr_lanes radicand_legs[1];
         krhpr_lanes angle_legs[3];
         krhpr_lanes sine_legs[3];
         krhpr_lanes cosine_legs[3];
         krhpr_subleg_delta_forward_all_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[6];
+        krhpr_lanes radicand_legs[1];
         krhpr_subleg_delta_forward_all_lanes(&g->subleg, i, sine_legs, cosine_legs, s_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(s, 6, s_legs, 6, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(s + 6 * i, 6);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(s, 18);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(s + 6 * i, 6);
+            }
         }
     }
     return status;
@@ -231,6 +250,7 @@ KRHPR_API int krhpr_spatial_delta_a_subleg_inverse(
         krhpr_fill_nan(theta, 72);
         return KRHPR_INVALID_INPUT;
     }
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes radicand_legs[1];
@@ -264,13 +284,16 @@ KRHPR_API int krhpr_spatial_delta_a_subleg_inverse(
         theta_legs[21] = tail_legs[5];
         theta_legs[22] = tail_legs[4];
         theta_legs[23] = tail_legs[3];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 24, theta_legs, 24, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 24 * i, 24);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 24 * i, 24);
+            }
         }
     }
     return status;
@@ -282,33 +305,42 @@ KRHPR_API int krhpr_spatial_delta_a_subleg_jacobian(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9))) {
         krhpr_fill_nan(M, 27);
         return KRHPR_INVALID_INPUT;
     }
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes w_legs[9];
         krhpr_lanes b_legs[3];
         krhpr_lanes u_legs[6];
         krhpr_lanes M_legs[9];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_delta_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, w_legs, b_legs, u_legs);
         krhpr_subleg_delta_jacobian_lanes(&g->subleg, i, w_legs, b_legs, M_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(M, 9, M_legs, 9, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(M + 9 * i, 9);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(M, 27);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(M + 9 * i, 9);
+            }
         }
     }
     return status;
@@ -323,9 +355,9 @@ KRHPR_API int krhpr_spatial_delta_a_constraints(
         krhpr_fill_nan(residual, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes residual_legs[2];
         krhpr_platform_spatial_a_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
@@ -340,7 +372,7 @@ KRHPR_API int krhpr_spatial_delta_a_jacobians(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 54);
         return KRHPR_INVALID_INPUT;
@@ -348,11 +380,18 @@ KRHPR_API int krhpr_spatial_delta_a_jacobians(
     for (int k = 0; k < 54; ++k) {
         K[k] = 0.0;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes J_legs[12];
         krhpr_lanes N_legs[6];
         krhpr_lanes w_legs[9];
@@ -360,25 +399,28 @@ KRHPR_API int krhpr_spatial_delta_a_jacobians(
         krhpr_lanes u_legs[6];
         krhpr_lanes K_legs[6];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_delta_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, w_legs, b_legs, u_legs);
         krhpr_subleg_delta_project_lanes(&g->subleg, i, w_legs, b_legs, N_legs, K_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(J, 12, J_legs, 12, i);
         krhpr_legs_store(K, 21, K_legs, 3, i);
         krhpr_legs_store(K + 9, 21, K_legs + 3, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(K + 21 * i + 0, 3);
-            krhpr_fill_nan(K + 21 * i + 9, 3);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(J, 36);
+        krhpr_fill_nan(K, 54);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(K + 21 * i + 0, 3);
+                krhpr_fill_nan(K + 21 * i + 9, 3);
+            }
         }
     }
     return status;
@@ -390,16 +432,23 @@ KRHPR_API int krhpr_spatial_delta_a_jacobian_blocks(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 18);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes J_legs[12];
         krhpr_lanes N_legs[6];
         krhpr_lanes w_legs[9];
@@ -407,23 +456,26 @@ KRHPR_API int krhpr_spatial_delta_a_jacobian_blocks(
         krhpr_lanes u_legs[6];
         krhpr_lanes K_legs[6];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_delta_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, w_legs, b_legs, u_legs);
         krhpr_subleg_delta_project_lanes(&g->subleg, i, w_legs, b_legs, N_legs, K_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(J, 12, J_legs, 12, i);
         krhpr_legs_store(K, 6, K_legs, 6, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(K + 6 * i, 6);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(J, 36);
+        krhpr_fill_nan(K, 18);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(K + 6 * i, 6);
+            }
         }
     }
     return status;
@@ -437,7 +489,7 @@ KRHPR_API int krhpr_spatial_delta_a_jacobians_n(
     double J_lines[36];
     double along[9];
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(J, 81);
         krhpr_fill_nan(K, 81);
         return KRHPR_INVALID_INPUT;
@@ -445,11 +497,18 @@ KRHPR_API int krhpr_spatial_delta_a_jacobians_n(
     for (int k = 0; k < 81; ++k) {
         K[k] = 0.0;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes J_lines_legs[12];
         krhpr_lanes N_legs[6];
         krhpr_lanes along_legs[3];
@@ -459,11 +518,6 @@ KRHPR_API int krhpr_spatial_delta_a_jacobians_n(
         krhpr_lanes u_legs[6];
         krhpr_lanes K_legs[9];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_lines_legs, N_legs);
         krhpr_platform_spatial_a_redundant_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, along_legs, redundant_line_legs);
@@ -471,6 +525,7 @@ KRHPR_API int krhpr_spatial_delta_a_jacobians_n(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, w_legs, b_legs, u_legs);
         krhpr_subleg_delta_transmission_lanes(
             &g->subleg, i, w_legs, b_legs, N_legs, along_legs, K_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(J_lines, 12, J_lines_legs, 12, i);
         krhpr_legs_store(along, 3, along_legs, 3, i);
         krhpr_legs_store(K, 30, K_legs, 3, i);
@@ -478,13 +533,20 @@ KRHPR_API int krhpr_spatial_delta_a_jacobians_n(
         krhpr_legs_store(K + 18, 30, K_legs + 6, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(J, 81);
+        krhpr_fill_nan(K, 81);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_subleg_delta_non_redundant(J_lines, along, p, s, J);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(K + 30 * i + 0, 3);
-            krhpr_fill_nan(K + 30 * i + 9, 3);
-            krhpr_fill_nan(K + 30 * i + 18, 3);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(K + 30 * i + 0, 3);
+                krhpr_fill_nan(K + 30 * i + 9, 3);
+                krhpr_fill_nan(K + 30 * i + 18, 3);
+            }
         }
     }
     return status;
@@ -499,23 +561,25 @@ KRHPR_API int krhpr_spatial_delta_a_inverse(
     if (mode == NULL) {
         mode = mode_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(mode, 9))) {
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
-        krhpr_lanes mode_legs[3]; krhpr_legs_load(mode_legs, mode, 3, i);
-        krhpr_lanes s_legs[3];
-        krhpr_lanes radicand_legs[1];
-        krhpr_lanes theta_legs[3];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes mode_legs[3]; krhpr_legs_load(mode_legs, mode, 3, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[3];
         krhpr_lanes tail_y_legs[3];
         krhpr_lanes tail_x_legs[3];
         krhpr_lanes tail_legs[3];
@@ -527,13 +591,20 @@ KRHPR_API int krhpr_spatial_delta_a_inverse(
         theta_legs[0] = tail_legs[0];
         theta_legs[1] = tail_legs[1];
         theta_legs[2] = tail_legs[2];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 3, theta_legs, 3, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 3 * i, 3);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(redundant, 3))) {
+        krhpr_fill_nan(theta, 9);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -545,22 +616,24 @@ KRHPR_API int krhpr_spatial_delta_a_inverse_all(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9))) {
         krhpr_fill_nan(theta, 72);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
-        krhpr_lanes s_legs[3];
-        krhpr_lanes radicand_legs[1];
-        krhpr_lanes theta_legs[24];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[24];
         krhpr_lanes tail_y_legs[6];
         krhpr_lanes tail_x_legs[6];
         krhpr_lanes tail_legs[6];
@@ -592,13 +665,20 @@ KRHPR_API int krhpr_spatial_delta_a_inverse_all(
         theta_legs[21] = tail_legs[5];
         theta_legs[22] = tail_legs[4];
         theta_legs[23] = tail_legs[3];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 24, theta_legs, 24, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 24 * i, 24);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(redundant, 3))) {
+        krhpr_fill_nan(theta, 72);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 24 * i, 24);
+            }
         }
     }
     return status;
@@ -612,29 +692,38 @@ KRHPR_API int krhpr_spatial_delta_a_inverse_status(
     if (mode == NULL) {
         mode = mode_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(mode, 9))) {
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
-        krhpr_lanes s_legs[3];
-        krhpr_lanes excess_legs[1];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes excess_legs[1];
         krhpr_platform_spatial_a_end_point_lanes(
             &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
         krhpr_subleg_delta_reach_lanes(&g->subleg, i, s_legs, excess_legs);
+        fine &= krhpr_every(krhpr_at_most(excess_legs[0], krhpr_all(0.0)));
         krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(excess[i] <= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(redundant, 3))) {
+        krhpr_fill_nan(excess, 3);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(excess[i] <= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            }
         }
     }
     return status;
@@ -650,16 +739,22 @@ KRHPR_API int krhpr_spatial_delta_a_twist(
     double regularity[3];
     double rate[6];
     double det_regularity[2];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(theta_dot, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta_dot, 9))) {
         krhpr_fill_nan(twist, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
@@ -671,11 +766,6 @@ KRHPR_API int krhpr_spatial_delta_a_twist(
         krhpr_lanes s_dot_legs[3];
         krhpr_lanes regularity_legs[1];
         krhpr_lanes rate_legs[2];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_delta_posture_lanes(
@@ -683,15 +773,22 @@ KRHPR_API int krhpr_spatial_delta_a_twist(
         krhpr_subleg_delta_velocity_lanes(
             &g->subleg, i, w_legs, b_legs, theta_dot_legs, s_dot_legs, regularity_legs);
         krhpr_algebra_spatial_rate_lanes(N_legs, s_dot_legs, rate_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(rate, 2, rate_legs, 2, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(twist, 6);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_spatial_a_solve(Q, line, point, rate, twist, det_regularity);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -713,42 +810,51 @@ KRHPR_API int krhpr_spatial_delta_a_joint_rates(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(twist, 6) +
+          krhpr_taint(redundant_rates, 3))) {
         krhpr_fill_nan(theta_dot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes s_dot_legs[3];
         krhpr_lanes w_legs[9];
         krhpr_lanes b_legs[3];
         krhpr_lanes u_legs[6];
         krhpr_lanes theta_dot_legs[3];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_a_end_velocity_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], s_dot_legs);
         krhpr_subleg_delta_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, w_legs, b_legs, u_legs);
         krhpr_subleg_delta_rates_lanes(
             &g->subleg, i, w_legs, b_legs, s_dot_legs, theta_dot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(theta_dot, 3, theta_dot_legs, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_dot + 3 * i, 3);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(theta_dot, 9);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_dot + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -765,19 +871,26 @@ KRHPR_API int krhpr_spatial_delta_a_platform_acceleration(
     double regularity[3];
     double rate[6];
     double det_regularity[2];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(twist, 6) +
+          krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9))) {
         krhpr_fill_nan(twist_rate, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_bias_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
         krhpr_lanes theta_ddot_legs[3]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 3, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -792,11 +905,6 @@ KRHPR_API int krhpr_spatial_delta_a_platform_acceleration(
         krhpr_lanes s_ddot_legs[3];
         krhpr_lanes row_bias_legs[2];
         krhpr_lanes rate_legs[2];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_delta_bias_lanes(
@@ -810,16 +918,23 @@ KRHPR_API int krhpr_spatial_delta_a_platform_acceleration(
         krhpr_platform_spatial_a_row_bias_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, s_dot_legs, row_bias_legs);
         krhpr_algebra_spatial_rate_with_bias_lanes(N_legs, s_ddot_legs, row_bias_legs, rate_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(rate, 2, rate_legs, 2, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(twist_rate, 6);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_spatial_a_solve(Q, line, point, rate, twist_rate, det_regularity);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -842,21 +957,27 @@ KRHPR_API int krhpr_spatial_delta_a_joint_accelerations(
     int status = KRHPR_OK;
     double parallel_regularity[3];
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(twist_rate, 6) +
-          krhpr_taint(redundant_accelerations, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(twist, 6) +
+          krhpr_taint(redundant_rates, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(twist_rate, 6) + krhpr_taint(redundant_accelerations, 3))) {
         krhpr_fill_nan(theta_ddot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
-    krhpr_lanes twist_rate_legs[6]; krhpr_legs_spread(twist_rate_legs, twist_rate, 6);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
-        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_bias_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes twist_rate_legs[6]; krhpr_legs_spread(twist_rate_legs, twist_rate, 6);
+        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
         krhpr_lanes s_dot_legs[3];
         krhpr_lanes s_ddot_legs[3];
@@ -869,11 +990,6 @@ KRHPR_API int krhpr_spatial_delta_a_joint_accelerations(
         krhpr_lanes u_legs[6];
         krhpr_lanes theta_ddot_legs[3];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_a_end_acceleration_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], twist_rate_legs,
             redundant_accelerations_legs[0], s_dot_legs, s_ddot_legs);
@@ -885,18 +1001,26 @@ KRHPR_API int krhpr_spatial_delta_a_joint_accelerations(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, w_legs, b_legs, u_legs);
         krhpr_subleg_delta_rates_lanes(
             &g->subleg, i, w_legs, b_legs, along_legs, theta_ddot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), parallel_regularity_legs[0]));
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(parallel_regularity, 1, parallel_regularity_legs, 1, i);
         krhpr_legs_store(theta_ddot, 3, theta_ddot_legs, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(parallel_regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_ddot + 3 * i, 3);
-        }
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_ddot + 3 * i, 3);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(theta_ddot, 9);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(parallel_regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_ddot + 3 * i, 3);
+            }
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_ddot + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -915,16 +1039,23 @@ KRHPR_API int krhpr_spatial_delta_a_inverse_statics(
     double regularity[3];
     double line_forces[6];
     double det_regularity[2];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(wrench, 6) + krhpr_taint(redundant_forces, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(wrench, 6) +
+          krhpr_taint(redundant_forces, 3))) {
         krhpr_fill_nan(actuator_forces, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -936,11 +1067,6 @@ KRHPR_API int krhpr_spatial_delta_a_inverse_statics(
         krhpr_lanes u_legs[6];
         krhpr_lanes K_n_legs[9];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_platform_spatial_a_redundant_line_lanes(
@@ -949,18 +1075,25 @@ KRHPR_API int krhpr_spatial_delta_a_inverse_statics(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, w_legs, b_legs, u_legs);
         krhpr_subleg_delta_transmission_lanes(
             &g->subleg, i, w_legs, b_legs, N_legs, along_legs, K_n_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(redundant_line, 6, redundant_line_legs, 6, i);
         krhpr_legs_store(K_n, 9, K_n_legs, 9, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(actuator_forces, 9);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_spatial_a_balance(
         Q, line, point, redundant_line, redundant_forces, wrench, line_forces, det_regularity);
     krhpr_subleg_delta_torques(K_n, line_forces, redundant_forces, actuator_forces);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -984,18 +1117,24 @@ KRHPR_API int krhpr_spatial_delta_a_forward_statics(
     double end_force[9];
     double regularity[3];
     double moment[9];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(actuator_forces, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(actuator_forces, 9))) {
         krhpr_fill_nan(wrench, 6);
         krhpr_fill_nan(redundant_forces, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes actuator_forces_legs[3]; krhpr_legs_load(actuator_forces_legs, actuator_forces, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes w_legs[9];
         krhpr_lanes b_legs[3];
         krhpr_lanes u_legs[6];
@@ -1003,27 +1142,30 @@ KRHPR_API int krhpr_spatial_delta_a_forward_statics(
         krhpr_lanes regularity_legs[1];
         krhpr_lanes moment_legs[3];
         krhpr_lanes redundant_forces_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_delta_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, w_legs, b_legs, u_legs);
         krhpr_subleg_delta_end_force_lanes(
             &g->subleg, i, w_legs, b_legs, actuator_forces_legs, end_force_legs, regularity_legs);
         krhpr_platform_spatial_a_reaction_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, end_force_legs, moment_legs, redundant_forces_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(end_force, 3, end_force_legs, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(moment, 3, moment_legs, 3, i);
         krhpr_legs_store(redundant_forces, 1, redundant_forces_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(wrench, 6);
+        krhpr_fill_nan(redundant_forces, 3);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_algebra_spatial_total(end_force, moment, wrench);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(redundant_forces + 1 * i, 1);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(redundant_forces + 1 * i, 1);
+            }
         }
     }
     if (status != KRHPR_OK) {
@@ -1038,17 +1180,23 @@ KRHPR_API int krhpr_spatial_delta_a_passive_joints(
     double *KRHPR_RESTRICT platform_joint)
 {
     int status = KRHPR_OK;
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(passive, 18);
         krhpr_fill_nan(spherical, 27);
         krhpr_fill_nan(platform_joint, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes w_legs[9];
         krhpr_lanes b_legs[3];
         krhpr_lanes u_legs[6];
@@ -1057,11 +1205,6 @@ KRHPR_API int krhpr_spatial_delta_a_passive_joints(
         krhpr_lanes redundant_link_legs[9];
         krhpr_lanes platform_joint_legs[1];
         krhpr_lanes spherical_legs[9];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes tail_y_legs[7];
         krhpr_lanes tail_x_legs[7];
         krhpr_lanes tail_legs[7];
@@ -1073,15 +1216,21 @@ KRHPR_API int krhpr_spatial_delta_a_passive_joints(
         krhpr_algebra_spatial_wrist_lanes(link_legs, redundant_link_legs, spherical_legs);
         krhpr_lanes_atan2_each(7, tail_y_legs, tail_x_legs, tail_legs);
         passive_legs[0] = tail_legs[0];
-        passive_legs[1] = tail_legs[1];
-        passive_legs[2] = tail_legs[2];
-        passive_legs[3] = tail_legs[3];
-        passive_legs[4] = tail_legs[4];
+        passive_legs[1] = tail_legs[3];
+        passive_legs[2] = tail_legs[1];
+        passive_legs[3] = tail_legs[4];
+        passive_legs[4] = tail_legs[2];
         passive_legs[5] = tail_legs[5];
         platform_joint_legs[0] = tail_legs[6];
         krhpr_legs_store(passive, 6, passive_legs, 6, i);
         krhpr_legs_store(platform_joint, 1, platform_joint_legs, 1, i);
         krhpr_legs_store(spherical, 9, spherical_legs, 9, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(passive, 18);
+        krhpr_fill_nan(spherical, 27);
+        krhpr_fill_nan(platform_joint, 3);
+        return KRHPR_INVALID_INPUT;
     }
     return status;
 }
@@ -1091,32 +1240,38 @@ KRHPR_API int krhpr_spatial_delta_a_link_points(
     const double theta[9], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment)
 {
     int status = KRHPR_OK;
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(points, 63);
         krhpr_fill_nan(attachment, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes w_legs[9];
         krhpr_lanes b_legs[3];
         krhpr_lanes u_legs[6];
         krhpr_lanes points_legs[21];
         krhpr_lanes attachment_legs[3];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_delta_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, w_legs, b_legs, u_legs);
         krhpr_subleg_delta_points_lanes(&g->subleg, i, w_legs, s_legs, points_legs);
         krhpr_platform_spatial_a_attachment_lanes(&g->platform, i, p_legs, Q_legs, attachment_legs);
         krhpr_legs_store(points, 21, points_legs, 21, i);
         krhpr_legs_store(attachment, 3, attachment_legs, 3, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(points, 63);
+        krhpr_fill_nan(attachment, 9);
+        return KRHPR_INVALID_INPUT;
     }
     return status;
 }
@@ -1128,31 +1283,36 @@ KRHPR_API int krhpr_spatial_delta_a_clearances(
     int status = KRHPR_OK;
     double points[63];
     double attachment[9];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(distances, 240);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes w_legs[9];
         krhpr_lanes b_legs[3];
         krhpr_lanes u_legs[6];
         krhpr_lanes points_legs[21];
         krhpr_lanes attachment_legs[3];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_delta_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, w_legs, b_legs, u_legs);
         krhpr_subleg_delta_points_lanes(&g->subleg, i, w_legs, s_legs, points_legs);
         krhpr_platform_spatial_a_attachment_lanes(&g->platform, i, p_legs, Q_legs, attachment_legs);
         krhpr_legs_store(points, 21, points_legs, 21, i);
         krhpr_legs_store(attachment, 3, attachment_legs, 3, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(distances, 240);
+        return KRHPR_INVALID_INPUT;
     }
     static const int ends[960] = {
         0, 9, 3, 12, 0, 9, 6, 15, 0, 9, 12, 18, 0, 9, 15, 18, 0, 9, 21, 30, 0, 9, 24, 33, 0, 9, 27, 36, 0,
@@ -1218,18 +1378,24 @@ KRHPR_API int krhpr_spatial_delta_a_singularity(
     double line[18];
     double point[6];
     double scale[6];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(type_1, 3);
         krhpr_fill_nan(factors, 12);
         krhpr_fill_nan(type_2, 2);
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes w_legs[9];
         krhpr_lanes b_legs[3];
         krhpr_lanes u_legs[6];
@@ -1239,11 +1405,6 @@ KRHPR_API int krhpr_spatial_delta_a_singularity(
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
         krhpr_lanes scale_legs[2];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_delta_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, w_legs, b_legs, u_legs);
         krhpr_subleg_delta_determinant_lanes(&g->subleg, i, w_legs, b_legs, type_1_legs, factors_legs);
@@ -1254,6 +1415,13 @@ KRHPR_API int krhpr_spatial_delta_a_singularity(
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(scale, 2, scale_legs, 2, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(type_1, 3);
+        krhpr_fill_nan(factors, 12);
+        krhpr_fill_nan(type_2, 2);
+        krhpr_fill_nan(margins, 2);
+        return KRHPR_INVALID_INPUT;
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1267,26 +1435,27 @@ KRHPR_API int krhpr_spatial_delta_a_type_2_of_redundant(
     double line[18];
     double point[6];
     double scale[6];
-    if (!krhpr_is_clean(krhpr_taint(redundant, 3))) {
-        krhpr_fill_nan(type_2, 2);
-        krhpr_fill_nan(margins, 2);
-        return KRHPR_INVALID_INPUT;
-    }
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
-        krhpr_lanes line_legs[6];
-        krhpr_lanes point_legs[2];
-        krhpr_lanes scale_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_platform_spatial_a_line_of_redundant_angles_lanes(redundant_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes scale_legs[2];
         krhpr_platform_spatial_a_line_of_redundant_lanes(
             &g->platform, i, sine_legs, cosine_legs, line_legs, point_legs, scale_legs);
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(scale, 2, scale_legs, 2, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(redundant, 3))) {
+        krhpr_fill_nan(type_2, 2);
+        krhpr_fill_nan(margins, 2);
+        return KRHPR_INVALID_INPUT;
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1308,18 +1477,25 @@ KRHPR_API int krhpr_spatial_delta_a_indices(
     double position_gram[9];
     double rotation_gram[9];
     double det_regularity[2];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(eta_1, 1);
         krhpr_fill_nan(eta_2, 1);
         krhpr_fill_nan(eta_3, 1);
         krhpr_fill_nan(condition, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -1335,11 +1511,6 @@ KRHPR_API int krhpr_spatial_delta_a_indices(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_delta_posture_lanes(
@@ -1349,6 +1520,8 @@ KRHPR_API int krhpr_spatial_delta_a_indices(
             regularity_legs);
         krhpr_algebra_spatial_spread_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 3, reach_legs, 3, i);
@@ -1357,15 +1530,24 @@ KRHPR_API int krhpr_spatial_delta_a_indices(
         krhpr_legs_store(smallest, 1, smallest_legs, 1, i);
         krhpr_legs_store(evenness, 1, evenness_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(eta_1, 1);
+        krhpr_fill_nan(eta_2, 1);
+        krhpr_fill_nan(eta_3, 1);
+        krhpr_fill_nan(condition, 3);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_spatial_a_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norms(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-        }
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1399,17 +1581,24 @@ KRHPR_API int krhpr_spatial_delta_a_index_bounds(
     double position_gram[9];
     double rotation_gram[9];
     double det_regularity[2];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(eta_1, 1);
         krhpr_fill_nan(eta_2, 1);
         krhpr_fill_nan(eta_3, 1);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -1425,11 +1614,6 @@ KRHPR_API int krhpr_spatial_delta_a_index_bounds(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_delta_posture_lanes(
@@ -1439,6 +1623,8 @@ KRHPR_API int krhpr_spatial_delta_a_index_bounds(
             regularity_legs);
         krhpr_algebra_spatial_spread_bound_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 3, reach_legs, 3, i);
@@ -1447,14 +1633,22 @@ KRHPR_API int krhpr_spatial_delta_a_index_bounds(
         krhpr_legs_store(smallest, 1, smallest_legs, 1, i);
         krhpr_legs_store(evenness, 1, evenness_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(eta_1, 1);
+        krhpr_fill_nan(eta_2, 1);
+        krhpr_fill_nan(eta_3, 1);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_spatial_a_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norm_bounds(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-        }
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1494,12 +1688,8 @@ KRHPR_API int krhpr_spatial_delta_a_forward_all(
         krhpr_fill_nan(doubtful, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
     {
@@ -1595,7 +1785,7 @@ KRHPR_API int krhpr_spatial_delta_a_forward(
     if (box == NULL) {
         box = box_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(theta, 9) + krhpr_taint(s_near, 9) + krhpr_taint(box, 6) + krhpr_taint(&turned, 1))) {
+    if (!krhpr_is_clean(krhpr_taint(s_near, 9) + krhpr_taint(box, 6) + krhpr_taint(&turned, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
@@ -1603,25 +1793,36 @@ KRHPR_API int krhpr_spatial_delta_a_forward(
         krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_forward_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_near_legs[3]; krhpr_legs_load(s_near_legs, s_near, 3, i);
         krhpr_lanes s_legs[3];
         krhpr_lanes radicand_legs[1];
         krhpr_lanes anchor_legs[2];
         krhpr_lanes length_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_forward_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_delta_forward_lanes(
             &g->subleg, i, s_near_legs, sine_legs, cosine_legs, s_legs, radicand_legs);
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(s, 3, s_legs, 3, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
         krhpr_legs_store(length, 1, length_legs, 1, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(p, 3);
+        krhpr_fill_nan(Q, 9);
+        krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
+        return KRHPR_INVALID_INPUT;
     }
     krhpr_platform_spatial_a_uniqueness(anchor, length, box, certificate);
     krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
@@ -1677,11 +1878,13 @@ KRHPR_API int krhpr_spatial_delta_a_forward(
         inside[0] = (double)(in_box + in_doubt);
         ambiguous[0] = (double)(in_box > 1 || (in_doubt && (!proven || in_box == 0)));
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(count, 1);
-            krhpr_fill_nan(certified, 1);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(count, 1);
+                krhpr_fill_nan(certified, 1);
+            }
         }
     }
     if (!(sign[0] >= 0.5)) {
@@ -1732,12 +1935,8 @@ KRHPR_API int krhpr_spatial_delta_a_forward_newton(
     double tail_y[KRHPR_PADDED(3)] = {0.0};
     double tail_x[KRHPR_PADDED(3)] = {0.0};
     double tail[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_spatial_a_newton_start(
         s, anchor, length, p_near, Q_near, flatness, points, axes, centre, start, kantorovich);
@@ -1810,15 +2009,9 @@ KRHPR_API int krhpr_spatial_delta_a_forward_encoders_1(
     krhpr_platform_spatial_a_turns_1_angles(measured, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_1(sine, cosine, turns);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_lanes arm_legs[2];
-        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_platform_spatial_a_arm_lanes(&g->platform, i, arm_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
-        krhpr_legs_store(arm, 2, arm_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_one_encoder(
         s, turns, anchor, length, arm, tolerance, flatness, radicand, p, Q, mismatch, agreement);
@@ -1870,15 +2063,9 @@ KRHPR_API int krhpr_spatial_delta_a_forward_encoders_2(
     krhpr_platform_spatial_a_turns_2_angles(measured, angle);
     krhpr_sincos_array(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2(sine, cosine, turns);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_lanes arm_legs[2];
-        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_platform_spatial_a_arm_lanes(&g->platform, i, arm_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
-        krhpr_legs_store(arm, 2, arm_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1936,15 +2123,9 @@ KRHPR_API int krhpr_spatial_delta_a_forward_encoders_3(
     krhpr_platform_spatial_a_turns_3_angles(measured, angle);
     krhpr_sincos_array(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3(sine, cosine, turns);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_lanes arm_legs[2];
-        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_platform_spatial_a_arm_lanes(&g->platform, i, arm_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
-        krhpr_legs_store(arm, 2, arm_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -2004,15 +2185,9 @@ KRHPR_API int krhpr_spatial_delta_a_forward_gauss_newton_2(
     krhpr_platform_spatial_a_turns_2_angles(measured, angle);
     krhpr_sincos_array(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2(sine, cosine, turns);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_lanes arm_legs[2];
-        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_platform_spatial_a_arm_lanes(&g->platform, i, arm_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
-        krhpr_legs_store(arm, 2, arm_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -2091,15 +2266,9 @@ KRHPR_API int krhpr_spatial_delta_a_forward_gauss_newton_3(
     krhpr_platform_spatial_a_turns_3_angles(measured, angle);
     krhpr_sincos_array(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3(sine, cosine, turns);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_lanes arm_legs[2];
-        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_platform_spatial_a_arm_lanes(&g->platform, i, arm_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
-        krhpr_legs_store(arm, 2, arm_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,

@@ -23,7 +23,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_rotation_error_lanes(
     krhpr_algebra_spatial_rotation_error_lanes(Q, error);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -103,26 +103,26 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_end_points_lanes(
     const krhpr_spatial_delta_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9);
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_lanes(
             &g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s + 3 * i);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 9);
     return 1;
@@ -223,7 +223,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_redundant_coordinates_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -315,7 +315,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_subleg_forward_lanes(
     const krhpr_spatial_delta_a_geometry *g, const krhpr_lanes_at theta[9], const krhpr_lanes_at s_near[9],
     krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(theta, 9) + krhpr_poses_taint(s_near, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(s_near, 9);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
@@ -323,7 +323,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_subleg_forward_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_delta_forward_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_delta_forward_lanes(
             &g->subleg, i, s_near + 3 * i, sine + 3 * i, cosine + 3 * i, s + 3 * i, &radicand[i]);
@@ -333,7 +333,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_subleg_forward_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -343,7 +343,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_subleg_forward_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, s + 3 * i, 3);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 9);
     return 1;
@@ -425,7 +425,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_subleg_forward_all_lanes(
     const krhpr_spatial_delta_a_geometry *g, const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT s,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_all(0.0);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
@@ -433,7 +433,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_subleg_forward_all_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_delta_forward_all_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_delta_forward_all_lanes(
             &g->subleg, i, sine + 3 * i, cosine + 3 * i, s + 6 * i, &radicand[i]);
@@ -443,7 +443,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_subleg_forward_all_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -453,7 +453,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_subleg_forward_all_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, s + 6 * i, 6);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 18);
     return 1;
@@ -570,7 +570,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_subleg_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -655,7 +655,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_subleg_jacobian_lanes(
     const krhpr_spatial_delta_a_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9],
     krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9);
     krhpr_lanes regularity[3];
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
@@ -663,7 +663,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_subleg_jacobian_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_delta_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes w[9];
         krhpr_lanes b[3];
@@ -676,7 +676,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_subleg_jacobian_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -686,7 +686,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_subleg_jacobian_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, M + 9 * i, 9);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, M, 27);
     return 1;
@@ -774,7 +774,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_constraints_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -867,8 +867,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_jacobians_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes regularity[3];
     for (int k = 0; k < 54; ++k) {
         K[k] = krhpr_all(0.0);
@@ -879,7 +878,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_jacobians_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_delta_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
         krhpr_lanes w[9];
@@ -899,7 +898,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_jacobians_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -910,7 +909,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_jacobians_lanes(
         krhpr_poses_keep(kept_1, K + 21 * i + 0, 3);
         krhpr_poses_keep(kept_1, K + 21 * i + 9, 3);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 36);
     krhpr_poses_keep(finite, K, 54);
@@ -1012,8 +1011,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_jacobian_blocks_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes regularity[3];
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
@@ -1021,7 +1019,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_jacobian_blocks_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_delta_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
         krhpr_lanes w[9];
@@ -1036,7 +1034,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_jacobian_blocks_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1046,7 +1044,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_jacobian_blocks_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, K + 6 * i, 6);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 36);
     krhpr_poses_keep(finite, K, 18);
@@ -1148,8 +1146,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_jacobians_n_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes J_lines[36];
     krhpr_lanes along[9];
     krhpr_lanes regularity[3];
@@ -1162,7 +1159,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_jacobians_n_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_delta_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
         krhpr_lanes redundant_line[6];
@@ -1187,7 +1184,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_jacobians_n_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1199,7 +1196,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_jacobians_n_lanes(
         krhpr_poses_keep(kept_1, K + 30 * i + 9, 3);
         krhpr_poses_keep(kept_1, K + 30 * i + 18, 3);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 81);
     krhpr_poses_keep(finite, K, 81);
@@ -1301,8 +1298,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_inverse_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[9], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(mode, 9);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
@@ -1310,7 +1306,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_inverse_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_lanes tail_y[9];
     krhpr_lanes tail_x[9];
     krhpr_lanes tail[9];
@@ -1331,7 +1327,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1341,7 +1337,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_inverse_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 3 * i, 3);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 9);
     return 1;
@@ -1443,7 +1439,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_inverse_all_lanes(
     const krhpr_spatial_delta_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
@@ -1451,7 +1447,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_inverse_all_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_lanes tail_y[18];
     krhpr_lanes tail_x[18];
     krhpr_lanes tail[18];
@@ -1492,7 +1488,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_inverse_all_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1502,7 +1498,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_inverse_all_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 24 * i, 24);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 72);
     return 1;
@@ -1644,15 +1640,14 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_inverse_status_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[9], krhpr_lanes_at *KRHPR_RESTRICT excess,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(mode, 9);
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[3];
         krhpr_platform_spatial_a_end_point_lanes(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
@@ -1663,7 +1658,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_inverse_status_lanes(
         fine &= krhpr_at_most(excess[i], krhpr_all(0.0));
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1672,7 +1667,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_inverse_status_lanes(
         const krhpr_ints kept_1 = krhpr_at_most(excess[i], krhpr_all(0.0));
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 3);
     return 1;
@@ -1776,7 +1771,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_twist_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(theta_dot, 9);
+       krhpr_poses_taint(theta_dot, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes regularity[3];
@@ -1788,7 +1783,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_twist_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_delta_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
         krhpr_lanes scale[2];
@@ -1810,7 +1805,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_twist_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1823,7 +1818,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_twist_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, twist, 6);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist, 6);
     return 1;
@@ -1920,7 +1915,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_joint_rates_lanes(
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3);
+       krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3);
     krhpr_lanes regularity[3];
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
@@ -1928,7 +1923,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_joint_rates_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_delta_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s_dot[3];
         krhpr_lanes w[9];
@@ -1944,7 +1939,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_joint_rates_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1954,7 +1949,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_joint_rates_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta_dot + 3 * i, 3);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_dot, 9);
     return 1;
@@ -2058,8 +2053,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_platform_acceleration_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT twist_rate, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(theta_dot, 9) +
-        krhpr_poses_taint(theta_ddot, 9);
+       krhpr_poses_taint(twist, 6) + krhpr_poses_taint(theta_dot, 9) + krhpr_poses_taint(theta_ddot, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes regularity[3];
@@ -2071,7 +2065,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_platform_acceleration_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_delta_bias_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
         krhpr_lanes scale[2];
@@ -2102,7 +2096,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_platform_acceleration_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2115,7 +2109,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_platform_acceleration_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, twist_rate, 6);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist_rate, 6);
     return 1;
@@ -2225,8 +2219,8 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_joint_accelerations_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT theta_ddot, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) +
-        krhpr_poses_taint(theta_dot, 9) + krhpr_poses_taint(twist_rate, 6) + krhpr_poses_taint(redundant_accelerations, 3);
+       krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) + krhpr_poses_taint(theta_dot, 9) +
+       krhpr_poses_taint(twist_rate, 6) + krhpr_poses_taint(redundant_accelerations, 3);
     krhpr_lanes parallel_regularity[3];
     krhpr_lanes regularity[3];
     krhpr_lanes angle[9];
@@ -2235,7 +2229,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_joint_accelerations_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_delta_bias_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s_dot[3];
         krhpr_lanes s_ddot[3];
@@ -2261,7 +2255,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_joint_accelerations_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2274,7 +2268,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_joint_accelerations_lanes(
         status = krhpr_expect(kept_2, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_2, theta_ddot + 3 * i, 3);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_ddot, 9);
     return 1;
@@ -2391,7 +2385,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_inverse_statics_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(wrench, 6) + krhpr_poses_taint(redundant_forces, 3);
+       krhpr_poses_taint(wrench, 6) + krhpr_poses_taint(redundant_forces, 3);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes redundant_line[18];
@@ -2405,7 +2399,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_inverse_statics_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_delta_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
         krhpr_lanes scale[2];
@@ -2430,7 +2424,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_inverse_statics_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2443,7 +2437,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_inverse_statics_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, actuator_forces, 9);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, actuator_forces, 9);
     return 1;
@@ -2547,7 +2541,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_forward_statics_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(actuator_forces, 9);
+       krhpr_poses_taint(actuator_forces, 9);
     krhpr_lanes end_force[9];
     krhpr_lanes regularity[3];
     krhpr_lanes moment[9];
@@ -2557,7 +2551,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_forward_statics_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_delta_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes w[9];
         krhpr_lanes b[3];
@@ -2574,7 +2568,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_forward_statics_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2586,7 +2580,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_forward_statics_lanes(
     }
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, wrench, 6);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, wrench, 6);
     krhpr_poses_keep(finite, redundant_forces, 3);
@@ -2696,15 +2690,14 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_passive_joints_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT spherical, krhpr_lanes_at *KRHPR_RESTRICT platform_joint,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
     krhpr_lanes cosine[9];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_delta_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     krhpr_lanes tail_y[21];
     krhpr_lanes tail_x[21];
     krhpr_lanes tail[21];
@@ -2723,21 +2716,21 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_passive_joints_lanes(
     krhpr_lanes_atan2_each(21, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
         passive[6 * i + 0] = tail[6 * i + 0];
-        passive[6 * i + 1] = tail[6 * i + 1];
-        passive[6 * i + 2] = tail[6 * i + 2];
-        passive[6 * i + 3] = tail[6 * i + 3];
-        passive[6 * i + 4] = tail[6 * i + 4];
+        passive[6 * i + 1] = tail[6 * i + 3];
+        passive[6 * i + 2] = tail[6 * i + 1];
+        passive[6 * i + 3] = tail[6 * i + 4];
+        passive[6 * i + 4] = tail[6 * i + 2];
         passive[6 * i + 5] = tail[6 * i + 5];
         platform_joint[i] = tail[18 + 1 * i + 0];
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, passive, 18);
     krhpr_poses_keep(finite, spherical, 27);
@@ -2852,15 +2845,14 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_link_points_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT points,
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
     krhpr_lanes cosine[9];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_delta_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes w[9];
         krhpr_lanes b[3];
@@ -2871,12 +2863,12 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_link_points_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, points, 63);
     krhpr_poses_keep(finite, attachment, 9);
@@ -2978,8 +2970,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_clearances_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT distances,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes points[63];
     krhpr_lanes attachment[9];
     krhpr_lanes angle[9];
@@ -2988,7 +2979,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_clearances_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_delta_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes w[9];
         krhpr_lanes b[3];
@@ -3051,12 +3042,12 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_clearances_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, distances, 240);
     return 1;
@@ -3149,8 +3140,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_singularity_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
     krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes scale[6];
@@ -3160,7 +3150,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_singularity_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_delta_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes w[9];
         krhpr_lanes b[3];
@@ -3174,12 +3164,12 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_singularity_lanes(
     krhpr_platform_spatial_a_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_1, 3);
     krhpr_poses_keep(finite, factors, 12);
@@ -3303,7 +3293,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_type_2_of_redundant_lanes(
     const krhpr_spatial_delta_a_geometry *g, const krhpr_lanes_at redundant[3],
     krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_all(0.0);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes scale[6];
@@ -3313,7 +3303,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_type_2_of_redundant_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_line_of_redundant_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_line_of_redundant_lanes(
             &g->platform, i, sine + 1 * i, cosine + 1 * i, line + 6 * i, point + 2 * i, scale + 2 * i);
@@ -3321,12 +3311,12 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_type_2_of_redundant_lanes(
     krhpr_platform_spatial_a_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_2, 2);
     krhpr_poses_keep(finite, margins, 2);
@@ -3416,8 +3406,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_indices_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3,
     krhpr_lanes_at *KRHPR_RESTRICT condition, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes reach[9];
@@ -3434,7 +3423,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_indices_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_delta_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
         krhpr_lanes scale[2];
@@ -3463,7 +3452,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_indices_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3481,7 +3470,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_indices_lanes(
     krhpr_poses_keep(valid, eta_2, 1);
     krhpr_poses_keep(valid, eta_3, 1);
     krhpr_poses_keep(valid, condition, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
@@ -3606,8 +3595,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_index_bounds_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes reach[9];
@@ -3624,7 +3612,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_index_bounds_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_delta_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
         krhpr_lanes scale[2];
@@ -3654,7 +3642,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_index_bounds_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3671,7 +3659,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_index_bounds_lanes(
     krhpr_poses_keep(valid, eta_1, 1);
     krhpr_poses_keep(valid, eta_2, 1);
     krhpr_poses_keep(valid, eta_3, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
@@ -3967,7 +3955,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_forward_newton_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-20));
     fine &= krhpr_at_most(misfit[0], krhpr_all(1e-12));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4101,7 +4089,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_forward_encoders_1_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 1) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[2];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4113,7 +4101,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_forward_encoders_1_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_platform_spatial_a_turns_1_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_1_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4126,7 +4114,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_forward_encoders_1_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4138,7 +4126,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_forward_encoders_1_lanes(
     krhpr_poses_keep(valid, p, 6);
     krhpr_poses_keep(valid, Q, 18);
     krhpr_poses_keep(valid, mismatch, 2);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 6);
     krhpr_poses_keep(finite, Q, 18);
@@ -4315,7 +4303,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_forward_encoders_2_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[4];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4332,7 +4320,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_forward_encoders_2_lanes(
     krhpr_lanes sine[2];
     krhpr_lanes cosine[2];
     krhpr_platform_spatial_a_turns_2_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(2, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4348,7 +4336,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4362,7 +4350,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_forward_encoders_2_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 2) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);
@@ -4483,7 +4471,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_forward_encoders_3_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[6];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4500,7 +4488,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_forward_encoders_3_lanes(
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     krhpr_platform_spatial_a_turns_3_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4516,7 +4504,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4530,7 +4518,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_forward_encoders_3_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);
@@ -4652,8 +4640,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_forward_gauss_newton_2_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1) + krhpr_poses_taint(weights, 3);
     krhpr_lanes turns[4];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4672,7 +4659,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_forward_gauss_newton_2_lanes(
     krhpr_lanes sine[2];
     krhpr_lanes cosine[2];
     krhpr_platform_spatial_a_turns_2_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(2, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4709,7 +4696,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4724,7 +4711,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_forward_gauss_newton_2_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 2) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);
@@ -4850,8 +4837,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_forward_gauss_newton_3_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1) + krhpr_poses_taint(weights, 3);
     krhpr_lanes turns[6];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4870,7 +4856,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_forward_gauss_newton_3_lanes(
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     krhpr_platform_spatial_a_turns_3_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4906,7 +4892,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4921,7 +4907,7 @@ KRHPR_OUTLINE int krhpr_spatial_delta_a_forward_gauss_newton_3_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);

@@ -112,9 +112,9 @@ KRHPR_API int krhpr_spatial_delta_b_end_points(
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[3];
         krhpr_platform_spatial_b_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
@@ -132,9 +132,9 @@ KRHPR_API int krhpr_spatial_delta_b_redundant_coordinates(
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes redundant_legs[1];
         krhpr_platform_spatial_b_redundant_lanes(&g->platform, i, p_legs, Q_legs, s_legs, redundant_legs);
@@ -149,29 +149,38 @@ KRHPR_API int krhpr_spatial_delta_b_subleg_forward(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!krhpr_is_clean(krhpr_taint(theta, 9) + krhpr_taint(s_near, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(s_near, 9))) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes s_near_legs[3]; krhpr_legs_load(s_near_legs, s_near, 3, i);
-        krhpr_lanes s_legs[3];
-        krhpr_lanes radicand_legs[1];
         krhpr_lanes angle_legs[3];
         krhpr_lanes sine_legs[3];
         krhpr_lanes cosine_legs[3];
         krhpr_subleg_delta_forward_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_near_legs[3]; krhpr_legs_load(s_near_legs, s_near, 3, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes radicand_legs[1];
         krhpr_subleg_delta_forward_lanes(
             &g->subleg, i, s_near_legs, sine_legs, cosine_legs, s_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(s, 3, s_legs, 3, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(s + 3 * i, 3);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(s, 9);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(s + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -182,27 +191,32 @@ KRHPR_API int krhpr_spatial_delta_b_subleg_forward_all(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!krhpr_is_clean(krhpr_taint(theta, 9))) {
-        krhpr_fill_nan(s, 18);
-        return KRHPR_INVALID_INPUT;
-    }
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes s_legs[6];
-        krhpr_lanes radicand_legs[1];
         krhpr_lanes angle_legs[3];
         krhpr_lanes sine_legs[3];
         krhpr_lanes cosine_legs[3];
         krhpr_subleg_delta_forward_all_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[6];
+        krhpr_lanes radicand_legs[1];
         krhpr_subleg_delta_forward_all_lanes(&g->subleg, i, sine_legs, cosine_legs, s_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(s, 6, s_legs, 6, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(s + 6 * i, 6);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(s, 18);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(s + 6 * i, 6);
+            }
         }
     }
     return status;
@@ -217,6 +231,7 @@ KRHPR_API int krhpr_spatial_delta_b_subleg_inverse(
         krhpr_fill_nan(theta, 72);
         return KRHPR_INVALID_INPUT;
     }
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes radicand_legs[1];
@@ -250,13 +265,16 @@ KRHPR_API int krhpr_spatial_delta_b_subleg_inverse(
         theta_legs[21] = tail_legs[5];
         theta_legs[22] = tail_legs[4];
         theta_legs[23] = tail_legs[3];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 24, theta_legs, 24, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 24 * i, 24);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 24 * i, 24);
+            }
         }
     }
     return status;
@@ -268,33 +286,42 @@ KRHPR_API int krhpr_spatial_delta_b_subleg_jacobian(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9))) {
         krhpr_fill_nan(M, 27);
         return KRHPR_INVALID_INPUT;
     }
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes w_legs[9];
         krhpr_lanes b_legs[3];
         krhpr_lanes u_legs[6];
         krhpr_lanes M_legs[9];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_delta_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, w_legs, b_legs, u_legs);
         krhpr_subleg_delta_jacobian_lanes(&g->subleg, i, w_legs, b_legs, M_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(M, 9, M_legs, 9, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(M + 9 * i, 9);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(M, 27);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(M + 9 * i, 9);
+            }
         }
     }
     return status;
@@ -309,9 +336,9 @@ KRHPR_API int krhpr_spatial_delta_b_constraints(
         krhpr_fill_nan(residual, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes residual_legs[2];
         krhpr_platform_spatial_b_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
@@ -326,7 +353,7 @@ KRHPR_API int krhpr_spatial_delta_b_jacobians(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 54);
         return KRHPR_INVALID_INPUT;
@@ -334,11 +361,18 @@ KRHPR_API int krhpr_spatial_delta_b_jacobians(
     for (int k = 0; k < 54; ++k) {
         K[k] = 0.0;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes J_legs[12];
         krhpr_lanes N_legs[6];
         krhpr_lanes w_legs[9];
@@ -346,25 +380,28 @@ KRHPR_API int krhpr_spatial_delta_b_jacobians(
         krhpr_lanes u_legs[6];
         krhpr_lanes K_legs[6];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_delta_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, w_legs, b_legs, u_legs);
         krhpr_subleg_delta_project_lanes(&g->subleg, i, w_legs, b_legs, N_legs, K_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(J, 12, J_legs, 12, i);
         krhpr_legs_store(K, 21, K_legs, 3, i);
         krhpr_legs_store(K + 9, 21, K_legs + 3, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(K + 21 * i + 0, 3);
-            krhpr_fill_nan(K + 21 * i + 9, 3);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(J, 36);
+        krhpr_fill_nan(K, 54);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(K + 21 * i + 0, 3);
+                krhpr_fill_nan(K + 21 * i + 9, 3);
+            }
         }
     }
     return status;
@@ -376,16 +413,23 @@ KRHPR_API int krhpr_spatial_delta_b_jacobian_blocks(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 18);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes J_legs[12];
         krhpr_lanes N_legs[6];
         krhpr_lanes w_legs[9];
@@ -393,23 +437,26 @@ KRHPR_API int krhpr_spatial_delta_b_jacobian_blocks(
         krhpr_lanes u_legs[6];
         krhpr_lanes K_legs[6];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_delta_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, w_legs, b_legs, u_legs);
         krhpr_subleg_delta_project_lanes(&g->subleg, i, w_legs, b_legs, N_legs, K_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(J, 12, J_legs, 12, i);
         krhpr_legs_store(K, 6, K_legs, 6, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(K + 6 * i, 6);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(J, 36);
+        krhpr_fill_nan(K, 18);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(K + 6 * i, 6);
+            }
         }
     }
     return status;
@@ -423,7 +470,7 @@ KRHPR_API int krhpr_spatial_delta_b_jacobians_n(
     double J_lines[36];
     double along[9];
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(J, 81);
         krhpr_fill_nan(K, 81);
         return KRHPR_INVALID_INPUT;
@@ -431,11 +478,18 @@ KRHPR_API int krhpr_spatial_delta_b_jacobians_n(
     for (int k = 0; k < 81; ++k) {
         K[k] = 0.0;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes J_lines_legs[12];
         krhpr_lanes N_legs[6];
         krhpr_lanes along_legs[3];
@@ -445,11 +499,6 @@ KRHPR_API int krhpr_spatial_delta_b_jacobians_n(
         krhpr_lanes u_legs[6];
         krhpr_lanes K_legs[9];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_lines_legs, N_legs);
         krhpr_platform_spatial_b_redundant_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, along_legs, redundant_line_legs);
@@ -457,6 +506,7 @@ KRHPR_API int krhpr_spatial_delta_b_jacobians_n(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, w_legs, b_legs, u_legs);
         krhpr_subleg_delta_transmission_lanes(
             &g->subleg, i, w_legs, b_legs, N_legs, along_legs, K_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(J_lines, 12, J_lines_legs, 12, i);
         krhpr_legs_store(along, 3, along_legs, 3, i);
         krhpr_legs_store(K, 30, K_legs, 3, i);
@@ -464,13 +514,20 @@ KRHPR_API int krhpr_spatial_delta_b_jacobians_n(
         krhpr_legs_store(K + 18, 30, K_legs + 6, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(J, 81);
+        krhpr_fill_nan(K, 81);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_subleg_delta_non_redundant(J_lines, along, p, s, J);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(K + 30 * i + 0, 3);
-            krhpr_fill_nan(K + 30 * i + 9, 3);
-            krhpr_fill_nan(K + 30 * i + 18, 3);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(K + 30 * i + 0, 3);
+                krhpr_fill_nan(K + 30 * i + 9, 3);
+                krhpr_fill_nan(K + 30 * i + 18, 3);
+            }
         }
     }
     return status;
@@ -489,9 +546,10 @@ KRHPR_API int krhpr_spatial_delta_b_inverse(
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes mode_legs[3]; krhpr_legs_load(mode_legs, mode, 3, i);
         krhpr_lanes s_legs[3];
@@ -507,13 +565,16 @@ KRHPR_API int krhpr_spatial_delta_b_inverse(
         theta_legs[0] = tail_legs[0];
         theta_legs[1] = tail_legs[1];
         theta_legs[2] = tail_legs[2];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 3, theta_legs, 3, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 3 * i, 3);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -529,9 +590,10 @@ KRHPR_API int krhpr_spatial_delta_b_inverse_all(
         krhpr_fill_nan(theta, 72);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[3];
         krhpr_lanes radicand_legs[1];
@@ -566,13 +628,16 @@ KRHPR_API int krhpr_spatial_delta_b_inverse_all(
         theta_legs[21] = tail_legs[5];
         theta_legs[22] = tail_legs[4];
         theta_legs[23] = tail_legs[3];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 24, theta_legs, 24, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 24 * i, 24);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 24 * i, 24);
+            }
         }
     }
     return status;
@@ -590,19 +655,23 @@ KRHPR_API int krhpr_spatial_delta_b_inverse_status(
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[3];
         krhpr_lanes excess_legs[1];
         krhpr_platform_spatial_b_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
         krhpr_subleg_delta_reach_lanes(&g->subleg, i, s_legs, excess_legs);
+        fine &= krhpr_every(krhpr_at_most(excess_legs[0], krhpr_all(0.0)));
         krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(excess[i] <= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(excess[i] <= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            }
         }
     }
     return status;
@@ -618,16 +687,22 @@ KRHPR_API int krhpr_spatial_delta_b_twist(
     double regularity[3];
     double rate[6];
     double det_regularity[2];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(theta_dot, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta_dot, 9))) {
         krhpr_fill_nan(twist, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
@@ -639,11 +714,6 @@ KRHPR_API int krhpr_spatial_delta_b_twist(
         krhpr_lanes s_dot_legs[3];
         krhpr_lanes regularity_legs[1];
         krhpr_lanes rate_legs[2];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_delta_posture_lanes(
@@ -651,15 +721,22 @@ KRHPR_API int krhpr_spatial_delta_b_twist(
         krhpr_subleg_delta_velocity_lanes(
             &g->subleg, i, w_legs, b_legs, theta_dot_legs, s_dot_legs, regularity_legs);
         krhpr_algebra_spatial_rate_lanes(N_legs, s_dot_legs, rate_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(rate, 2, rate_legs, 2, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(twist, 6);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_spatial_b_solve(Q, line, point, rate, twist, det_regularity);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -681,42 +758,51 @@ KRHPR_API int krhpr_spatial_delta_b_joint_rates(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(twist, 6) +
+          krhpr_taint(redundant_rates, 3))) {
         krhpr_fill_nan(theta_dot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes s_dot_legs[3];
         krhpr_lanes w_legs[9];
         krhpr_lanes b_legs[3];
         krhpr_lanes u_legs[6];
         krhpr_lanes theta_dot_legs[3];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_end_velocity_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], s_dot_legs);
         krhpr_subleg_delta_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, w_legs, b_legs, u_legs);
         krhpr_subleg_delta_rates_lanes(
             &g->subleg, i, w_legs, b_legs, s_dot_legs, theta_dot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(theta_dot, 3, theta_dot_legs, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_dot + 3 * i, 3);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(theta_dot, 9);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_dot + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -733,19 +819,26 @@ KRHPR_API int krhpr_spatial_delta_b_platform_acceleration(
     double regularity[3];
     double rate[6];
     double det_regularity[2];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(twist, 6) +
+          krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9))) {
         krhpr_fill_nan(twist_rate, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_bias_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
         krhpr_lanes theta_ddot_legs[3]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 3, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -760,11 +853,6 @@ KRHPR_API int krhpr_spatial_delta_b_platform_acceleration(
         krhpr_lanes s_ddot_legs[3];
         krhpr_lanes row_bias_legs[2];
         krhpr_lanes rate_legs[2];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_delta_bias_lanes(
@@ -778,16 +866,23 @@ KRHPR_API int krhpr_spatial_delta_b_platform_acceleration(
         krhpr_platform_spatial_b_row_bias_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, s_dot_legs, row_bias_legs);
         krhpr_algebra_spatial_rate_with_bias_lanes(N_legs, s_ddot_legs, row_bias_legs, rate_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(rate, 2, rate_legs, 2, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(twist_rate, 6);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_spatial_b_solve(Q, line, point, rate, twist_rate, det_regularity);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -810,21 +905,27 @@ KRHPR_API int krhpr_spatial_delta_b_joint_accelerations(
     int status = KRHPR_OK;
     double parallel_regularity[3];
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(twist_rate, 6) +
-          krhpr_taint(redundant_accelerations, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(twist, 6) +
+          krhpr_taint(redundant_rates, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(twist_rate, 6) + krhpr_taint(redundant_accelerations, 3))) {
         krhpr_fill_nan(theta_ddot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
-    krhpr_lanes twist_rate_legs[6]; krhpr_legs_spread(twist_rate_legs, twist_rate, 6);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
-        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_bias_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes twist_rate_legs[6]; krhpr_legs_spread(twist_rate_legs, twist_rate, 6);
+        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
         krhpr_lanes s_dot_legs[3];
         krhpr_lanes s_ddot_legs[3];
@@ -837,11 +938,6 @@ KRHPR_API int krhpr_spatial_delta_b_joint_accelerations(
         krhpr_lanes u_legs[6];
         krhpr_lanes theta_ddot_legs[3];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_end_acceleration_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], twist_rate_legs,
             redundant_accelerations_legs[0], s_dot_legs, s_ddot_legs);
@@ -853,18 +949,26 @@ KRHPR_API int krhpr_spatial_delta_b_joint_accelerations(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, w_legs, b_legs, u_legs);
         krhpr_subleg_delta_rates_lanes(
             &g->subleg, i, w_legs, b_legs, along_legs, theta_ddot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), parallel_regularity_legs[0]));
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(parallel_regularity, 1, parallel_regularity_legs, 1, i);
         krhpr_legs_store(theta_ddot, 3, theta_ddot_legs, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(parallel_regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_ddot + 3 * i, 3);
-        }
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_ddot + 3 * i, 3);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(theta_ddot, 9);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(parallel_regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_ddot + 3 * i, 3);
+            }
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_ddot + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -883,16 +987,23 @@ KRHPR_API int krhpr_spatial_delta_b_inverse_statics(
     double regularity[3];
     double line_forces[6];
     double det_regularity[2];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(wrench, 6) + krhpr_taint(redundant_forces, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(wrench, 6) +
+          krhpr_taint(redundant_forces, 3))) {
         krhpr_fill_nan(actuator_forces, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -904,11 +1015,6 @@ KRHPR_API int krhpr_spatial_delta_b_inverse_statics(
         krhpr_lanes u_legs[6];
         krhpr_lanes K_n_legs[9];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_platform_spatial_b_redundant_line_lanes(
@@ -917,18 +1023,25 @@ KRHPR_API int krhpr_spatial_delta_b_inverse_statics(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, w_legs, b_legs, u_legs);
         krhpr_subleg_delta_transmission_lanes(
             &g->subleg, i, w_legs, b_legs, N_legs, along_legs, K_n_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(redundant_line, 6, redundant_line_legs, 6, i);
         krhpr_legs_store(K_n, 9, K_n_legs, 9, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(actuator_forces, 9);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_spatial_b_balance(
         Q, line, point, redundant_line, redundant_forces, wrench, line_forces, det_regularity);
     krhpr_subleg_delta_torques(K_n, line_forces, redundant_forces, actuator_forces);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -952,18 +1065,24 @@ KRHPR_API int krhpr_spatial_delta_b_forward_statics(
     double end_force[9];
     double regularity[3];
     double moment[9];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(actuator_forces, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(actuator_forces, 9))) {
         krhpr_fill_nan(wrench, 6);
         krhpr_fill_nan(redundant_forces, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes actuator_forces_legs[3]; krhpr_legs_load(actuator_forces_legs, actuator_forces, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes w_legs[9];
         krhpr_lanes b_legs[3];
         krhpr_lanes u_legs[6];
@@ -971,27 +1090,30 @@ KRHPR_API int krhpr_spatial_delta_b_forward_statics(
         krhpr_lanes regularity_legs[1];
         krhpr_lanes moment_legs[3];
         krhpr_lanes redundant_forces_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_delta_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, w_legs, b_legs, u_legs);
         krhpr_subleg_delta_end_force_lanes(
             &g->subleg, i, w_legs, b_legs, actuator_forces_legs, end_force_legs, regularity_legs);
         krhpr_platform_spatial_b_reaction_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, end_force_legs, moment_legs, redundant_forces_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(end_force, 3, end_force_legs, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(moment, 3, moment_legs, 3, i);
         krhpr_legs_store(redundant_forces, 1, redundant_forces_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(wrench, 6);
+        krhpr_fill_nan(redundant_forces, 3);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_algebra_spatial_total(end_force, moment, wrench);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(redundant_forces + 1 * i, 1);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(redundant_forces + 1 * i, 1);
+            }
         }
     }
     if (status != KRHPR_OK) {
@@ -1013,13 +1135,9 @@ KRHPR_API int krhpr_spatial_delta_b_opening(
         krhpr_fill_nan(shares, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        double distance;
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance, &start[i]);
     }
     krhpr_platform_spatial_b_opening(slide, redundant, jaws, start, opening, centre, shares);
     if (!(shares[0] >= 0.0)) {
@@ -1047,9 +1165,9 @@ KRHPR_API int krhpr_spatial_delta_b_redundant_of_opening(
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes opening_legs[1]; krhpr_legs_spread(opening_legs, &opening, 1);
-    krhpr_lanes centre_legs[2]; krhpr_legs_spread(centre_legs, centre, 2);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes opening_legs[1]; krhpr_legs_spread(opening_legs, &opening, 1);
+        krhpr_lanes centre_legs[2]; krhpr_legs_spread(centre_legs, centre, 2);
         krhpr_lanes jaws_legs[1]; krhpr_legs_load(jaws_legs, jaws, 1, i);
         krhpr_lanes redundant_legs[1];
         krhpr_platform_spatial_b_redundant_of_opening_lanes(
@@ -1076,12 +1194,10 @@ KRHPR_API int krhpr_spatial_delta_b_grasp(
         krhpr_fill_nan(friction_margins, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        double distance;
+        double start;
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance, &start);
     }
     krhpr_platform_spatial_b_grasp(
         Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
@@ -1139,17 +1255,23 @@ KRHPR_API int krhpr_spatial_delta_b_passive_joints(
     double *KRHPR_RESTRICT platform_joint)
 {
     int status = KRHPR_OK;
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(passive, 18);
         krhpr_fill_nan(spherical, 27);
         krhpr_fill_nan(platform_joint, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes w_legs[9];
         krhpr_lanes b_legs[3];
         krhpr_lanes u_legs[6];
@@ -1158,11 +1280,6 @@ KRHPR_API int krhpr_spatial_delta_b_passive_joints(
         krhpr_lanes redundant_link_legs[9];
         krhpr_lanes platform_joint_legs[1];
         krhpr_lanes spherical_legs[9];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes tail_y_legs[6];
         krhpr_lanes tail_x_legs[6];
         krhpr_lanes tail_legs[6];
@@ -1174,14 +1291,20 @@ KRHPR_API int krhpr_spatial_delta_b_passive_joints(
         krhpr_algebra_spatial_wrist_lanes(link_legs, redundant_link_legs, spherical_legs);
         krhpr_lanes_atan2_each(6, tail_y_legs, tail_x_legs, tail_legs);
         passive_legs[0] = tail_legs[0];
-        passive_legs[1] = tail_legs[1];
-        passive_legs[2] = tail_legs[2];
-        passive_legs[3] = tail_legs[3];
-        passive_legs[4] = tail_legs[4];
+        passive_legs[1] = tail_legs[3];
+        passive_legs[2] = tail_legs[1];
+        passive_legs[3] = tail_legs[4];
+        passive_legs[4] = tail_legs[2];
         passive_legs[5] = tail_legs[5];
         krhpr_legs_store(passive, 6, passive_legs, 6, i);
         krhpr_legs_store(platform_joint, 1, platform_joint_legs, 1, i);
         krhpr_legs_store(spherical, 9, spherical_legs, 9, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(passive, 18);
+        krhpr_fill_nan(spherical, 27);
+        krhpr_fill_nan(platform_joint, 3);
+        return KRHPR_INVALID_INPUT;
     }
     return status;
 }
@@ -1191,31 +1314,37 @@ KRHPR_API int krhpr_spatial_delta_b_link_points(
     const double theta[9], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment)
 {
     int status = KRHPR_OK;
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(points, 63);
         krhpr_fill_nan(attachment, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes w_legs[9];
         krhpr_lanes b_legs[3];
         krhpr_lanes u_legs[6];
         krhpr_lanes points_legs[21];
         krhpr_lanes attachment_legs[3];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_delta_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, w_legs, b_legs, u_legs);
         krhpr_subleg_delta_points_lanes(&g->subleg, i, w_legs, s_legs, points_legs);
         krhpr_platform_spatial_b_attachment_lanes(&g->platform, i, Q_legs, s_legs, attachment_legs);
         krhpr_legs_store(points, 21, points_legs, 21, i);
         krhpr_legs_store(attachment, 3, attachment_legs, 3, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(points, 63);
+        krhpr_fill_nan(attachment, 9);
+        return KRHPR_INVALID_INPUT;
     }
     return status;
 }
@@ -1227,30 +1356,35 @@ KRHPR_API int krhpr_spatial_delta_b_clearances(
     int status = KRHPR_OK;
     double points[63];
     double attachment[9];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(distances, 183);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes w_legs[9];
         krhpr_lanes b_legs[3];
         krhpr_lanes u_legs[6];
         krhpr_lanes points_legs[21];
         krhpr_lanes attachment_legs[3];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_delta_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, w_legs, b_legs, u_legs);
         krhpr_subleg_delta_points_lanes(&g->subleg, i, w_legs, s_legs, points_legs);
         krhpr_platform_spatial_b_attachment_lanes(&g->platform, i, Q_legs, s_legs, attachment_legs);
         krhpr_legs_store(points, 21, points_legs, 21, i);
         krhpr_legs_store(attachment, 3, attachment_legs, 3, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(distances, 183);
+        return KRHPR_INVALID_INPUT;
     }
     static const int ends[732] = {
         0, 9, 3, 12, 0, 9, 6, 15, 0, 9, 12, 18, 0, 9, 15, 18, 0, 9, 21, 30, 0, 9, 24, 33, 0, 9, 27, 36, 0,
@@ -1307,18 +1441,24 @@ KRHPR_API int krhpr_spatial_delta_b_singularity(
     double line[18];
     double point[6];
     double scale[6];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(type_1, 3);
         krhpr_fill_nan(factors, 12);
         krhpr_fill_nan(type_2, 2);
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes w_legs[9];
         krhpr_lanes b_legs[3];
         krhpr_lanes u_legs[6];
@@ -1328,11 +1468,6 @@ KRHPR_API int krhpr_spatial_delta_b_singularity(
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
         krhpr_lanes scale_legs[2];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_delta_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, w_legs, b_legs, u_legs);
         krhpr_subleg_delta_determinant_lanes(&g->subleg, i, w_legs, b_legs, type_1_legs, factors_legs);
@@ -1343,6 +1478,13 @@ KRHPR_API int krhpr_spatial_delta_b_singularity(
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(scale, 2, scale_legs, 2, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(type_1, 3);
+        krhpr_fill_nan(factors, 12);
+        krhpr_fill_nan(type_2, 2);
+        krhpr_fill_nan(margins, 2);
+        return KRHPR_INVALID_INPUT;
     }
     krhpr_platform_spatial_b_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1392,18 +1534,25 @@ KRHPR_API int krhpr_spatial_delta_b_indices(
     double position_gram[9];
     double rotation_gram[9];
     double det_regularity[2];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(eta_1, 1);
         krhpr_fill_nan(eta_2, 1);
         krhpr_fill_nan(eta_3, 1);
         krhpr_fill_nan(condition, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -1419,11 +1568,6 @@ KRHPR_API int krhpr_spatial_delta_b_indices(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_delta_posture_lanes(
@@ -1433,6 +1577,8 @@ KRHPR_API int krhpr_spatial_delta_b_indices(
             regularity_legs);
         krhpr_algebra_spatial_spread_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 3, reach_legs, 3, i);
@@ -1441,15 +1587,24 @@ KRHPR_API int krhpr_spatial_delta_b_indices(
         krhpr_legs_store(smallest, 1, smallest_legs, 1, i);
         krhpr_legs_store(evenness, 1, evenness_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(eta_1, 1);
+        krhpr_fill_nan(eta_2, 1);
+        krhpr_fill_nan(eta_3, 1);
+        krhpr_fill_nan(condition, 3);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_spatial_b_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norms(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-        }
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1483,17 +1638,24 @@ KRHPR_API int krhpr_spatial_delta_b_index_bounds(
     double position_gram[9];
     double rotation_gram[9];
     double det_regularity[2];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(eta_1, 1);
         krhpr_fill_nan(eta_2, 1);
         krhpr_fill_nan(eta_3, 1);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -1509,11 +1671,6 @@ KRHPR_API int krhpr_spatial_delta_b_index_bounds(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_delta_posture_lanes(
@@ -1523,6 +1680,8 @@ KRHPR_API int krhpr_spatial_delta_b_index_bounds(
             regularity_legs);
         krhpr_algebra_spatial_spread_bound_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 3, reach_legs, 3, i);
@@ -1531,14 +1690,22 @@ KRHPR_API int krhpr_spatial_delta_b_index_bounds(
         krhpr_legs_store(smallest, 1, smallest_legs, 1, i);
         krhpr_legs_store(evenness, 1, evenness_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(eta_1, 1);
+        krhpr_fill_nan(eta_2, 1);
+        krhpr_fill_nan(eta_3, 1);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_spatial_b_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norm_bounds(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-        }
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1576,14 +1743,8 @@ KRHPR_API int krhpr_spatial_delta_b_forward_all(
         krhpr_fill_nan(count, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(distance, 1, distance_legs, 1, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_assembly_modes(
         s, slide, distance, start, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
@@ -1624,7 +1785,7 @@ KRHPR_API int krhpr_spatial_delta_b_forward(
     double breadth[1];
     double assembly_radicand[1];
     double sign[1];
-    if (!krhpr_is_clean(krhpr_taint(theta, 9) + krhpr_taint(s_near, 9) + krhpr_taint(&side, 1))) {
+    if (!krhpr_is_clean(krhpr_taint(s_near, 9) + krhpr_taint(&side, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
@@ -1632,34 +1793,47 @@ KRHPR_API int krhpr_spatial_delta_b_forward(
         krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_delta_forward_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_near_legs[3]; krhpr_legs_load(s_near_legs, s_near, 3, i);
         krhpr_lanes s_legs[3];
         krhpr_lanes radicand_legs[1];
         krhpr_lanes slide_legs[2];
         krhpr_lanes distance_legs[1];
         krhpr_lanes start_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_delta_forward_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_delta_forward_lanes(
             &g->subleg, i, s_near_legs, sine_legs, cosine_legs, s_legs, radicand_legs);
         krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(s, 3, s_legs, 3, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(slide, 2, slide_legs, 2, i);
         krhpr_legs_store(distance, 1, distance_legs, 1, i);
         krhpr_legs_store(start, 1, start_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(p, 3);
+        krhpr_fill_nan(Q, 9);
+        krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_spatial_b_assembly_mode(
         s, slide, distance, start, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count,
         certified);
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            }
         }
     }
     if (!(sign[0] >= 0.5)) {
@@ -1708,14 +1882,8 @@ KRHPR_API int krhpr_spatial_delta_b_forward_encoders_2(
         krhpr_fill_nan(mismatch, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(distance, 1, distance_legs, 1, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_two_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1766,14 +1934,8 @@ KRHPR_API int krhpr_spatial_delta_b_forward_encoders_3(
         krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(distance, 1, distance_legs, 1, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_three_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1826,14 +1988,8 @@ KRHPR_API int krhpr_spatial_delta_b_forward_gauss_newton_2(
         krhpr_fill_nan(mismatch, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(distance, 1, distance_legs, 1, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_two_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1905,14 +2061,8 @@ KRHPR_API int krhpr_spatial_delta_b_forward_gauss_newton_3(
         krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(distance, 1, distance_legs, 1, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_three_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,

@@ -105,9 +105,9 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_end_points(
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[3];
         krhpr_platform_spatial_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
@@ -125,9 +125,9 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_redundant_coordinates(
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes redundant_legs[1];
         krhpr_platform_spatial_c_redundant_lanes(&g->platform, i, p_legs, Q_legs, s_legs, redundant_legs);
@@ -149,25 +149,29 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_subleg_forward(
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes assembly_legs[1]; krhpr_legs_load(assembly_legs, assembly, 1, i);
-        krhpr_lanes s_legs[3];
-        krhpr_lanes radicand_legs[1];
         krhpr_lanes angle_legs[2];
         krhpr_lanes sine_legs[2];
         krhpr_lanes cosine_legs[2];
         krhpr_subleg_p_fivebar_forward_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes assembly_legs[1]; krhpr_legs_load(assembly_legs, assembly, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes radicand_legs[1];
         krhpr_subleg_p_fivebar_forward_lanes(
             &g->subleg, i, theta_legs, assembly_legs, sine_legs, cosine_legs, s_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(s, 3, s_legs, 3, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(s + 3 * i, 3);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(s + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -182,24 +186,28 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_subleg_forward_all(
         krhpr_fill_nan(s, 18);
         return KRHPR_INVALID_INPUT;
     }
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes s_legs[6];
-        krhpr_lanes radicand_legs[1];
         krhpr_lanes angle_legs[2];
         krhpr_lanes sine_legs[2];
         krhpr_lanes cosine_legs[2];
         krhpr_subleg_p_fivebar_forward_all_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[6];
+        krhpr_lanes radicand_legs[1];
         krhpr_subleg_p_fivebar_forward_all_lanes(
             &g->subleg, i, theta_legs, sine_legs, cosine_legs, s_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(s, 6, s_legs, 6, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(s + 6 * i, 6);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(s + 6 * i, 6);
+            }
         }
     }
     return status;
@@ -214,18 +222,22 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_subleg_inverse(
         krhpr_fill_nan(theta, 36);
         return KRHPR_INVALID_INPUT;
     }
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[12];
         krhpr_lanes radicand_legs[1];
         krhpr_subleg_p_fivebar_inverse_all_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(theta, 12, theta_legs, 12, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 12 * i, 12);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 12 * i, 12);
+            }
         }
     }
     return status;
@@ -241,30 +253,34 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_subleg_jacobian(
         krhpr_fill_nan(M, 27);
         return KRHPR_INVALID_INPUT;
     }
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_1_legs[2];
         krhpr_lanes u_2_legs[2];
         krhpr_lanes M_legs[9];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_p_fivebar_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_p_fivebar_jacobian_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, M_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(M, 9, M_legs, 9, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(M + 9 * i, 9);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(M + 9 * i, 9);
+            }
         }
     }
     return status;
@@ -279,9 +295,9 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_constraints(
         krhpr_fill_nan(residual, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes residual_legs[2];
         krhpr_platform_spatial_c_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
@@ -304,11 +320,17 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_jacobians(
     for (int k = 0; k < 54; ++k) {
         K[k] = 0.0;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes J_legs[12];
         krhpr_lanes N_legs[6];
         krhpr_lanes d_legs[2];
@@ -316,26 +338,24 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_jacobians(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes K_legs[6];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_p_fivebar_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_p_fivebar_project_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, N_legs, K_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(J, 12, J_legs, 12, i);
         krhpr_legs_store(K, 21, K_legs, 3, i);
         krhpr_legs_store(K + 9, 21, K_legs + 3, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(K + 21 * i + 0, 3);
-            krhpr_fill_nan(K + 21 * i + 9, 3);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(K + 21 * i + 0, 3);
+                krhpr_fill_nan(K + 21 * i + 9, 3);
+            }
         }
     }
     return status;
@@ -352,11 +372,17 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_jacobian_blocks(
         krhpr_fill_nan(K, 18);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes J_legs[12];
         krhpr_lanes N_legs[6];
         krhpr_lanes d_legs[2];
@@ -364,24 +390,22 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_jacobian_blocks(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes K_legs[6];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_p_fivebar_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_p_fivebar_project_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, N_legs, K_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(J, 12, J_legs, 12, i);
         krhpr_legs_store(K, 6, K_legs, 6, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(K + 6 * i, 6);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(K + 6 * i, 6);
+            }
         }
     }
     return status;
@@ -403,11 +427,17 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_jacobians_n(
     for (int k = 0; k < 81; ++k) {
         K[k] = 0.0;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes J_lines_legs[12];
         krhpr_lanes N_legs[6];
         krhpr_lanes along_legs[3];
@@ -417,11 +447,6 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_jacobians_n(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes K_legs[9];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_lines_legs, N_legs);
         krhpr_platform_spatial_c_redundant_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, along_legs, redundant_line_legs);
@@ -429,6 +454,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_jacobians_n(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_p_fivebar_transmission_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, N_legs, along_legs, K_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(J_lines, 12, J_lines_legs, 12, i);
         krhpr_legs_store(along, 3, along_legs, 3, i);
         krhpr_legs_store(K, 30, K_legs, 3, i);
@@ -437,12 +463,14 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_jacobians_n(
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     krhpr_subleg_p_fivebar_non_redundant(J_lines, along, p, s, J);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(K + 30 * i + 0, 3);
-            krhpr_fill_nan(K + 30 * i + 9, 3);
-            krhpr_fill_nan(K + 30 * i + 18, 3);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(K + 30 * i + 0, 3);
+                krhpr_fill_nan(K + 30 * i + 9, 3);
+                krhpr_fill_nan(K + 30 * i + 18, 3);
+            }
         }
     }
     return status;
@@ -461,9 +489,10 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_inverse(
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes mode_legs[2]; krhpr_legs_load(mode_legs, mode, 2, i);
         krhpr_lanes s_legs[3];
@@ -471,13 +500,16 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_inverse(
         krhpr_lanes radicand_legs[1];
         krhpr_platform_spatial_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
         krhpr_subleg_p_fivebar_inverse_lanes(&g->subleg, i, s_legs, mode_legs, theta_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(theta, 3, theta_legs, 3, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 3 * i, 3);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -493,22 +525,26 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_inverse_all(
         krhpr_fill_nan(theta, 36);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[3];
         krhpr_lanes theta_legs[12];
         krhpr_lanes radicand_legs[1];
         krhpr_platform_spatial_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
         krhpr_subleg_p_fivebar_inverse_all_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(theta, 12, theta_legs, 12, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 12 * i, 12);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 12 * i, 12);
+            }
         }
     }
     return status;
@@ -526,20 +562,24 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_inverse_status(
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes mode_legs[2]; krhpr_legs_load(mode_legs, mode, 2, i);
         krhpr_lanes s_legs[3];
         krhpr_lanes excess_legs[1];
         krhpr_platform_spatial_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
         krhpr_subleg_p_fivebar_reach_lanes(&g->subleg, i, s_legs, mode_legs, excess_legs);
+        fine &= krhpr_every(krhpr_at_most(excess_legs[0], krhpr_all(0.0)));
         krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(excess[i] <= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(excess[i] <= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            }
         }
     }
     return status;
@@ -560,11 +600,17 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_twist(
         krhpr_fill_nan(twist, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
@@ -576,11 +622,6 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_twist(
         krhpr_lanes s_dot_legs[3];
         krhpr_lanes regularity_legs[1];
         krhpr_lanes rate_legs[2];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_p_fivebar_posture_lanes(
@@ -588,15 +629,18 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_twist(
         krhpr_subleg_p_fivebar_velocity_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, theta_dot_legs, s_dot_legs, regularity_legs);
         krhpr_algebra_spatial_rate_lanes(N_legs, s_dot_legs, rate_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(rate, 2, rate_legs, 2, i);
     }
     krhpr_platform_spatial_c_solve(Q, line, point, rate, twist, det_regularity);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -623,37 +667,41 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_joint_rates(
         krhpr_fill_nan(theta_dot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes s_dot_legs[3];
         krhpr_lanes d_legs[2];
         krhpr_lanes u_1_legs[2];
         krhpr_lanes u_2_legs[2];
         krhpr_lanes theta_dot_legs[3];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_end_velocity_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], s_dot_legs);
         krhpr_subleg_p_fivebar_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_p_fivebar_rates_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, s_dot_legs, theta_dot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(theta_dot, 3, theta_dot_legs, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_dot + 3 * i, 3);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_dot + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -675,14 +723,20 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_platform_acceleration(
         krhpr_fill_nan(twist_rate, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
         krhpr_lanes theta_ddot_legs[3]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 3, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -697,11 +751,6 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_platform_acceleration(
         krhpr_lanes s_ddot_legs[3];
         krhpr_lanes row_bias_legs[2];
         krhpr_lanes rate_legs[2];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_p_fivebar_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_p_fivebar_bias_lanes(
@@ -715,6 +764,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_platform_acceleration(
         krhpr_platform_spatial_c_row_bias_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, s_dot_legs, row_bias_legs);
         krhpr_algebra_spatial_rate_with_bias_lanes(N_legs, s_ddot_legs, row_bias_legs, rate_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
@@ -722,9 +772,11 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_platform_acceleration(
         krhpr_legs_store(rate, 2, rate_legs, 2, i);
     }
     krhpr_platform_spatial_c_solve(Q, line, point, rate, twist_rate, det_regularity);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -753,15 +805,21 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_joint_accelerations(
         krhpr_fill_nan(theta_ddot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
-    krhpr_lanes twist_rate_legs[6]; krhpr_legs_spread(twist_rate_legs, twist_rate, 6);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
-        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes twist_rate_legs[6]; krhpr_legs_spread(twist_rate_legs, twist_rate, 6);
+        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
         krhpr_lanes s_dot_legs[3];
         krhpr_lanes s_ddot_legs[3];
@@ -774,11 +832,6 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_joint_accelerations(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes theta_ddot_legs[3];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_p_fivebar_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_end_acceleration_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], twist_rate_legs,
             redundant_accelerations_legs[0], s_dot_legs, s_ddot_legs);
@@ -790,18 +843,22 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_joint_accelerations(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_p_fivebar_rates_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, along_legs, theta_ddot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), parallel_regularity_legs[0]));
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(parallel_regularity, 1, parallel_regularity_legs, 1, i);
         krhpr_legs_store(theta_ddot, 3, theta_ddot_legs, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(parallel_regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_ddot + 3 * i, 3);
-        }
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_ddot + 3 * i, 3);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(parallel_regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_ddot + 3 * i, 3);
+            }
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_ddot + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -825,11 +882,17 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_inverse_statics(
         krhpr_fill_nan(actuator_forces, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -841,11 +904,6 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_inverse_statics(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes K_n_legs[9];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_platform_spatial_c_redundant_line_lanes(
@@ -854,6 +912,7 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_inverse_statics(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_p_fivebar_transmission_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, N_legs, along_legs, K_n_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(redundant_line, 6, redundant_line_legs, 6, i);
@@ -863,9 +922,11 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_inverse_statics(
     krhpr_platform_spatial_c_balance(
         Q, line, point, redundant_line, redundant_forces, wrench, line_forces, det_regularity);
     krhpr_subleg_p_fivebar_torques(K_n, line_forces, redundant_forces, actuator_forces);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -895,12 +956,18 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_forward_statics(
         krhpr_fill_nan(redundant_forces, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes actuator_forces_legs[3]; krhpr_legs_load(actuator_forces_legs, actuator_forces, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_1_legs[2];
         krhpr_lanes u_2_legs[2];
@@ -908,27 +975,25 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_forward_statics(
         krhpr_lanes regularity_legs[1];
         krhpr_lanes moment_legs[3];
         krhpr_lanes redundant_forces_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_p_fivebar_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_p_fivebar_end_force_lanes(
             &g->subleg, i, d_legs, u_1_legs, u_2_legs, actuator_forces_legs, end_force_legs, regularity_legs);
         krhpr_platform_spatial_c_reaction_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, end_force_legs, moment_legs, redundant_forces_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(end_force, 3, end_force_legs, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(moment, 3, moment_legs, 3, i);
         krhpr_legs_store(redundant_forces, 1, redundant_forces_legs, 1, i);
     }
     krhpr_algebra_spatial_total(end_force, moment, wrench);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(redundant_forces + 1 * i, 1);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(redundant_forces + 1 * i, 1);
+            }
         }
     }
     if (status != KRHPR_OK) {
@@ -949,10 +1014,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_opening(
         krhpr_fill_nan(shares, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_opening(slide, redundant, jaws, opening, centre, shares);
     if (!(shares[0] >= 0.0)) {
@@ -980,9 +1043,9 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_redundant_of_opening(
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes opening_legs[1]; krhpr_legs_spread(opening_legs, &opening, 1);
-    krhpr_lanes centre_legs[2]; krhpr_legs_spread(centre_legs, centre, 2);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes opening_legs[1]; krhpr_legs_spread(opening_legs, &opening, 1);
+        krhpr_lanes centre_legs[2]; krhpr_legs_spread(centre_legs, centre, 2);
         krhpr_lanes jaws_legs[1]; krhpr_legs_load(jaws_legs, jaws, 1, i);
         krhpr_lanes redundant_legs[1];
         krhpr_platform_spatial_c_redundant_of_opening_lanes(
@@ -1009,10 +1072,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_grasp(
         krhpr_fill_nan(friction_margins, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_grasp(
         Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
@@ -1076,11 +1137,16 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_passive_joints(
         krhpr_fill_nan(platform_joint, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_1_legs[2];
         krhpr_lanes u_2_legs[2];
@@ -1089,11 +1155,6 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_passive_joints(
         krhpr_lanes redundant_link_legs[9];
         krhpr_lanes platform_joint_legs[1];
         krhpr_lanes spherical_legs[9];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes tail_y_legs[3];
         krhpr_lanes tail_x_legs[3];
         krhpr_lanes tail_legs[3];
@@ -1127,17 +1188,17 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_link_points(
     }
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_1_legs[2];
         krhpr_lanes u_2_legs[2];
         krhpr_lanes points_legs[21];
         krhpr_lanes attachment_legs[3];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_p_fivebar_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_p_fivebar_points_lanes(&g->subleg, i, d_legs, u_1_legs, u_2_legs, s_legs, points_legs);
@@ -1161,17 +1222,17 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_clearances(
     }
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_1_legs[2];
         krhpr_lanes u_2_legs[2];
         krhpr_lanes points_legs[21];
         krhpr_lanes attachment_legs[3];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_p_fivebar_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_p_fivebar_points_lanes(&g->subleg, i, d_legs, u_1_legs, u_2_legs, s_legs, points_legs);
@@ -1233,11 +1294,16 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_singularity(
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes d_legs[2];
         krhpr_lanes u_1_legs[2];
         krhpr_lanes u_2_legs[2];
@@ -1247,11 +1313,6 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_singularity(
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
         krhpr_lanes scale_legs[2];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_p_fivebar_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_p_fivebar_determinant_lanes(
@@ -1320,12 +1381,18 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_indices(
         krhpr_fill_nan(condition, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -1341,11 +1408,6 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_indices(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_p_fivebar_posture_lanes(
@@ -1355,6 +1417,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_indices(
             cofactors_legs, square_legs, reach_legs, regularity_legs);
         krhpr_algebra_spatial_spread_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 3, reach_legs, 3, i);
@@ -1366,12 +1430,14 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_indices(
     krhpr_platform_spatial_c_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norms(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-        }
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1412,12 +1478,18 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_index_bounds(
         krhpr_fill_nan(eta_3, 1);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -1433,11 +1505,6 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_index_bounds(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_p_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_p_fivebar_posture_lanes(
@@ -1447,6 +1514,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_index_bounds(
             cofactors_legs, square_legs, reach_legs, regularity_legs);
         krhpr_algebra_spatial_spread_bound_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 3, reach_legs, 3, i);
@@ -1457,12 +1526,14 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_index_bounds(
     }
     krhpr_platform_spatial_c_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norm_bounds(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-        }
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1498,10 +1569,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_forward_all(
         krhpr_fill_nan(count, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_modes(
         s, slide, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
@@ -1551,29 +1620,33 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_forward(
         krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes assembly_legs[1]; krhpr_legs_load(assembly_legs, assembly, 1, i);
-        krhpr_lanes s_legs[3];
-        krhpr_lanes radicand_legs[1];
-        krhpr_lanes slide_legs[2];
         krhpr_lanes angle_legs[2];
         krhpr_lanes sine_legs[2];
         krhpr_lanes cosine_legs[2];
         krhpr_subleg_p_fivebar_forward_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes assembly_legs[1]; krhpr_legs_load(assembly_legs, assembly, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes slide_legs[2];
         krhpr_subleg_p_fivebar_forward_lanes(
             &g->subleg, i, theta_legs, assembly_legs, sine_legs, cosine_legs, s_legs, radicand_legs);
         krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(s, 3, s_legs, 3, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(slide, 2, slide_legs, 2, i);
     }
     krhpr_platform_spatial_c_assembly_mode(
         s, slide, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count, certified);
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            }
         }
     }
     if (!(sign[0] >= 0.5)) {
@@ -1620,10 +1693,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_forward_encoders_2(
         krhpr_fill_nan(mismatch, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_two_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1671,10 +1742,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_forward_encoders_3(
         krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_three_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1724,10 +1793,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_forward_gauss_newton_2(
         krhpr_fill_nan(mismatch, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_two_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1795,10 +1862,8 @@ KRHPR_API int krhpr_spatial_p_fivebar_c_forward_gauss_newton_3(
         krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_three_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);

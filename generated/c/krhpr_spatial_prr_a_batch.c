@@ -23,7 +23,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_rotation_error_lanes(
     krhpr_algebra_spatial_rotation_error_lanes(Q, error);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -102,26 +102,26 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_end_points_lanes(
     const krhpr_spatial_prr_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9);
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_lanes(
             &g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s + 3 * i);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 9);
     return 1;
@@ -221,7 +221,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_redundant_coordinates_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -325,7 +325,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_subleg_forward_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -414,7 +414,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_subleg_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -514,7 +514,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_subleg_jacobian_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -606,7 +606,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_constraints_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -699,7 +699,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_jacobians_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     for (int k = 0; k < 54; ++k) {
         K[k] = krhpr_all(0.0);
     }
@@ -725,7 +725,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_jacobians_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -832,7 +832,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_jacobian_blocks_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
@@ -850,7 +850,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_jacobian_blocks_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -957,7 +957,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_jacobians_n_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes J_lines[36];
     krhpr_lanes along[9];
     for (int k = 0; k < 81; ++k) {
@@ -990,7 +990,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_jacobians_n_lanes(
     krhpr_subleg_prr_non_redundant_lanes(J_lines, along, p, s, J);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1096,8 +1096,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_inverse_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[3], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(mode, 3);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
@@ -1105,7 +1104,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_inverse_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[3];
         krhpr_platform_spatial_a_end_point_lanes(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
@@ -1116,7 +1115,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1126,7 +1125,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_inverse_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 3 * i, 3);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 9);
     return 1;
@@ -1227,7 +1226,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_inverse_all_lanes(
     const krhpr_spatial_prr_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
@@ -1235,7 +1234,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_inverse_all_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[3];
         krhpr_platform_spatial_a_end_point_lanes(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
@@ -1246,7 +1245,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_inverse_all_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1256,7 +1255,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_inverse_all_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 6 * i, 6);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 18);
     return 1;
@@ -1395,15 +1394,14 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_inverse_status_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[3], krhpr_lanes_at *KRHPR_RESTRICT excess,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(mode, 3);
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[3];
         krhpr_platform_spatial_a_end_point_lanes(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
@@ -1414,7 +1412,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_inverse_status_lanes(
         fine &= krhpr_at_most(excess[i], krhpr_all(0.0));
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1423,7 +1421,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_inverse_status_lanes(
         const krhpr_ints kept_1 = krhpr_at_most(excess[i], krhpr_all(0.0));
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 3);
     return 1;
@@ -1526,7 +1524,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_twist_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(theta_dot, 9);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(theta_dot, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes rate[6];
@@ -1555,7 +1553,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_twist_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1660,7 +1658,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_joint_rates_lanes(
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3);
     krhpr_lanes regularity[3];
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
@@ -1683,7 +1681,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_joint_rates_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1796,8 +1794,8 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_platform_acceleration_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT twist_rate, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(theta_dot, 9) +
-        krhpr_poses_taint(theta_ddot, 9);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(theta_dot, 9) +
+       krhpr_poses_taint(theta_ddot, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes rate[6];
@@ -1834,7 +1832,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_platform_acceleration_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1952,8 +1950,8 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_joint_accelerations_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT theta_ddot, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) +
-        krhpr_poses_taint(theta_dot, 9) + krhpr_poses_taint(twist_rate, 6) + krhpr_poses_taint(redundant_accelerations, 3);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) +
+       krhpr_poses_taint(theta_dot, 9) + krhpr_poses_taint(twist_rate, 6) + krhpr_poses_taint(redundant_accelerations, 3);
     krhpr_lanes regularity[3];
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
@@ -1984,7 +1982,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_joint_accelerations_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2110,7 +2108,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_inverse_statics_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(wrench, 6) + krhpr_poses_taint(redundant_forces, 3);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(wrench, 6) + krhpr_poses_taint(redundant_forces, 3);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes redundant_line[18];
@@ -2144,7 +2142,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_inverse_statics_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2256,7 +2254,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_forward_statics_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(actuator_forces, 9);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(actuator_forces, 9);
     krhpr_lanes end_force[9];
     krhpr_lanes regularity[3];
     krhpr_lanes moment[9];
@@ -2282,7 +2280,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_forward_statics_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2403,7 +2401,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_passive_joints_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
@@ -2431,7 +2429,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_passive_joints_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2538,7 +2536,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_link_points_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
@@ -2555,7 +2553,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_link_points_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2662,7 +2660,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_clearances_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes points[45];
     krhpr_lanes attachment[9];
     krhpr_lanes angle[3];
@@ -2716,7 +2714,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_clearances_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2814,7 +2812,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_singularity_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes scale[6];
@@ -2837,7 +2835,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_singularity_lanes(
     krhpr_platform_spatial_a_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2965,7 +2963,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_type_2_of_redundant_lanes(
     const krhpr_spatial_prr_a_geometry *g, const krhpr_lanes_at redundant[3],
     krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_all(0.0);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes scale[6];
@@ -2975,7 +2973,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_type_2_of_redundant_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_line_of_redundant_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_line_of_redundant_lanes(
             &g->platform, i, sine + 1 * i, cosine + 1 * i, line + 6 * i, point + 2 * i, scale + 2 * i);
@@ -2983,12 +2981,12 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_type_2_of_redundant_lanes(
     krhpr_platform_spatial_a_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_2, 2);
     krhpr_poses_keep(finite, margins, 2);
@@ -3078,7 +3076,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_indices_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_lanes_at *KRHPR_RESTRICT condition, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(characteristic_length, 1);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(characteristic_length, 1);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes reach[9];
@@ -3121,7 +3119,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_indices_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3267,7 +3265,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_index_bounds_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(characteristic_length, 1);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(characteristic_length, 1);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes reach[9];
@@ -3311,7 +3309,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_index_bounds_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3623,7 +3621,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_forward_newton_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-20));
     fine &= krhpr_at_most(misfit[0], krhpr_all(1e-12));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3756,7 +3754,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_forward_encoders_1_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 1) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[2];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -3768,7 +3766,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_forward_encoders_1_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_platform_spatial_a_turns_1_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_1_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -3781,7 +3779,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_forward_encoders_1_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3793,7 +3791,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_forward_encoders_1_lanes(
     krhpr_poses_keep(valid, p, 6);
     krhpr_poses_keep(valid, Q, 18);
     krhpr_poses_keep(valid, mismatch, 2);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 6);
     krhpr_poses_keep(finite, Q, 18);
@@ -3963,7 +3961,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_forward_encoders_2_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[4];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -3980,7 +3978,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_forward_encoders_2_lanes(
     krhpr_lanes sine[2];
     krhpr_lanes cosine[2];
     krhpr_platform_spatial_a_turns_2_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(2, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -3996,7 +3994,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4010,7 +4008,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_forward_encoders_2_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 2) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);
@@ -4130,7 +4128,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_forward_encoders_3_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[6];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4147,7 +4145,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_forward_encoders_3_lanes(
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     krhpr_platform_spatial_a_turns_3_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4163,7 +4161,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4177,7 +4175,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_forward_encoders_3_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);
@@ -4298,8 +4296,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_forward_gauss_newton_2_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1) + krhpr_poses_taint(weights, 3);
     krhpr_lanes turns[4];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4318,7 +4315,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_forward_gauss_newton_2_lanes(
     krhpr_lanes sine[2];
     krhpr_lanes cosine[2];
     krhpr_platform_spatial_a_turns_2_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(2, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4355,7 +4352,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4370,7 +4367,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_forward_gauss_newton_2_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 2) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);
@@ -4495,8 +4492,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_forward_gauss_newton_3_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1) + krhpr_poses_taint(weights, 3);
     krhpr_lanes turns[6];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4515,7 +4511,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_forward_gauss_newton_3_lanes(
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     krhpr_platform_spatial_a_turns_3_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4551,7 +4547,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4566,7 +4562,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_a_forward_gauss_newton_3_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);

@@ -99,9 +99,9 @@ KRHPR_API int krhpr_spatial_prr_b_end_points(
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[3];
         krhpr_platform_spatial_b_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
@@ -119,9 +119,9 @@ KRHPR_API int krhpr_spatial_prr_b_redundant_coordinates(
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes redundant_legs[1];
         krhpr_platform_spatial_b_redundant_lanes(&g->platform, i, p_legs, Q_legs, s_legs, redundant_legs);
@@ -140,12 +140,12 @@ KRHPR_API int krhpr_spatial_prr_b_subleg_forward(
     }
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes s_legs[3];
         krhpr_lanes angle_legs[2];
         krhpr_lanes sine_legs[2];
         krhpr_lanes cosine_legs[2];
         krhpr_subleg_prr_forward_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[3];
         krhpr_subleg_prr_forward_lanes(&g->subleg, i, theta_legs, sine_legs, cosine_legs, s_legs);
         krhpr_legs_store(s, 3, s_legs, 3, i);
     }
@@ -161,18 +161,22 @@ KRHPR_API int krhpr_spatial_prr_b_subleg_inverse(
         krhpr_fill_nan(theta, 18);
         return KRHPR_INVALID_INPUT;
     }
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[6];
         krhpr_lanes radicand_legs[1];
         krhpr_subleg_prr_inverse_all_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(theta, 6, theta_legs, 6, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 6 * i, 6);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 6 * i, 6);
+            }
         }
     }
     return status;
@@ -188,15 +192,15 @@ KRHPR_API int krhpr_spatial_prr_b_subleg_jacobian(
     }
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
-        krhpr_lanes d_legs[2];
-        krhpr_lanes v_1_legs[2];
-        krhpr_lanes M_legs[9];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_prr_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes M_legs[9];
         krhpr_subleg_prr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
         krhpr_subleg_prr_jacobian_lanes(&g->subleg, i, d_legs, v_1_legs, M_legs);
         krhpr_legs_store(M, 9, M_legs, 9, i);
@@ -213,9 +217,9 @@ KRHPR_API int krhpr_spatial_prr_b_constraints(
         krhpr_fill_nan(residual, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes residual_legs[2];
         krhpr_platform_spatial_b_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
@@ -237,21 +241,21 @@ KRHPR_API int krhpr_spatial_prr_b_jacobians(
     for (int k = 0; k < 54; ++k) {
         K[k] = 0.0;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes J_legs[12];
-        krhpr_lanes N_legs[6];
-        krhpr_lanes d_legs[2];
-        krhpr_lanes v_1_legs[2];
-        krhpr_lanes K_legs[6];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_prr_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes J_legs[12];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes K_legs[6];
         krhpr_platform_spatial_b_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_prr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
         krhpr_subleg_prr_project_lanes(&g->subleg, i, d_legs, v_1_legs, N_legs, K_legs);
@@ -272,21 +276,21 @@ KRHPR_API int krhpr_spatial_prr_b_jacobian_blocks(
         krhpr_fill_nan(K, 18);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes J_legs[12];
-        krhpr_lanes N_legs[6];
-        krhpr_lanes d_legs[2];
-        krhpr_lanes v_1_legs[2];
-        krhpr_lanes K_legs[6];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_prr_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes J_legs[12];
+        krhpr_lanes N_legs[6];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes K_legs[6];
         krhpr_platform_spatial_b_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_prr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
         krhpr_subleg_prr_project_lanes(&g->subleg, i, d_legs, v_1_legs, N_legs, K_legs);
@@ -311,11 +315,16 @@ KRHPR_API int krhpr_spatial_prr_b_jacobians_n(
     for (int k = 0; k < 81; ++k) {
         K[k] = 0.0;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_prr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes J_lines_legs[12];
         krhpr_lanes N_legs[6];
         krhpr_lanes along_legs[3];
@@ -323,11 +332,6 @@ KRHPR_API int krhpr_spatial_prr_b_jacobians_n(
         krhpr_lanes d_legs[2];
         krhpr_lanes v_1_legs[2];
         krhpr_lanes K_legs[9];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_prr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_lines_legs, N_legs);
         krhpr_platform_spatial_b_redundant_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, along_legs, redundant_line_legs);
@@ -356,9 +360,10 @@ KRHPR_API int krhpr_spatial_prr_b_inverse(
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes mode_legs[1]; krhpr_legs_load(mode_legs, mode, 1, i);
         krhpr_lanes s_legs[3];
@@ -366,13 +371,16 @@ KRHPR_API int krhpr_spatial_prr_b_inverse(
         krhpr_lanes radicand_legs[1];
         krhpr_platform_spatial_b_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
         krhpr_subleg_prr_inverse_lanes(&g->subleg, i, s_legs, mode_legs, theta_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(theta, 3, theta_legs, 3, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 3 * i, 3);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -388,22 +396,26 @@ KRHPR_API int krhpr_spatial_prr_b_inverse_all(
         krhpr_fill_nan(theta, 18);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[3];
         krhpr_lanes theta_legs[6];
         krhpr_lanes radicand_legs[1];
         krhpr_platform_spatial_b_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
         krhpr_subleg_prr_inverse_all_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(theta, 6, theta_legs, 6, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 6 * i, 6);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 6 * i, 6);
+            }
         }
     }
     return status;
@@ -421,19 +433,23 @@ KRHPR_API int krhpr_spatial_prr_b_inverse_status(
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[3];
         krhpr_lanes excess_legs[1];
         krhpr_platform_spatial_b_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
         krhpr_subleg_prr_reach_lanes(&g->subleg, i, s_legs, excess_legs);
+        fine &= krhpr_every(krhpr_at_most(excess_legs[0], krhpr_all(0.0)));
         krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(excess[i] <= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(excess[i] <= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            }
         }
     }
     return status;
@@ -453,11 +469,16 @@ KRHPR_API int krhpr_spatial_prr_b_twist(
         krhpr_fill_nan(twist, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_prr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
@@ -467,11 +488,6 @@ KRHPR_API int krhpr_spatial_prr_b_twist(
         krhpr_lanes v_1_legs[2];
         krhpr_lanes s_dot_legs[3];
         krhpr_lanes rate_legs[2];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_prr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_prr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
@@ -506,35 +522,39 @@ KRHPR_API int krhpr_spatial_prr_b_joint_rates(
         krhpr_fill_nan(theta_dot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes s_dot_legs[3];
-        krhpr_lanes d_legs[2];
-        krhpr_lanes v_1_legs[2];
-        krhpr_lanes theta_dot_legs[3];
-        krhpr_lanes regularity_legs[1];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_prr_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes s_dot_legs[3];
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes theta_dot_legs[3];
+        krhpr_lanes regularity_legs[1];
         krhpr_platform_spatial_b_end_velocity_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], s_dot_legs);
         krhpr_subleg_prr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
         krhpr_subleg_prr_rates_lanes(
             &g->subleg, i, d_legs, v_1_legs, s_dot_legs, theta_dot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(theta_dot, 3, theta_dot_legs, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_dot + 3 * i, 3);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_dot + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -555,14 +575,19 @@ KRHPR_API int krhpr_spatial_prr_b_platform_acceleration(
         krhpr_fill_nan(twist_rate, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_prr_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
         krhpr_lanes theta_ddot_legs[3]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 3, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -575,11 +600,6 @@ KRHPR_API int krhpr_spatial_prr_b_platform_acceleration(
         krhpr_lanes s_ddot_legs[3];
         krhpr_lanes row_bias_legs[2];
         krhpr_lanes rate_legs[2];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_prr_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_prr_bias_lanes(
@@ -620,15 +640,21 @@ KRHPR_API int krhpr_spatial_prr_b_joint_accelerations(
         krhpr_fill_nan(theta_ddot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
-    krhpr_lanes twist_rate_legs[6]; krhpr_legs_spread(twist_rate_legs, twist_rate, 6);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
-        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_prr_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes twist_rate_legs[6]; krhpr_legs_spread(twist_rate_legs, twist_rate, 6);
+        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
         krhpr_lanes s_dot_legs[3];
         krhpr_lanes s_ddot_legs[3];
@@ -639,11 +665,6 @@ KRHPR_API int krhpr_spatial_prr_b_joint_accelerations(
         krhpr_lanes v_1_legs[2];
         krhpr_lanes theta_ddot_legs[3];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_prr_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_end_acceleration_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], twist_rate_legs,
             redundant_accelerations_legs[0], s_dot_legs, s_ddot_legs);
@@ -653,13 +674,16 @@ KRHPR_API int krhpr_spatial_prr_b_joint_accelerations(
         krhpr_subleg_prr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
         krhpr_subleg_prr_rates_lanes(
             &g->subleg, i, d_legs, v_1_legs, along_legs, theta_ddot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(theta_ddot, 3, theta_ddot_legs, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_ddot + 3 * i, 3);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_ddot + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -682,11 +706,16 @@ KRHPR_API int krhpr_spatial_prr_b_inverse_statics(
         krhpr_fill_nan(actuator_forces, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_prr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -696,11 +725,6 @@ KRHPR_API int krhpr_spatial_prr_b_inverse_statics(
         krhpr_lanes d_legs[2];
         krhpr_lanes v_1_legs[2];
         krhpr_lanes K_n_legs[9];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_prr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_platform_spatial_b_redundant_line_lanes(
@@ -742,38 +766,42 @@ KRHPR_API int krhpr_spatial_prr_b_forward_statics(
         krhpr_fill_nan(redundant_forces, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_prr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes actuator_forces_legs[3]; krhpr_legs_load(actuator_forces_legs, actuator_forces, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes d_legs[2];
         krhpr_lanes v_1_legs[2];
         krhpr_lanes end_force_legs[3];
         krhpr_lanes regularity_legs[1];
         krhpr_lanes moment_legs[3];
         krhpr_lanes redundant_forces_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_prr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_prr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
         krhpr_subleg_prr_end_force_lanes(
             &g->subleg, i, d_legs, v_1_legs, actuator_forces_legs, end_force_legs, regularity_legs);
         krhpr_platform_spatial_b_reaction_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, end_force_legs, moment_legs, redundant_forces_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(end_force, 3, end_force_legs, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(moment, 3, moment_legs, 3, i);
         krhpr_legs_store(redundant_forces, 1, redundant_forces_legs, 1, i);
     }
     krhpr_algebra_spatial_total(end_force, moment, wrench);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(redundant_forces + 1 * i, 1);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(redundant_forces + 1 * i, 1);
+            }
         }
     }
     if (status != KRHPR_OK) {
@@ -795,13 +823,9 @@ KRHPR_API int krhpr_spatial_prr_b_opening(
         krhpr_fill_nan(shares, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        double distance;
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance, &start[i]);
     }
     krhpr_platform_spatial_b_opening(slide, redundant, jaws, start, opening, centre, shares);
     if (!(shares[0] >= 0.0)) {
@@ -829,9 +853,9 @@ KRHPR_API int krhpr_spatial_prr_b_redundant_of_opening(
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes opening_legs[1]; krhpr_legs_spread(opening_legs, &opening, 1);
-    krhpr_lanes centre_legs[2]; krhpr_legs_spread(centre_legs, centre, 2);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes opening_legs[1]; krhpr_legs_spread(opening_legs, &opening, 1);
+        krhpr_lanes centre_legs[2]; krhpr_legs_spread(centre_legs, centre, 2);
         krhpr_lanes jaws_legs[1]; krhpr_legs_load(jaws_legs, jaws, 1, i);
         krhpr_lanes redundant_legs[1];
         krhpr_platform_spatial_b_redundant_of_opening_lanes(
@@ -858,12 +882,10 @@ KRHPR_API int krhpr_spatial_prr_b_grasp(
         krhpr_fill_nan(friction_margins, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        double distance;
+        double start;
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance, &start);
     }
     krhpr_platform_spatial_b_grasp(
         Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
@@ -925,22 +947,22 @@ KRHPR_API int krhpr_spatial_prr_b_passive_joints(
         krhpr_fill_nan(platform_joint, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_prr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes d_legs[2];
         krhpr_lanes v_1_legs[2];
         krhpr_lanes link_legs[9];
         krhpr_lanes redundant_link_legs[9];
         krhpr_lanes platform_joint_legs[1];
         krhpr_lanes spherical_legs[9];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_prr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_prr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
         krhpr_subleg_prr_passive_lanes(&g->subleg, i, v_1_legs, link_legs);
         krhpr_platform_spatial_b_joint_lanes(
@@ -962,19 +984,19 @@ KRHPR_API int krhpr_spatial_prr_b_link_points(
         krhpr_fill_nan(attachment, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
-        krhpr_lanes d_legs[2];
-        krhpr_lanes v_1_legs[2];
-        krhpr_lanes points_legs[15];
-        krhpr_lanes attachment_legs[3];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_prr_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes points_legs[15];
+        krhpr_lanes attachment_legs[3];
         krhpr_subleg_prr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
         krhpr_subleg_prr_points_lanes(&g->subleg, i, d_legs, v_1_legs, s_legs, points_legs);
         krhpr_platform_spatial_b_attachment_lanes(&g->platform, i, Q_legs, s_legs, attachment_legs);
@@ -995,19 +1017,19 @@ KRHPR_API int krhpr_spatial_prr_b_clearances(
         krhpr_fill_nan(distances, 93);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
-        krhpr_lanes d_legs[2];
-        krhpr_lanes v_1_legs[2];
-        krhpr_lanes points_legs[15];
-        krhpr_lanes attachment_legs[3];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_prr_posture_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes d_legs[2];
+        krhpr_lanes v_1_legs[2];
+        krhpr_lanes points_legs[15];
+        krhpr_lanes attachment_legs[3];
         krhpr_subleg_prr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
         krhpr_subleg_prr_points_lanes(&g->subleg, i, d_legs, v_1_legs, s_legs, points_legs);
         krhpr_platform_spatial_b_attachment_lanes(&g->platform, i, Q_legs, s_legs, attachment_legs);
@@ -1062,11 +1084,16 @@ KRHPR_API int krhpr_spatial_prr_b_singularity(
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_prr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes d_legs[2];
         krhpr_lanes v_1_legs[2];
         krhpr_lanes type_1_legs[1];
@@ -1075,11 +1102,6 @@ KRHPR_API int krhpr_spatial_prr_b_singularity(
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
         krhpr_lanes scale_legs[2];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_prr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_prr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
         krhpr_subleg_prr_determinant_lanes(&g->subleg, i, d_legs, v_1_legs, type_1_legs, factors_legs);
         krhpr_platform_spatial_b_line_lanes(
@@ -1145,12 +1167,18 @@ KRHPR_API int krhpr_spatial_prr_b_indices(
         krhpr_fill_nan(condition, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_prr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -1164,11 +1192,6 @@ KRHPR_API int krhpr_spatial_prr_b_indices(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_prr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_prr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
@@ -1177,6 +1200,7 @@ KRHPR_API int krhpr_spatial_prr_b_indices(
             cofactors_legs, square_legs, reach_legs);
         krhpr_algebra_spatial_spread_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 3, reach_legs, 3, i);
@@ -1187,9 +1211,11 @@ KRHPR_API int krhpr_spatial_prr_b_indices(
     krhpr_platform_spatial_b_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norms(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
-    for (int i = 0; i < 3; ++i) {
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1229,12 +1255,18 @@ KRHPR_API int krhpr_spatial_prr_b_index_bounds(
         krhpr_fill_nan(eta_3, 1);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[1];
+        krhpr_lanes sine_legs[1];
+        krhpr_lanes cosine_legs[1];
+        krhpr_subleg_prr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -1248,11 +1280,6 @@ KRHPR_API int krhpr_spatial_prr_b_index_bounds(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[1];
-        krhpr_lanes sine_legs[1];
-        krhpr_lanes cosine_legs[1];
-        krhpr_subleg_prr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_prr_posture_lanes(&g->subleg, i, s_legs, sine_legs, cosine_legs, d_legs, v_1_legs);
@@ -1261,6 +1288,7 @@ KRHPR_API int krhpr_spatial_prr_b_index_bounds(
             cofactors_legs, square_legs, reach_legs);
         krhpr_algebra_spatial_spread_bound_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 3, reach_legs, 3, i);
@@ -1270,9 +1298,11 @@ KRHPR_API int krhpr_spatial_prr_b_index_bounds(
     }
     krhpr_platform_spatial_b_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norm_bounds(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
-    for (int i = 0; i < 3; ++i) {
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1310,14 +1340,8 @@ KRHPR_API int krhpr_spatial_prr_b_forward_all(
         krhpr_fill_nan(count, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(distance, 1, distance_legs, 1, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_assembly_modes(
         s, slide, distance, start, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
@@ -1367,15 +1391,15 @@ KRHPR_API int krhpr_spatial_prr_b_forward(
     }
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes s_legs[3];
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
         krhpr_lanes angle_legs[2];
         krhpr_lanes sine_legs[2];
         krhpr_lanes cosine_legs[2];
         krhpr_subleg_prr_forward_angles_lanes(theta_legs, angle_legs);
         krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes slide_legs[2];
+        krhpr_lanes distance_legs[1];
+        krhpr_lanes start_legs[1];
         krhpr_subleg_prr_forward_lanes(&g->subleg, i, theta_legs, sine_legs, cosine_legs, s_legs);
         krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
         krhpr_legs_store(s, 3, s_legs, 3, i);
@@ -1432,14 +1456,8 @@ KRHPR_API int krhpr_spatial_prr_b_forward_encoders_2(
         krhpr_fill_nan(mismatch, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(distance, 1, distance_legs, 1, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_two_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1490,14 +1508,8 @@ KRHPR_API int krhpr_spatial_prr_b_forward_encoders_3(
         krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(distance, 1, distance_legs, 1, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_three_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1550,14 +1562,8 @@ KRHPR_API int krhpr_spatial_prr_b_forward_gauss_newton_2(
         krhpr_fill_nan(mismatch, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(distance, 1, distance_legs, 1, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_two_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1629,14 +1635,8 @@ KRHPR_API int krhpr_spatial_prr_b_forward_gauss_newton_3(
         krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(distance, 1, distance_legs, 1, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_three_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,

@@ -23,7 +23,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_rotation_error_lanes(
     krhpr_algebra_spatial_rotation_error_lanes(Q, error);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -105,26 +105,26 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_end_points_lanes(
     const krhpr_spatial_prr_parallel_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9);
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_lanes(
             &g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s + 3 * i);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 9);
     return 1;
@@ -225,7 +225,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_redundant_coordinates_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -331,7 +331,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_subleg_forward_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -423,7 +423,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_subleg_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -527,7 +527,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_subleg_jacobian_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -620,7 +620,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_constraints_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -714,7 +714,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_jacobians_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     for (int k = 0; k < 54; ++k) {
         K[k] = krhpr_all(0.0);
     }
@@ -741,7 +741,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_jacobians_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -849,7 +849,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_jacobian_blocks_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
@@ -868,7 +868,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_jacobian_blocks_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -976,7 +976,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_jacobians_n_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes J_lines[36];
     krhpr_lanes along[9];
     for (int k = 0; k < 81; ++k) {
@@ -1010,7 +1010,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_jacobians_n_lanes(
     krhpr_subleg_prr_parallel_non_redundant_lanes(J_lines, along, p, s, J);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1117,8 +1117,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_inverse_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[3], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(mode, 3);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
@@ -1126,7 +1125,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_inverse_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[3];
         krhpr_platform_spatial_a_end_point_lanes(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
@@ -1137,7 +1136,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1147,7 +1146,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_inverse_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 3 * i, 3);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 9);
     return 1;
@@ -1249,7 +1248,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_inverse_all_lanes(
     const krhpr_spatial_prr_parallel_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
@@ -1257,7 +1256,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_inverse_all_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[3];
         krhpr_platform_spatial_a_end_point_lanes(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
@@ -1268,7 +1267,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_inverse_all_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1278,7 +1277,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_inverse_all_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 6 * i, 6);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 18);
     return 1;
@@ -1420,15 +1419,14 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_inverse_status_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[3], krhpr_lanes_at *KRHPR_RESTRICT excess,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(mode, 3);
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[3];
         krhpr_platform_spatial_a_end_point_lanes(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
@@ -1439,7 +1437,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_inverse_status_lanes(
         fine &= krhpr_at_most(excess[i], krhpr_all(0.0));
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1448,7 +1446,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_inverse_status_lanes(
         const krhpr_ints kept_1 = krhpr_at_most(excess[i], krhpr_all(0.0));
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 3);
     return 1;
@@ -1552,7 +1550,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_twist_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(theta_dot, 9);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(theta_dot, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes rate[6];
@@ -1582,7 +1580,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_twist_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1688,7 +1686,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_joint_rates_lanes(
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3);
     krhpr_lanes regularity[3];
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
@@ -1713,7 +1711,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_joint_rates_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1827,8 +1825,8 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_platform_acceleration_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT twist_rate, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(theta_dot, 9) +
-        krhpr_poses_taint(theta_ddot, 9);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(theta_dot, 9) +
+       krhpr_poses_taint(theta_ddot, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes rate[6];
@@ -1866,7 +1864,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_platform_acceleration_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1985,8 +1983,8 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_joint_accelerations_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT theta_ddot, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) +
-        krhpr_poses_taint(theta_dot, 9) + krhpr_poses_taint(twist_rate, 6) + krhpr_poses_taint(redundant_accelerations, 3);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) +
+       krhpr_poses_taint(theta_dot, 9) + krhpr_poses_taint(twist_rate, 6) + krhpr_poses_taint(redundant_accelerations, 3);
     krhpr_lanes regularity[3];
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
@@ -2019,7 +2017,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_joint_accelerations_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2146,7 +2144,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_inverse_statics_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(wrench, 6) + krhpr_poses_taint(redundant_forces, 3);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(wrench, 6) + krhpr_poses_taint(redundant_forces, 3);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes redundant_line[18];
@@ -2181,7 +2179,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_inverse_statics_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2294,7 +2292,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_forward_statics_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(actuator_forces, 9);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(actuator_forces, 9);
     krhpr_lanes end_force[9];
     krhpr_lanes regularity[3];
     krhpr_lanes moment[9];
@@ -2321,7 +2319,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_forward_statics_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2443,7 +2441,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_passive_joints_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
@@ -2472,7 +2470,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_passive_joints_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2580,7 +2578,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_link_points_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
@@ -2598,7 +2596,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_link_points_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2706,7 +2704,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_clearances_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes points[45];
     krhpr_lanes attachment[9];
     krhpr_lanes angle[3];
@@ -2761,7 +2759,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_clearances_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2860,7 +2858,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_singularity_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes scale[6];
@@ -2884,7 +2882,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_singularity_lanes(
     krhpr_platform_spatial_a_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3013,7 +3011,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_type_2_of_redundant_lanes(
     const krhpr_spatial_prr_parallel_a_geometry *g, const krhpr_lanes_at redundant[3],
     krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_all(0.0);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes scale[6];
@@ -3023,7 +3021,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_type_2_of_redundant_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_line_of_redundant_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_line_of_redundant_lanes(
             &g->platform, i, sine + 1 * i, cosine + 1 * i, line + 6 * i, point + 2 * i, scale + 2 * i);
@@ -3031,12 +3029,12 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_type_2_of_redundant_lanes(
     krhpr_platform_spatial_a_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_2, 2);
     krhpr_poses_keep(finite, margins, 2);
@@ -3127,7 +3125,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_indices_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_lanes_at *KRHPR_RESTRICT condition, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(characteristic_length, 1);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(characteristic_length, 1);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes reach[9];
@@ -3171,7 +3169,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_indices_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3318,7 +3316,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_index_bounds_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(characteristic_length, 1);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(characteristic_length, 1);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes reach[9];
@@ -3363,7 +3361,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_index_bounds_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3679,7 +3677,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_forward_newton_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-20));
     fine &= krhpr_at_most(misfit[0], krhpr_all(1e-12));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3813,7 +3811,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_forward_encoders_1_lanes(
     const krhpr_lanes_at measured[1], const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p,
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 1) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[2];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -3825,7 +3823,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_forward_encoders_1_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_platform_spatial_a_turns_1_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_1_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -3838,7 +3836,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_forward_encoders_1_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3850,7 +3848,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_forward_encoders_1_lanes(
     krhpr_poses_keep(valid, p, 6);
     krhpr_poses_keep(valid, Q, 18);
     krhpr_poses_keep(valid, mismatch, 2);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 6);
     krhpr_poses_keep(finite, Q, 18);
@@ -4023,7 +4021,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_forward_encoders_2_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[4];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4040,7 +4038,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_forward_encoders_2_lanes(
     krhpr_lanes sine[2];
     krhpr_lanes cosine[2];
     krhpr_platform_spatial_a_turns_2_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(2, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4056,7 +4054,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4070,7 +4068,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_forward_encoders_2_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 2) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);
@@ -4192,7 +4190,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_forward_encoders_3_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[6];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4209,7 +4207,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_forward_encoders_3_lanes(
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     krhpr_platform_spatial_a_turns_3_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4225,7 +4223,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4239,7 +4237,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_forward_encoders_3_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);
@@ -4361,8 +4359,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_forward_gauss_newton_2_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1) + krhpr_poses_taint(weights, 3);
     krhpr_lanes turns[4];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4381,7 +4378,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_forward_gauss_newton_2_lanes(
     krhpr_lanes sine[2];
     krhpr_lanes cosine[2];
     krhpr_platform_spatial_a_turns_2_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(2, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4418,7 +4415,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4433,7 +4430,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_forward_gauss_newton_2_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 2) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);
@@ -4559,8 +4556,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_forward_gauss_newton_3_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1) + krhpr_poses_taint(weights, 3);
     krhpr_lanes turns[6];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4579,7 +4575,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_forward_gauss_newton_3_lanes(
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     krhpr_platform_spatial_a_turns_3_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4615,7 +4611,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4630,7 +4626,7 @@ KRHPR_OUTLINE int krhpr_spatial_prr_parallel_a_forward_gauss_newton_3_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);

@@ -24,7 +24,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_rotation_error_lanes(
     krhpr_algebra_spatial_rotation_error_lanes(Q, error);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -105,26 +105,26 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_end_points_lanes(
     const krhpr_spatial_r_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9);
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_lanes(
             &g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s + 3 * i);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 9);
     return 1;
@@ -225,7 +225,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_redundant_coordinates_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -317,7 +317,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_subleg_forward_lanes(
     const krhpr_spatial_r_fivebar_a_geometry *g, const krhpr_lanes_at theta[9],
     const krhpr_lanes_at assembly[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(theta, 9) + krhpr_poses_taint(assembly, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(assembly, 3);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
@@ -325,7 +325,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_subleg_forward_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_forward_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_forward_lanes(
             &g->subleg, i, assembly + i, sine + 3 * i, cosine + 3 * i, s + 3 * i, &radicand[i]);
@@ -335,7 +335,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_subleg_forward_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -345,7 +345,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_subleg_forward_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, s + 3 * i, 3);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 9);
     return 1;
@@ -438,7 +438,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_subleg_forward_all_lanes(
     const krhpr_spatial_r_fivebar_a_geometry *g, const krhpr_lanes_at theta[9],
     krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_all(0.0);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
@@ -446,7 +446,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_subleg_forward_all_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_forward_all_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_forward_all_lanes(
             &g->subleg, i, sine + 3 * i, cosine + 3 * i, s + 6 * i, &radicand[i]);
@@ -456,7 +456,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_subleg_forward_all_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -466,7 +466,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_subleg_forward_all_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, s + 6 * i, 6);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 18);
     return 1;
@@ -555,28 +555,28 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_subleg_inverse_lanes(
     krhpr_lanes_atan2_each(42, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
         theta[24 * i + 0] = tail[14 * i + 0];
-        theta[24 * i + 1] = tail[14 * i + 1];
-        theta[24 * i + 2] = tail[14 * i + 2];
+        theta[24 * i + 1] = tail[14 * i + 2];
+        theta[24 * i + 2] = tail[14 * i + 6];
         theta[24 * i + 3] = tail[14 * i + 0];
-        theta[24 * i + 4] = tail[14 * i + 1];
-        theta[24 * i + 5] = tail[14 * i + 3];
+        theta[24 * i + 4] = tail[14 * i + 2];
+        theta[24 * i + 5] = tail[14 * i + 7];
         theta[24 * i + 6] = tail[14 * i + 0];
-        theta[24 * i + 7] = tail[14 * i + 4];
-        theta[24 * i + 8] = tail[14 * i + 5];
+        theta[24 * i + 7] = tail[14 * i + 3];
+        theta[24 * i + 8] = tail[14 * i + 8];
         theta[24 * i + 9] = tail[14 * i + 0];
-        theta[24 * i + 10] = tail[14 * i + 4];
-        theta[24 * i + 11] = tail[14 * i + 6];
-        theta[24 * i + 12] = tail[14 * i + 7];
-        theta[24 * i + 13] = tail[14 * i + 8];
-        theta[24 * i + 14] = tail[14 * i + 9];
-        theta[24 * i + 15] = tail[14 * i + 7];
-        theta[24 * i + 16] = tail[14 * i + 8];
-        theta[24 * i + 17] = tail[14 * i + 10];
-        theta[24 * i + 18] = tail[14 * i + 7];
-        theta[24 * i + 19] = tail[14 * i + 11];
+        theta[24 * i + 10] = tail[14 * i + 3];
+        theta[24 * i + 11] = tail[14 * i + 9];
+        theta[24 * i + 12] = tail[14 * i + 1];
+        theta[24 * i + 13] = tail[14 * i + 4];
+        theta[24 * i + 14] = tail[14 * i + 10];
+        theta[24 * i + 15] = tail[14 * i + 1];
+        theta[24 * i + 16] = tail[14 * i + 4];
+        theta[24 * i + 17] = tail[14 * i + 11];
+        theta[24 * i + 18] = tail[14 * i + 1];
+        theta[24 * i + 19] = tail[14 * i + 5];
         theta[24 * i + 20] = tail[14 * i + 12];
-        theta[24 * i + 21] = tail[14 * i + 7];
-        theta[24 * i + 22] = tail[14 * i + 11];
+        theta[24 * i + 21] = tail[14 * i + 1];
+        theta[24 * i + 22] = tail[14 * i + 5];
         theta[24 * i + 23] = tail[14 * i + 13];
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
@@ -584,7 +584,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_subleg_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -670,7 +670,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_subleg_jacobian_lanes(
     const krhpr_spatial_r_fivebar_a_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9],
     krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9);
     krhpr_lanes regularity[3];
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
@@ -678,7 +678,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_subleg_jacobian_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes x[3];
         krhpr_lanes e_2[3];
@@ -694,7 +694,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_subleg_jacobian_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -704,7 +704,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_subleg_jacobian_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, M + 9 * i, 9);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, M, 27);
     return 1;
@@ -792,7 +792,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_constraints_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -885,8 +885,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_jacobians_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes regularity[3];
     for (int k = 0; k < 54; ++k) {
         K[k] = krhpr_all(0.0);
@@ -897,7 +896,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_jacobians_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
         krhpr_lanes x[3];
@@ -920,7 +919,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_jacobians_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -931,7 +930,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_jacobians_lanes(
         krhpr_poses_keep(kept_1, K + 21 * i + 0, 3);
         krhpr_poses_keep(kept_1, K + 21 * i + 9, 3);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 36);
     krhpr_poses_keep(finite, K, 54);
@@ -1033,8 +1032,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_jacobian_blocks_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes regularity[3];
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
@@ -1042,7 +1040,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_jacobian_blocks_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
         krhpr_lanes x[3];
@@ -1061,7 +1059,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_jacobian_blocks_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1071,7 +1069,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_jacobian_blocks_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, K + 6 * i, 6);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 36);
     krhpr_poses_keep(finite, K, 18);
@@ -1173,8 +1171,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_jacobians_n_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes J_lines[36];
     krhpr_lanes along[9];
     krhpr_lanes regularity[3];
@@ -1187,7 +1184,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_jacobians_n_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
         krhpr_lanes redundant_line[6];
@@ -1216,7 +1213,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_jacobians_n_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1228,7 +1225,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_jacobians_n_lanes(
         krhpr_poses_keep(kept_1, K + 30 * i + 9, 3);
         krhpr_poses_keep(kept_1, K + 30 * i + 18, 3);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 81);
     krhpr_poses_keep(finite, K, 81);
@@ -1330,8 +1327,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_inverse_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[9], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(mode, 9);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
@@ -1339,7 +1335,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_inverse_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_lanes tail_y[9];
     krhpr_lanes tail_x[9];
     krhpr_lanes tail[9];
@@ -1360,7 +1356,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1370,7 +1366,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_inverse_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 3 * i, 3);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 9);
     return 1;
@@ -1472,7 +1468,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_inverse_all_lanes(
     const krhpr_spatial_r_fivebar_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
@@ -1480,7 +1476,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_inverse_all_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_lanes tail_y[42];
     krhpr_lanes tail_x[42];
     krhpr_lanes tail[42];
@@ -1493,28 +1489,28 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_inverse_all_lanes(
     krhpr_lanes_atan2_each(42, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
         theta[24 * i + 0] = tail[14 * i + 0];
-        theta[24 * i + 1] = tail[14 * i + 1];
-        theta[24 * i + 2] = tail[14 * i + 2];
+        theta[24 * i + 1] = tail[14 * i + 2];
+        theta[24 * i + 2] = tail[14 * i + 6];
         theta[24 * i + 3] = tail[14 * i + 0];
-        theta[24 * i + 4] = tail[14 * i + 1];
-        theta[24 * i + 5] = tail[14 * i + 3];
+        theta[24 * i + 4] = tail[14 * i + 2];
+        theta[24 * i + 5] = tail[14 * i + 7];
         theta[24 * i + 6] = tail[14 * i + 0];
-        theta[24 * i + 7] = tail[14 * i + 4];
-        theta[24 * i + 8] = tail[14 * i + 5];
+        theta[24 * i + 7] = tail[14 * i + 3];
+        theta[24 * i + 8] = tail[14 * i + 8];
         theta[24 * i + 9] = tail[14 * i + 0];
-        theta[24 * i + 10] = tail[14 * i + 4];
-        theta[24 * i + 11] = tail[14 * i + 6];
-        theta[24 * i + 12] = tail[14 * i + 7];
-        theta[24 * i + 13] = tail[14 * i + 8];
-        theta[24 * i + 14] = tail[14 * i + 9];
-        theta[24 * i + 15] = tail[14 * i + 7];
-        theta[24 * i + 16] = tail[14 * i + 8];
-        theta[24 * i + 17] = tail[14 * i + 10];
-        theta[24 * i + 18] = tail[14 * i + 7];
-        theta[24 * i + 19] = tail[14 * i + 11];
+        theta[24 * i + 10] = tail[14 * i + 3];
+        theta[24 * i + 11] = tail[14 * i + 9];
+        theta[24 * i + 12] = tail[14 * i + 1];
+        theta[24 * i + 13] = tail[14 * i + 4];
+        theta[24 * i + 14] = tail[14 * i + 10];
+        theta[24 * i + 15] = tail[14 * i + 1];
+        theta[24 * i + 16] = tail[14 * i + 4];
+        theta[24 * i + 17] = tail[14 * i + 11];
+        theta[24 * i + 18] = tail[14 * i + 1];
+        theta[24 * i + 19] = tail[14 * i + 5];
         theta[24 * i + 20] = tail[14 * i + 12];
-        theta[24 * i + 21] = tail[14 * i + 7];
-        theta[24 * i + 22] = tail[14 * i + 11];
+        theta[24 * i + 21] = tail[14 * i + 1];
+        theta[24 * i + 22] = tail[14 * i + 5];
         theta[24 * i + 23] = tail[14 * i + 13];
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
@@ -1522,7 +1518,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_inverse_all_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1532,7 +1528,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_inverse_all_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 24 * i, 24);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 72);
     return 1;
@@ -1674,15 +1670,14 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_inverse_status_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[9], krhpr_lanes_at *KRHPR_RESTRICT excess,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(mode, 9);
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[3];
         krhpr_platform_spatial_a_end_point_lanes(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
@@ -1693,7 +1688,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_inverse_status_lanes(
         fine &= krhpr_at_most(excess[i], krhpr_all(0.0));
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1702,7 +1697,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_inverse_status_lanes(
         const krhpr_ints kept_1 = krhpr_at_most(excess[i], krhpr_all(0.0));
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 3);
     return 1;
@@ -1806,7 +1801,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_twist_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(theta_dot, 9);
+       krhpr_poses_taint(theta_dot, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes regularity[3];
@@ -1818,7 +1813,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_twist_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
         krhpr_lanes scale[2];
@@ -1844,7 +1839,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_twist_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1857,7 +1852,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_twist_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, twist, 6);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist, 6);
     return 1;
@@ -1954,7 +1949,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_joint_rates_lanes(
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3);
+       krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3);
     krhpr_lanes regularity[3];
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
@@ -1962,7 +1957,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_joint_rates_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s_dot[3];
         krhpr_lanes x[3];
@@ -1982,7 +1977,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_joint_rates_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1992,7 +1987,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_joint_rates_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta_dot + 3 * i, 3);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_dot, 9);
     return 1;
@@ -2096,8 +2091,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_platform_acceleration_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT twist_rate, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(theta_dot, 9) +
-        krhpr_poses_taint(theta_ddot, 9);
+       krhpr_poses_taint(twist, 6) + krhpr_poses_taint(theta_dot, 9) + krhpr_poses_taint(theta_ddot, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes regularity[3];
@@ -2109,7 +2103,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_platform_acceleration_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_bias_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
         krhpr_lanes scale[2];
@@ -2144,7 +2138,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_platform_acceleration_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2157,7 +2151,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_platform_acceleration_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, twist_rate, 6);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist_rate, 6);
     return 1;
@@ -2267,8 +2261,8 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_joint_accelerations_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT theta_ddot, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) +
-        krhpr_poses_taint(theta_dot, 9) + krhpr_poses_taint(twist_rate, 6) + krhpr_poses_taint(redundant_accelerations, 3);
+       krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) + krhpr_poses_taint(theta_dot, 9) +
+       krhpr_poses_taint(twist_rate, 6) + krhpr_poses_taint(redundant_accelerations, 3);
     krhpr_lanes parallel_regularity[3];
     krhpr_lanes regularity[3];
     krhpr_lanes angle[9];
@@ -2277,7 +2271,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_joint_accelerations_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_bias_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s_dot[3];
         krhpr_lanes s_ddot[3];
@@ -2307,7 +2301,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_joint_accelerations_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2320,7 +2314,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_joint_accelerations_lanes(
         status = krhpr_expect(kept_2, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_2, theta_ddot + 3 * i, 3);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_ddot, 9);
     return 1;
@@ -2437,7 +2431,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_inverse_statics_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(wrench, 6) + krhpr_poses_taint(redundant_forces, 3);
+       krhpr_poses_taint(wrench, 6) + krhpr_poses_taint(redundant_forces, 3);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes redundant_line[18];
@@ -2451,7 +2445,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_inverse_statics_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
         krhpr_lanes scale[2];
@@ -2480,7 +2474,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_inverse_statics_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2493,7 +2487,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_inverse_statics_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, actuator_forces, 9);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, actuator_forces, 9);
     return 1;
@@ -2597,7 +2591,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_forward_statics_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(actuator_forces, 9);
+       krhpr_poses_taint(actuator_forces, 9);
     krhpr_lanes end_force[9];
     krhpr_lanes regularity[3];
     krhpr_lanes moment[9];
@@ -2607,7 +2601,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_forward_statics_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes x[3];
         krhpr_lanes e_2[3];
@@ -2627,7 +2621,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_forward_statics_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2639,7 +2633,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_forward_statics_lanes(
     }
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, wrench, 6);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, wrench, 6);
     krhpr_poses_keep(finite, redundant_forces, 3);
@@ -2749,15 +2743,14 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_passive_joints_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT spherical, krhpr_lanes_at *KRHPR_RESTRICT platform_joint,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
     krhpr_lanes cosine[9];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     krhpr_lanes tail_y[12];
     krhpr_lanes tail_x[12];
     krhpr_lanes tail[12];
@@ -2786,12 +2779,12 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_passive_joints_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, passive, 9);
     krhpr_poses_keep(finite, spherical, 27);
@@ -2906,15 +2899,14 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_link_points_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT points,
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
     krhpr_lanes cosine[9];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes x[3];
         krhpr_lanes e_2[3];
@@ -2928,12 +2920,12 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_link_points_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, points, 54);
     krhpr_poses_keep(finite, attachment, 9);
@@ -3035,8 +3027,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_clearances_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT distances,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes points[54];
     krhpr_lanes attachment[9];
     krhpr_lanes angle[9];
@@ -3045,7 +3036,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_clearances_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes x[3];
         krhpr_lanes e_2[3];
@@ -3101,12 +3092,12 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_clearances_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, distances, 180);
     return 1;
@@ -3199,8 +3190,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_singularity_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
     krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes scale[6];
@@ -3210,7 +3200,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_singularity_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes x[3];
         krhpr_lanes e_2[3];
@@ -3227,12 +3217,12 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_singularity_lanes(
     krhpr_platform_spatial_a_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_1, 3);
     krhpr_poses_keep(finite, factors, 12);
@@ -3356,7 +3346,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_type_2_of_redundant_lanes(
     const krhpr_spatial_r_fivebar_a_geometry *g, const krhpr_lanes_at redundant[3],
     krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_all(0.0);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes scale[6];
@@ -3366,7 +3356,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_type_2_of_redundant_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_line_of_redundant_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_line_of_redundant_lanes(
             &g->platform, i, sine + 1 * i, cosine + 1 * i, line + 6 * i, point + 2 * i, scale + 2 * i);
@@ -3374,12 +3364,12 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_type_2_of_redundant_lanes(
     krhpr_platform_spatial_a_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_2, 2);
     krhpr_poses_keep(finite, margins, 2);
@@ -3469,8 +3459,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_indices_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3,
     krhpr_lanes_at *KRHPR_RESTRICT condition, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes reach[9];
@@ -3487,7 +3476,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_indices_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
         krhpr_lanes scale[2];
@@ -3519,7 +3508,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_indices_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3537,7 +3526,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_indices_lanes(
     krhpr_poses_keep(valid, eta_2, 1);
     krhpr_poses_keep(valid, eta_3, 1);
     krhpr_poses_keep(valid, condition, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
@@ -3662,8 +3651,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_index_bounds_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes reach[9];
@@ -3680,7 +3668,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_index_bounds_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
         krhpr_lanes scale[2];
@@ -3713,7 +3701,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_index_bounds_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3730,7 +3718,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_index_bounds_lanes(
     krhpr_poses_keep(valid, eta_1, 1);
     krhpr_poses_keep(valid, eta_2, 1);
     krhpr_poses_keep(valid, eta_3, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
@@ -4029,7 +4017,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_forward_newton_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-20));
     fine &= krhpr_at_most(misfit[0], krhpr_all(1e-12));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4163,7 +4151,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_forward_encoders_1_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 1) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[2];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4175,7 +4163,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_forward_encoders_1_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_platform_spatial_a_turns_1_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_1_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4188,7 +4176,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_forward_encoders_1_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4200,7 +4188,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_forward_encoders_1_lanes(
     krhpr_poses_keep(valid, p, 6);
     krhpr_poses_keep(valid, Q, 18);
     krhpr_poses_keep(valid, mismatch, 2);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 6);
     krhpr_poses_keep(finite, Q, 18);
@@ -4379,7 +4367,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_forward_encoders_2_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[4];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4396,7 +4384,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_forward_encoders_2_lanes(
     krhpr_lanes sine[2];
     krhpr_lanes cosine[2];
     krhpr_platform_spatial_a_turns_2_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(2, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4412,7 +4400,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4426,7 +4414,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_forward_encoders_2_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 2) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);
@@ -4547,7 +4535,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_forward_encoders_3_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[6];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4564,7 +4552,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_forward_encoders_3_lanes(
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     krhpr_platform_spatial_a_turns_3_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4580,7 +4568,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4594,7 +4582,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_forward_encoders_3_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);
@@ -4716,8 +4704,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_forward_gauss_newton_2_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1) + krhpr_poses_taint(weights, 3);
     krhpr_lanes turns[4];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4736,7 +4723,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_forward_gauss_newton_2_lanes(
     krhpr_lanes sine[2];
     krhpr_lanes cosine[2];
     krhpr_platform_spatial_a_turns_2_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(2, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4773,7 +4760,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4788,7 +4775,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_forward_gauss_newton_2_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 2) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);
@@ -4914,8 +4901,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_forward_gauss_newton_3_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1) + krhpr_poses_taint(weights, 3);
     krhpr_lanes turns[6];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4934,7 +4920,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_forward_gauss_newton_3_lanes(
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     krhpr_platform_spatial_a_turns_3_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4970,7 +4956,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4985,7 +4971,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_a_forward_gauss_newton_3_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);

@@ -24,7 +24,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_rotation_error_lanes(
     krhpr_algebra_spatial_rotation_error_lanes(Q, error);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -111,7 +111,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_end_points_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -209,7 +209,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_redundant_coordinates_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -301,7 +301,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_subleg_forward_lanes(
     const krhpr_spatial_r_fivebar_b_geometry *g, const krhpr_lanes_at theta[9],
     const krhpr_lanes_at assembly[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(theta, 9) + krhpr_poses_taint(assembly, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(assembly, 3);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
@@ -309,7 +309,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_subleg_forward_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_forward_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_forward_lanes(
             &g->subleg, i, assembly + i, sine + 3 * i, cosine + 3 * i, s + 3 * i, &radicand[i]);
@@ -319,7 +319,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_subleg_forward_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -329,7 +329,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_subleg_forward_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, s + 3 * i, 3);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 9);
     return 1;
@@ -422,7 +422,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_subleg_forward_all_lanes(
     const krhpr_spatial_r_fivebar_b_geometry *g, const krhpr_lanes_at theta[9],
     krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_all(0.0);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
@@ -430,7 +430,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_subleg_forward_all_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_forward_all_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_forward_all_lanes(
             &g->subleg, i, sine + 3 * i, cosine + 3 * i, s + 6 * i, &radicand[i]);
@@ -440,7 +440,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_subleg_forward_all_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -450,7 +450,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_subleg_forward_all_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, s + 6 * i, 6);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 18);
     return 1;
@@ -539,28 +539,28 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_subleg_inverse_lanes(
     krhpr_lanes_atan2_each(42, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
         theta[24 * i + 0] = tail[14 * i + 0];
-        theta[24 * i + 1] = tail[14 * i + 1];
-        theta[24 * i + 2] = tail[14 * i + 2];
+        theta[24 * i + 1] = tail[14 * i + 2];
+        theta[24 * i + 2] = tail[14 * i + 6];
         theta[24 * i + 3] = tail[14 * i + 0];
-        theta[24 * i + 4] = tail[14 * i + 1];
-        theta[24 * i + 5] = tail[14 * i + 3];
+        theta[24 * i + 4] = tail[14 * i + 2];
+        theta[24 * i + 5] = tail[14 * i + 7];
         theta[24 * i + 6] = tail[14 * i + 0];
-        theta[24 * i + 7] = tail[14 * i + 4];
-        theta[24 * i + 8] = tail[14 * i + 5];
+        theta[24 * i + 7] = tail[14 * i + 3];
+        theta[24 * i + 8] = tail[14 * i + 8];
         theta[24 * i + 9] = tail[14 * i + 0];
-        theta[24 * i + 10] = tail[14 * i + 4];
-        theta[24 * i + 11] = tail[14 * i + 6];
-        theta[24 * i + 12] = tail[14 * i + 7];
-        theta[24 * i + 13] = tail[14 * i + 8];
-        theta[24 * i + 14] = tail[14 * i + 9];
-        theta[24 * i + 15] = tail[14 * i + 7];
-        theta[24 * i + 16] = tail[14 * i + 8];
-        theta[24 * i + 17] = tail[14 * i + 10];
-        theta[24 * i + 18] = tail[14 * i + 7];
-        theta[24 * i + 19] = tail[14 * i + 11];
+        theta[24 * i + 10] = tail[14 * i + 3];
+        theta[24 * i + 11] = tail[14 * i + 9];
+        theta[24 * i + 12] = tail[14 * i + 1];
+        theta[24 * i + 13] = tail[14 * i + 4];
+        theta[24 * i + 14] = tail[14 * i + 10];
+        theta[24 * i + 15] = tail[14 * i + 1];
+        theta[24 * i + 16] = tail[14 * i + 4];
+        theta[24 * i + 17] = tail[14 * i + 11];
+        theta[24 * i + 18] = tail[14 * i + 1];
+        theta[24 * i + 19] = tail[14 * i + 5];
         theta[24 * i + 20] = tail[14 * i + 12];
-        theta[24 * i + 21] = tail[14 * i + 7];
-        theta[24 * i + 22] = tail[14 * i + 11];
+        theta[24 * i + 21] = tail[14 * i + 1];
+        theta[24 * i + 22] = tail[14 * i + 5];
         theta[24 * i + 23] = tail[14 * i + 13];
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
@@ -568,7 +568,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_subleg_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -654,7 +654,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_subleg_jacobian_lanes(
     const krhpr_spatial_r_fivebar_b_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9],
     krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9);
     krhpr_lanes regularity[3];
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
@@ -662,7 +662,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_subleg_jacobian_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes x[3];
         krhpr_lanes e_2[3];
@@ -678,7 +678,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_subleg_jacobian_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -688,7 +688,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_subleg_jacobian_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, M + 9 * i, 9);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, M, 27);
     return 1;
@@ -776,7 +776,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_constraints_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -869,8 +869,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_jacobians_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes regularity[3];
     for (int k = 0; k < 54; ++k) {
         K[k] = krhpr_all(0.0);
@@ -881,7 +880,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_jacobians_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
         krhpr_lanes x[3];
@@ -904,7 +903,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_jacobians_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -915,7 +914,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_jacobians_lanes(
         krhpr_poses_keep(kept_1, K + 21 * i + 0, 3);
         krhpr_poses_keep(kept_1, K + 21 * i + 9, 3);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 36);
     krhpr_poses_keep(finite, K, 54);
@@ -1017,8 +1016,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_jacobian_blocks_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes regularity[3];
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
@@ -1026,7 +1024,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_jacobian_blocks_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
         krhpr_lanes x[3];
@@ -1045,7 +1043,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_jacobian_blocks_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1055,7 +1053,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_jacobian_blocks_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, K + 6 * i, 6);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 36);
     krhpr_poses_keep(finite, K, 18);
@@ -1157,8 +1155,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_jacobians_n_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT J,
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes J_lines[36];
     krhpr_lanes along[9];
     krhpr_lanes regularity[3];
@@ -1171,7 +1168,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_jacobians_n_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
         krhpr_lanes redundant_line[6];
@@ -1200,7 +1197,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_jacobians_n_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1212,7 +1209,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_jacobians_n_lanes(
         krhpr_poses_keep(kept_1, K + 30 * i + 9, 3);
         krhpr_poses_keep(kept_1, K + 30 * i + 18, 3);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, J, 81);
     krhpr_poses_keep(finite, K, 81);
@@ -1315,7 +1312,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_inverse_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 9);
+       krhpr_poses_taint(mode, 9);
     krhpr_lanes radicand[3];
     krhpr_lanes tail_y[9];
     krhpr_lanes tail_x[9];
@@ -1337,7 +1334,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1463,28 +1460,28 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_inverse_all_lanes(
     krhpr_lanes_atan2_each(42, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
         theta[24 * i + 0] = tail[14 * i + 0];
-        theta[24 * i + 1] = tail[14 * i + 1];
-        theta[24 * i + 2] = tail[14 * i + 2];
+        theta[24 * i + 1] = tail[14 * i + 2];
+        theta[24 * i + 2] = tail[14 * i + 6];
         theta[24 * i + 3] = tail[14 * i + 0];
-        theta[24 * i + 4] = tail[14 * i + 1];
-        theta[24 * i + 5] = tail[14 * i + 3];
+        theta[24 * i + 4] = tail[14 * i + 2];
+        theta[24 * i + 5] = tail[14 * i + 7];
         theta[24 * i + 6] = tail[14 * i + 0];
-        theta[24 * i + 7] = tail[14 * i + 4];
-        theta[24 * i + 8] = tail[14 * i + 5];
+        theta[24 * i + 7] = tail[14 * i + 3];
+        theta[24 * i + 8] = tail[14 * i + 8];
         theta[24 * i + 9] = tail[14 * i + 0];
-        theta[24 * i + 10] = tail[14 * i + 4];
-        theta[24 * i + 11] = tail[14 * i + 6];
-        theta[24 * i + 12] = tail[14 * i + 7];
-        theta[24 * i + 13] = tail[14 * i + 8];
-        theta[24 * i + 14] = tail[14 * i + 9];
-        theta[24 * i + 15] = tail[14 * i + 7];
-        theta[24 * i + 16] = tail[14 * i + 8];
-        theta[24 * i + 17] = tail[14 * i + 10];
-        theta[24 * i + 18] = tail[14 * i + 7];
-        theta[24 * i + 19] = tail[14 * i + 11];
+        theta[24 * i + 10] = tail[14 * i + 3];
+        theta[24 * i + 11] = tail[14 * i + 9];
+        theta[24 * i + 12] = tail[14 * i + 1];
+        theta[24 * i + 13] = tail[14 * i + 4];
+        theta[24 * i + 14] = tail[14 * i + 10];
+        theta[24 * i + 15] = tail[14 * i + 1];
+        theta[24 * i + 16] = tail[14 * i + 4];
+        theta[24 * i + 17] = tail[14 * i + 11];
+        theta[24 * i + 18] = tail[14 * i + 1];
+        theta[24 * i + 19] = tail[14 * i + 5];
         theta[24 * i + 20] = tail[14 * i + 12];
-        theta[24 * i + 21] = tail[14 * i + 7];
-        theta[24 * i + 22] = tail[14 * i + 11];
+        theta[24 * i + 21] = tail[14 * i + 1];
+        theta[24 * i + 22] = tail[14 * i + 5];
         theta[24 * i + 23] = tail[14 * i + 13];
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
@@ -1492,7 +1489,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_inverse_all_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1645,7 +1642,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_inverse_status_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 9);
+       krhpr_poses_taint(mode, 9);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[3];
         krhpr_platform_spatial_b_end_point_lanes(&g->platform, i, p, Q, redundant[i], s);
@@ -1656,7 +1653,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_inverse_status_lanes(
         fine &= krhpr_at_most(excess[i], krhpr_all(0.0));
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1769,7 +1766,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_twist_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(theta_dot, 9);
+       krhpr_poses_taint(theta_dot, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes regularity[3];
@@ -1781,7 +1778,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_twist_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
         krhpr_lanes scale[2];
@@ -1807,7 +1804,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_twist_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1820,7 +1817,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_twist_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, twist, 6);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist, 6);
     return 1;
@@ -1917,7 +1914,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_joint_rates_lanes(
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3);
+       krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3);
     krhpr_lanes regularity[3];
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
@@ -1925,7 +1922,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_joint_rates_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s_dot[3];
         krhpr_lanes x[3];
@@ -1945,7 +1942,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_joint_rates_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1955,7 +1952,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_joint_rates_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta_dot + 3 * i, 3);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_dot, 9);
     return 1;
@@ -2059,8 +2056,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_platform_acceleration_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT twist_rate, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(theta_dot, 9) +
-        krhpr_poses_taint(theta_ddot, 9);
+       krhpr_poses_taint(twist, 6) + krhpr_poses_taint(theta_dot, 9) + krhpr_poses_taint(theta_ddot, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes regularity[3];
@@ -2072,7 +2068,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_platform_acceleration_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_bias_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
         krhpr_lanes scale[2];
@@ -2107,7 +2103,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_platform_acceleration_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2120,7 +2116,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_platform_acceleration_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, twist_rate, 6);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, twist_rate, 6);
     return 1;
@@ -2230,8 +2226,8 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_joint_accelerations_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT theta_ddot, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) +
-        krhpr_poses_taint(theta_dot, 9) + krhpr_poses_taint(twist_rate, 6) + krhpr_poses_taint(redundant_accelerations, 3);
+       krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) + krhpr_poses_taint(theta_dot, 9) +
+       krhpr_poses_taint(twist_rate, 6) + krhpr_poses_taint(redundant_accelerations, 3);
     krhpr_lanes parallel_regularity[3];
     krhpr_lanes regularity[3];
     krhpr_lanes angle[9];
@@ -2240,7 +2236,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_joint_accelerations_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_bias_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s_dot[3];
         krhpr_lanes s_ddot[3];
@@ -2270,7 +2266,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_joint_accelerations_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2283,7 +2279,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_joint_accelerations_lanes(
         status = krhpr_expect(kept_2, status, KRHPR_SINGULAR_LEG_1 + i);
         krhpr_poses_keep(kept_2, theta_ddot + 3 * i, 3);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta_ddot, 9);
     return 1;
@@ -2400,7 +2396,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_inverse_statics_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(wrench, 6) + krhpr_poses_taint(redundant_forces, 3);
+       krhpr_poses_taint(wrench, 6) + krhpr_poses_taint(redundant_forces, 3);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes redundant_line[18];
@@ -2414,7 +2410,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_inverse_statics_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
         krhpr_lanes scale[2];
@@ -2443,7 +2439,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_inverse_statics_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2456,7 +2452,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_inverse_statics_lanes(
     status = krhpr_expect(krhpr_at_most(krhpr_all(1e-24), det_regularity[1]), status, KRHPR_SINGULAR_NORMAL);
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, actuator_forces, 9);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, actuator_forces, 9);
     return 1;
@@ -2560,7 +2556,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_forward_statics_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(actuator_forces, 9);
+       krhpr_poses_taint(actuator_forces, 9);
     krhpr_lanes end_force[9];
     krhpr_lanes regularity[3];
     krhpr_lanes moment[9];
@@ -2570,7 +2566,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_forward_statics_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes x[3];
         krhpr_lanes e_2[3];
@@ -2590,7 +2586,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_forward_statics_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2602,7 +2598,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_forward_statics_lanes(
     }
     const krhpr_ints valid = krhpr_is_ok(status);
     krhpr_poses_keep(valid, wrench, 6);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, wrench, 6);
     krhpr_poses_keep(finite, redundant_forces, 3);
@@ -2724,7 +2720,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_opening_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), shares[1]);
     fine &= krhpr_at_most(krhpr_all(0.0), shares[2]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2846,7 +2842,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_redundant_of_opening_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2943,7 +2939,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_grasp_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(Q, 9) + krhpr_poses_taint(contacts, 9) + krhpr_poses_taint(mass_centre, 3) +
-        krhpr_poses_taint(weight, 3) + krhpr_poses_taint(normal_forces, 3) + krhpr_poses_taint(friction, 1);
+       krhpr_poses_taint(weight, 3) + krhpr_poses_taint(normal_forces, 3) + krhpr_poses_taint(friction, 1);
     krhpr_lanes slide[6];
     krhpr_lanes determined[2];
     for (int i = 0; i < 3; ++i) {
@@ -2964,7 +2960,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_grasp_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[1]);
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[2]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3133,15 +3129,14 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_passive_joints_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT spherical, krhpr_lanes_at *KRHPR_RESTRICT platform_joint,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
     krhpr_lanes cosine[9];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     krhpr_lanes tail_y[9];
     krhpr_lanes tail_x[9];
     krhpr_lanes tail[9];
@@ -3169,12 +3164,12 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_passive_joints_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, passive, 9);
     krhpr_poses_keep(finite, spherical, 27);
@@ -3289,15 +3284,14 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_link_points_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT points,
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
     krhpr_lanes cosine[9];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes x[3];
         krhpr_lanes e_2[3];
@@ -3311,12 +3305,12 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_link_points_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, points, 54);
     krhpr_poses_keep(finite, attachment, 9);
@@ -3418,8 +3412,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_clearances_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT distances,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes points[54];
     krhpr_lanes attachment[9];
     krhpr_lanes angle[9];
@@ -3428,7 +3421,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_clearances_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes x[3];
         krhpr_lanes e_2[3];
@@ -3477,12 +3470,12 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_clearances_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, distances, 132);
     return 1;
@@ -3575,8 +3568,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_singularity_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT factors, krhpr_lanes_at *KRHPR_RESTRICT type_2,
     krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes scale[6];
@@ -3586,7 +3578,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_singularity_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes x[3];
         krhpr_lanes e_2[3];
@@ -3603,12 +3595,12 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_singularity_lanes(
     krhpr_platform_spatial_b_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_1, 3);
     krhpr_poses_keep(finite, factors, 12);
@@ -3743,7 +3735,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_type_2_of_redundant_lanes(
     krhpr_platform_spatial_b_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3838,8 +3830,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_indices_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3,
     krhpr_lanes_at *KRHPR_RESTRICT condition, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes reach[9];
@@ -3856,7 +3847,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_indices_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
         krhpr_lanes scale[2];
@@ -3888,7 +3879,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_indices_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3906,7 +3897,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_indices_lanes(
     krhpr_poses_keep(valid, eta_2, 1);
     krhpr_poses_keep(valid, eta_3, 1);
     krhpr_poses_keep(valid, condition, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
@@ -4031,8 +4022,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_index_bounds_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes reach[9];
@@ -4049,7 +4039,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_index_bounds_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_posture_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
         krhpr_lanes scale[2];
@@ -4082,7 +4072,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_index_bounds_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4099,7 +4089,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_index_bounds_lanes(
     krhpr_poses_keep(valid, eta_1, 1);
     krhpr_poses_keep(valid, eta_2, 1);
     krhpr_poses_keep(valid, eta_3, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, eta_1, 1);
     krhpr_poses_keep(finite, eta_2, 1);
@@ -4233,7 +4223,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_forward_all_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), breadth[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4375,7 +4365,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_forward_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT redundant,
     krhpr_lanes_at *KRHPR_RESTRICT count, krhpr_lanes_at *KRHPR_RESTRICT certified, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(theta, 9) + krhpr_poses_taint(assembly, 3) + krhpr_poses_taint(side, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(assembly, 3) + krhpr_poses_taint(side, 1);
     krhpr_lanes s[9];
     krhpr_lanes radicand[3];
     krhpr_lanes slide[6];
@@ -4391,7 +4381,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_forward_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_forward_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_r_fivebar_forward_lanes(
             &g->subleg, i, assembly + i, sine + 3 * i, cosine + 3 * i, s + 3 * i, &radicand[i]);
@@ -4409,7 +4399,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_forward_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), breadth[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), assembly_radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4428,7 +4418,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_forward_lanes(
     krhpr_poses_keep(valid, redundant, 3);
     krhpr_poses_keep(valid, count, 1);
     krhpr_poses_keep(valid, certified, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);
@@ -4661,7 +4651,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4821,7 +4811,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4958,7 +4948,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_forward_gauss_newton_2_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+       krhpr_poses_taint(weights, 3);
     krhpr_lanes slide[6];
     krhpr_lanes distance[3];
     krhpr_lanes start[3];
@@ -5006,7 +4996,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -5148,7 +5138,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_forward_gauss_newton_3_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+       krhpr_poses_taint(weights, 3);
     krhpr_lanes slide[6];
     krhpr_lanes distance[3];
     krhpr_lanes start[3];
@@ -5195,7 +5185,7 @@ KRHPR_OUTLINE int krhpr_spatial_r_fivebar_b_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */

@@ -105,9 +105,9 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_end_points(
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[3];
         krhpr_platform_spatial_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
@@ -125,9 +125,9 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_redundant_coordinates(
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes redundant_legs[1];
         krhpr_platform_spatial_c_redundant_lanes(&g->platform, i, p_legs, Q_legs, s_legs, redundant_legs);
@@ -145,29 +145,38 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_subleg_forward(
     if (assembly == NULL) {
         assembly = assembly_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(theta, 9) + krhpr_taint(assembly, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(assembly, 3))) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes assembly_legs[1]; krhpr_legs_load(assembly_legs, assembly, 1, i);
-        krhpr_lanes s_legs[3];
-        krhpr_lanes radicand_legs[1];
         krhpr_lanes angle_legs[3];
         krhpr_lanes sine_legs[3];
         krhpr_lanes cosine_legs[3];
         krhpr_subleg_r_fivebar_forward_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes assembly_legs[1]; krhpr_legs_load(assembly_legs, assembly, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes radicand_legs[1];
         krhpr_subleg_r_fivebar_forward_lanes(
             &g->subleg, i, assembly_legs, sine_legs, cosine_legs, s_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(s, 3, s_legs, 3, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(s + 3 * i, 3);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(s, 9);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(s + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -178,28 +187,33 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_subleg_forward_all(
 {
     int status = KRHPR_OK;
     double radicand[3];
-    if (!krhpr_is_clean(krhpr_taint(theta, 9))) {
-        krhpr_fill_nan(s, 18);
-        return KRHPR_INVALID_INPUT;
-    }
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes s_legs[6];
-        krhpr_lanes radicand_legs[1];
         krhpr_lanes angle_legs[3];
         krhpr_lanes sine_legs[3];
         krhpr_lanes cosine_legs[3];
         krhpr_subleg_r_fivebar_forward_all_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[6];
+        krhpr_lanes radicand_legs[1];
         krhpr_subleg_r_fivebar_forward_all_lanes(
             &g->subleg, i, sine_legs, cosine_legs, s_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(s, 6, s_legs, 6, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(s + 6 * i, 6);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(s, 18);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(s + 6 * i, 6);
+            }
         }
     }
     return status;
@@ -214,6 +228,7 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_subleg_inverse(
         krhpr_fill_nan(theta, 72);
         return KRHPR_INVALID_INPUT;
     }
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes radicand_legs[1];
@@ -225,36 +240,39 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_subleg_inverse(
             &g->subleg, i, s_legs, radicand_legs, tail_y_legs, tail_x_legs);
         krhpr_lanes_atan2_each(14, tail_y_legs, tail_x_legs, tail_legs);
         theta_legs[0] = tail_legs[0];
-        theta_legs[1] = tail_legs[1];
-        theta_legs[2] = tail_legs[2];
+        theta_legs[1] = tail_legs[2];
+        theta_legs[2] = tail_legs[6];
         theta_legs[3] = tail_legs[0];
-        theta_legs[4] = tail_legs[1];
-        theta_legs[5] = tail_legs[3];
+        theta_legs[4] = tail_legs[2];
+        theta_legs[5] = tail_legs[7];
         theta_legs[6] = tail_legs[0];
-        theta_legs[7] = tail_legs[4];
-        theta_legs[8] = tail_legs[5];
+        theta_legs[7] = tail_legs[3];
+        theta_legs[8] = tail_legs[8];
         theta_legs[9] = tail_legs[0];
-        theta_legs[10] = tail_legs[4];
-        theta_legs[11] = tail_legs[6];
-        theta_legs[12] = tail_legs[7];
-        theta_legs[13] = tail_legs[8];
-        theta_legs[14] = tail_legs[9];
-        theta_legs[15] = tail_legs[7];
-        theta_legs[16] = tail_legs[8];
-        theta_legs[17] = tail_legs[10];
-        theta_legs[18] = tail_legs[7];
-        theta_legs[19] = tail_legs[11];
+        theta_legs[10] = tail_legs[3];
+        theta_legs[11] = tail_legs[9];
+        theta_legs[12] = tail_legs[1];
+        theta_legs[13] = tail_legs[4];
+        theta_legs[14] = tail_legs[10];
+        theta_legs[15] = tail_legs[1];
+        theta_legs[16] = tail_legs[4];
+        theta_legs[17] = tail_legs[11];
+        theta_legs[18] = tail_legs[1];
+        theta_legs[19] = tail_legs[5];
         theta_legs[20] = tail_legs[12];
-        theta_legs[21] = tail_legs[7];
-        theta_legs[22] = tail_legs[11];
+        theta_legs[21] = tail_legs[1];
+        theta_legs[22] = tail_legs[5];
         theta_legs[23] = tail_legs[13];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 24, theta_legs, 24, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 24 * i, 24);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 24 * i, 24);
+            }
         }
     }
     return status;
@@ -266,12 +284,19 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_subleg_jacobian(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9))) {
         krhpr_fill_nan(M, 27);
         return KRHPR_INVALID_INPUT;
     }
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
@@ -280,22 +305,24 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_subleg_jacobian(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes M_legs[9];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_r_fivebar_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_r_fivebar_jacobian_lanes(
             &g->subleg, i, x_legs, e_2_legs, d_legs, u_1_legs, u_2_legs, M_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(M, 9, M_legs, 9, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(M + 9 * i, 9);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(M, 27);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(M + 9 * i, 9);
+            }
         }
     }
     return status;
@@ -310,9 +337,9 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_constraints(
         krhpr_fill_nan(residual, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes residual_legs[2];
         krhpr_platform_spatial_c_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
@@ -327,7 +354,7 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_jacobians(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 54);
         return KRHPR_INVALID_INPUT;
@@ -335,11 +362,18 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_jacobians(
     for (int k = 0; k < 54; ++k) {
         K[k] = 0.0;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes J_legs[12];
         krhpr_lanes N_legs[6];
         krhpr_lanes x_legs[3];
@@ -349,26 +383,29 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_jacobians(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes K_legs[6];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_r_fivebar_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_r_fivebar_project_lanes(
             &g->subleg, i, x_legs, e_2_legs, d_legs, u_1_legs, u_2_legs, N_legs, K_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(J, 12, J_legs, 12, i);
         krhpr_legs_store(K, 21, K_legs, 3, i);
         krhpr_legs_store(K + 9, 21, K_legs + 3, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(K + 21 * i + 0, 3);
-            krhpr_fill_nan(K + 21 * i + 9, 3);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(J, 36);
+        krhpr_fill_nan(K, 54);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(K + 21 * i + 0, 3);
+                krhpr_fill_nan(K + 21 * i + 9, 3);
+            }
         }
     }
     return status;
@@ -380,16 +417,23 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_jacobian_blocks(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(J, 36);
         krhpr_fill_nan(K, 18);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes J_legs[12];
         krhpr_lanes N_legs[6];
         krhpr_lanes x_legs[3];
@@ -399,24 +443,27 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_jacobian_blocks(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes K_legs[6];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_r_fivebar_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_r_fivebar_project_lanes(
             &g->subleg, i, x_legs, e_2_legs, d_legs, u_1_legs, u_2_legs, N_legs, K_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(J, 12, J_legs, 12, i);
         krhpr_legs_store(K, 6, K_legs, 6, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(K + 6 * i, 6);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(J, 36);
+        krhpr_fill_nan(K, 18);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(K + 6 * i, 6);
+            }
         }
     }
     return status;
@@ -430,7 +477,7 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_jacobians_n(
     double J_lines[36];
     double along[9];
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(J, 81);
         krhpr_fill_nan(K, 81);
         return KRHPR_INVALID_INPUT;
@@ -438,11 +485,18 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_jacobians_n(
     for (int k = 0; k < 81; ++k) {
         K[k] = 0.0;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes J_lines_legs[12];
         krhpr_lanes N_legs[6];
         krhpr_lanes along_legs[3];
@@ -454,11 +508,6 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_jacobians_n(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes K_legs[9];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_lines_legs, N_legs);
         krhpr_platform_spatial_c_redundant_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, along_legs, redundant_line_legs);
@@ -467,6 +516,7 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_jacobians_n(
         krhpr_subleg_r_fivebar_transmission_lanes(
             &g->subleg, i, x_legs, e_2_legs, d_legs, u_1_legs, u_2_legs, N_legs, along_legs, K_legs,
             regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(J_lines, 12, J_lines_legs, 12, i);
         krhpr_legs_store(along, 3, along_legs, 3, i);
         krhpr_legs_store(K, 30, K_legs, 3, i);
@@ -474,13 +524,20 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_jacobians_n(
         krhpr_legs_store(K + 18, 30, K_legs + 6, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(J, 81);
+        krhpr_fill_nan(K, 81);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_subleg_r_fivebar_non_redundant(J_lines, along, p, s, J);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(K + 30 * i + 0, 3);
-            krhpr_fill_nan(K + 30 * i + 9, 3);
-            krhpr_fill_nan(K + 30 * i + 18, 3);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(K + 30 * i + 0, 3);
+                krhpr_fill_nan(K + 30 * i + 9, 3);
+                krhpr_fill_nan(K + 30 * i + 18, 3);
+            }
         }
     }
     return status;
@@ -499,9 +556,10 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_inverse(
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes mode_legs[3]; krhpr_legs_load(mode_legs, mode, 3, i);
         krhpr_lanes s_legs[3];
@@ -517,13 +575,16 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_inverse(
         theta_legs[0] = tail_legs[0];
         theta_legs[1] = tail_legs[1];
         theta_legs[2] = tail_legs[2];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 3, theta_legs, 3, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 3 * i, 3);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -539,9 +600,10 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_inverse_all(
         krhpr_fill_nan(theta, 72);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[3];
         krhpr_lanes radicand_legs[1];
@@ -554,36 +616,39 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_inverse_all(
             &g->subleg, i, s_legs, radicand_legs, tail_y_legs, tail_x_legs);
         krhpr_lanes_atan2_each(14, tail_y_legs, tail_x_legs, tail_legs);
         theta_legs[0] = tail_legs[0];
-        theta_legs[1] = tail_legs[1];
-        theta_legs[2] = tail_legs[2];
+        theta_legs[1] = tail_legs[2];
+        theta_legs[2] = tail_legs[6];
         theta_legs[3] = tail_legs[0];
-        theta_legs[4] = tail_legs[1];
-        theta_legs[5] = tail_legs[3];
+        theta_legs[4] = tail_legs[2];
+        theta_legs[5] = tail_legs[7];
         theta_legs[6] = tail_legs[0];
-        theta_legs[7] = tail_legs[4];
-        theta_legs[8] = tail_legs[5];
+        theta_legs[7] = tail_legs[3];
+        theta_legs[8] = tail_legs[8];
         theta_legs[9] = tail_legs[0];
-        theta_legs[10] = tail_legs[4];
-        theta_legs[11] = tail_legs[6];
-        theta_legs[12] = tail_legs[7];
-        theta_legs[13] = tail_legs[8];
-        theta_legs[14] = tail_legs[9];
-        theta_legs[15] = tail_legs[7];
-        theta_legs[16] = tail_legs[8];
-        theta_legs[17] = tail_legs[10];
-        theta_legs[18] = tail_legs[7];
-        theta_legs[19] = tail_legs[11];
+        theta_legs[10] = tail_legs[3];
+        theta_legs[11] = tail_legs[9];
+        theta_legs[12] = tail_legs[1];
+        theta_legs[13] = tail_legs[4];
+        theta_legs[14] = tail_legs[10];
+        theta_legs[15] = tail_legs[1];
+        theta_legs[16] = tail_legs[4];
+        theta_legs[17] = tail_legs[11];
+        theta_legs[18] = tail_legs[1];
+        theta_legs[19] = tail_legs[5];
         theta_legs[20] = tail_legs[12];
-        theta_legs[21] = tail_legs[7];
-        theta_legs[22] = tail_legs[11];
+        theta_legs[21] = tail_legs[1];
+        theta_legs[22] = tail_legs[5];
         theta_legs[23] = tail_legs[13];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 24, theta_legs, 24, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 24 * i, 24);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 24 * i, 24);
+            }
         }
     }
     return status;
@@ -601,20 +666,24 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_inverse_status(
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes mode_legs[3]; krhpr_legs_load(mode_legs, mode, 3, i);
         krhpr_lanes s_legs[3];
         krhpr_lanes excess_legs[1];
         krhpr_platform_spatial_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
         krhpr_subleg_r_fivebar_reach_lanes(&g->subleg, i, s_legs, mode_legs, excess_legs);
+        fine &= krhpr_every(krhpr_at_most(excess_legs[0], krhpr_all(0.0)));
         krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(excess[i] <= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(excess[i] <= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            }
         }
     }
     return status;
@@ -630,16 +699,22 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_twist(
     double regularity[3];
     double rate[6];
     double det_regularity[2];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(theta_dot, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta_dot, 9))) {
         krhpr_fill_nan(twist, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
@@ -653,11 +728,6 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_twist(
         krhpr_lanes s_dot_legs[3];
         krhpr_lanes regularity_legs[1];
         krhpr_lanes rate_legs[2];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_r_fivebar_posture_lanes(
@@ -666,15 +736,22 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_twist(
             &g->subleg, i, x_legs, e_2_legs, d_legs, u_1_legs, u_2_legs, theta_dot_legs, s_dot_legs,
             regularity_legs);
         krhpr_algebra_spatial_rate_lanes(N_legs, s_dot_legs, rate_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(rate, 2, rate_legs, 2, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(twist, 6);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_spatial_c_solve(Q, line, point, rate, twist, det_regularity);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -696,18 +773,25 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_joint_rates(
 {
     int status = KRHPR_OK;
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(twist, 6) +
+          krhpr_taint(redundant_rates, 3))) {
         krhpr_fill_nan(theta_dot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes s_dot_legs[3];
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
@@ -716,11 +800,6 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_joint_rates(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes theta_dot_legs[3];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_end_velocity_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], s_dot_legs);
         krhpr_subleg_r_fivebar_posture_lanes(
@@ -728,13 +807,20 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_joint_rates(
         krhpr_subleg_r_fivebar_rates_lanes(
             &g->subleg, i, x_legs, e_2_legs, d_legs, u_1_legs, u_2_legs, s_dot_legs, theta_dot_legs,
             regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(theta_dot, 3, theta_dot_legs, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_dot + 3 * i, 3);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(theta_dot, 9);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_dot + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -751,19 +837,26 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_platform_acceleration(
     double regularity[3];
     double rate[6];
     double det_regularity[2];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(twist, 6) + krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(twist, 6) +
+          krhpr_taint(theta_dot, 9) + krhpr_taint(theta_ddot, 9))) {
         krhpr_fill_nan(twist_rate, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_r_fivebar_bias_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
         krhpr_lanes theta_ddot_legs[3]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 3, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -780,11 +873,6 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_platform_acceleration(
         krhpr_lanes s_ddot_legs[3];
         krhpr_lanes row_bias_legs[2];
         krhpr_lanes rate_legs[2];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_r_fivebar_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_r_fivebar_bias_lanes(
@@ -799,16 +887,23 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_platform_acceleration(
         krhpr_platform_spatial_c_row_bias_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, s_dot_legs, row_bias_legs);
         krhpr_algebra_spatial_rate_with_bias_lanes(N_legs, s_ddot_legs, row_bias_legs, rate_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(rate, 2, rate_legs, 2, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(twist_rate, 6);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_spatial_c_solve(Q, line, point, rate, twist_rate, det_regularity);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -831,21 +926,27 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_joint_accelerations(
     int status = KRHPR_OK;
     double parallel_regularity[3];
     double regularity[3];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(twist, 6) + krhpr_taint(redundant_rates, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(twist_rate, 6) +
-          krhpr_taint(redundant_accelerations, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(twist, 6) +
+          krhpr_taint(redundant_rates, 3) + krhpr_taint(theta_dot, 9) + krhpr_taint(twist_rate, 6) + krhpr_taint(redundant_accelerations, 3))) {
         krhpr_fill_nan(theta_ddot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
-    krhpr_lanes twist_rate_legs[6]; krhpr_legs_spread(twist_rate_legs, twist_rate, 6);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
-        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_r_fivebar_bias_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes twist_rate_legs[6]; krhpr_legs_spread(twist_rate_legs, twist_rate, 6);
+        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
         krhpr_lanes s_dot_legs[3];
         krhpr_lanes s_ddot_legs[3];
@@ -860,11 +961,6 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_joint_accelerations(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes theta_ddot_legs[3];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_r_fivebar_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_end_acceleration_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], twist_rate_legs,
             redundant_accelerations_legs[0], s_dot_legs, s_ddot_legs);
@@ -877,18 +973,26 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_joint_accelerations(
         krhpr_subleg_r_fivebar_rates_lanes(
             &g->subleg, i, x_legs, e_2_legs, d_legs, u_1_legs, u_2_legs, along_legs, theta_ddot_legs,
             regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), parallel_regularity_legs[0]));
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(parallel_regularity, 1, parallel_regularity_legs, 1, i);
         krhpr_legs_store(theta_ddot, 3, theta_ddot_legs, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(parallel_regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_ddot + 3 * i, 3);
-        }
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_ddot + 3 * i, 3);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(theta_ddot, 9);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(parallel_regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_ddot + 3 * i, 3);
+            }
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_ddot + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -907,16 +1011,23 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_inverse_statics(
     double regularity[3];
     double line_forces[6];
     double det_regularity[2];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(wrench, 6) + krhpr_taint(redundant_forces, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(wrench, 6) +
+          krhpr_taint(redundant_forces, 3))) {
         krhpr_fill_nan(actuator_forces, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -930,11 +1041,6 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_inverse_statics(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes K_n_legs[9];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_platform_spatial_c_redundant_line_lanes(
@@ -944,18 +1050,25 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_inverse_statics(
         krhpr_subleg_r_fivebar_transmission_lanes(
             &g->subleg, i, x_legs, e_2_legs, d_legs, u_1_legs, u_2_legs, N_legs, along_legs, K_n_legs,
             regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(redundant_line, 6, redundant_line_legs, 6, i);
         krhpr_legs_store(K_n, 9, K_n_legs, 9, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(actuator_forces, 9);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_spatial_c_balance(
         Q, line, point, redundant_line, redundant_forces, wrench, line_forces, det_regularity);
     krhpr_subleg_r_fivebar_torques(K_n, line_forces, redundant_forces, actuator_forces);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -979,18 +1092,24 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_forward_statics(
     double end_force[9];
     double regularity[3];
     double moment[9];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9) +
-          krhpr_taint(actuator_forces, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(actuator_forces, 9))) {
         krhpr_fill_nan(wrench, 6);
         krhpr_fill_nan(redundant_forces, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes actuator_forces_legs[3]; krhpr_legs_load(actuator_forces_legs, actuator_forces, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
         krhpr_lanes d_legs[2];
@@ -1000,11 +1119,6 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_forward_statics(
         krhpr_lanes regularity_legs[1];
         krhpr_lanes moment_legs[3];
         krhpr_lanes redundant_forces_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_r_fivebar_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_r_fivebar_end_force_lanes(
@@ -1012,16 +1126,24 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_forward_statics(
             end_force_legs, regularity_legs);
         krhpr_platform_spatial_c_reaction_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, end_force_legs, moment_legs, redundant_forces_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(end_force, 3, end_force_legs, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(moment, 3, moment_legs, 3, i);
         krhpr_legs_store(redundant_forces, 1, redundant_forces_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(wrench, 6);
+        krhpr_fill_nan(redundant_forces, 3);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_algebra_spatial_total(end_force, moment, wrench);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(redundant_forces + 1 * i, 1);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(redundant_forces + 1 * i, 1);
+            }
         }
     }
     if (status != KRHPR_OK) {
@@ -1042,10 +1164,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_opening(
         krhpr_fill_nan(shares, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_opening(slide, redundant, jaws, opening, centre, shares);
     if (!(shares[0] >= 0.0)) {
@@ -1073,9 +1193,9 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_redundant_of_opening(
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes opening_legs[1]; krhpr_legs_spread(opening_legs, &opening, 1);
-    krhpr_lanes centre_legs[2]; krhpr_legs_spread(centre_legs, centre, 2);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes opening_legs[1]; krhpr_legs_spread(opening_legs, &opening, 1);
+        krhpr_lanes centre_legs[2]; krhpr_legs_spread(centre_legs, centre, 2);
         krhpr_lanes jaws_legs[1]; krhpr_legs_load(jaws_legs, jaws, 1, i);
         krhpr_lanes redundant_legs[1];
         krhpr_platform_spatial_c_redundant_of_opening_lanes(
@@ -1102,10 +1222,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_grasp(
         krhpr_fill_nan(friction_margins, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_grasp(
         Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
@@ -1163,17 +1281,23 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_passive_joints(
     double *KRHPR_RESTRICT platform_joint)
 {
     int status = KRHPR_OK;
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(passive, 9);
         krhpr_fill_nan(spherical, 27);
         krhpr_fill_nan(platform_joint, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
         krhpr_lanes d_legs[2];
@@ -1184,11 +1308,6 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_passive_joints(
         krhpr_lanes redundant_link_legs[9];
         krhpr_lanes platform_joint_legs[1];
         krhpr_lanes spherical_legs[9];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes tail_y_legs[3];
         krhpr_lanes tail_x_legs[3];
         krhpr_lanes tail_legs[3];
@@ -1207,6 +1326,12 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_passive_joints(
         krhpr_legs_store(platform_joint, 1, platform_joint_legs, 1, i);
         krhpr_legs_store(spherical, 9, spherical_legs, 9, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(passive, 9);
+        krhpr_fill_nan(spherical, 27);
+        krhpr_fill_nan(platform_joint, 3);
+        return KRHPR_INVALID_INPUT;
+    }
     return status;
 }
 
@@ -1215,13 +1340,19 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_link_points(
     const double theta[9], double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT attachment)
 {
     int status = KRHPR_OK;
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(points, 54);
         krhpr_fill_nan(attachment, 9);
         return KRHPR_INVALID_INPUT;
     }
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
@@ -1230,11 +1361,6 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_link_points(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes points_legs[18];
         krhpr_lanes attachment_legs[3];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_r_fivebar_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_r_fivebar_points_lanes(
@@ -1242,6 +1368,11 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_link_points(
         krhpr_platform_spatial_c_attachment_lanes(&g->platform, i, s_legs, attachment_legs);
         krhpr_legs_store(points, 18, points_legs, 18, i);
         krhpr_legs_store(attachment, 3, attachment_legs, 3, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(points, 54);
+        krhpr_fill_nan(attachment, 9);
+        return KRHPR_INVALID_INPUT;
     }
     return status;
 }
@@ -1253,12 +1384,18 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_clearances(
     int status = KRHPR_OK;
     double points[54];
     double attachment[9];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(distances, 87);
         return KRHPR_INVALID_INPUT;
     }
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
@@ -1267,11 +1404,6 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_clearances(
         krhpr_lanes u_2_legs[2];
         krhpr_lanes points_legs[18];
         krhpr_lanes attachment_legs[3];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_r_fivebar_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_r_fivebar_points_lanes(
@@ -1279,6 +1411,10 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_clearances(
         krhpr_platform_spatial_c_attachment_lanes(&g->platform, i, s_legs, attachment_legs);
         krhpr_legs_store(points, 18, points_legs, 18, i);
         krhpr_legs_store(attachment, 3, attachment_legs, 3, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(distances, 87);
+        return KRHPR_INVALID_INPUT;
     }
     static const int ends[348] = {
         0, 3, 9, 12, 0, 3, 12, 15, 0, 3, 18, 21, 0, 3, 21, 24, 0, 3, 21, 27, 0, 3, 27, 30, 0, 3, 30, 33, 0,
@@ -1320,18 +1456,24 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_singularity(
     double line[18];
     double point[6];
     double scale[6];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(type_1, 3);
         krhpr_fill_nan(factors, 12);
         krhpr_fill_nan(type_2, 2);
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
         krhpr_lanes d_legs[2];
@@ -1343,11 +1485,6 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_singularity(
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
         krhpr_lanes scale_legs[2];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_r_fivebar_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, u_1_legs, u_2_legs);
         krhpr_subleg_r_fivebar_determinant_lanes(
@@ -1359,6 +1496,13 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_singularity(
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(scale, 2, scale_legs, 2, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(type_1, 3);
+        krhpr_fill_nan(factors, 12);
+        krhpr_fill_nan(type_2, 2);
+        krhpr_fill_nan(margins, 2);
+        return KRHPR_INVALID_INPUT;
     }
     krhpr_platform_spatial_c_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1408,18 +1552,25 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_indices(
     double position_gram[9];
     double rotation_gram[9];
     double det_regularity[2];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(eta_1, 1);
         krhpr_fill_nan(eta_2, 1);
         krhpr_fill_nan(eta_3, 1);
         krhpr_fill_nan(condition, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -1437,11 +1588,6 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_indices(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_r_fivebar_posture_lanes(
@@ -1451,6 +1597,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_indices(
             square_legs, reach_legs, regularity_legs);
         krhpr_algebra_spatial_spread_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 3, reach_legs, 3, i);
@@ -1459,15 +1607,24 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_indices(
         krhpr_legs_store(smallest, 1, smallest_legs, 1, i);
         krhpr_legs_store(evenness, 1, evenness_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(eta_1, 1);
+        krhpr_fill_nan(eta_2, 1);
+        krhpr_fill_nan(eta_3, 1);
+        krhpr_fill_nan(condition, 3);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_spatial_c_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norms(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-        }
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1501,17 +1658,24 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_index_bounds(
     double position_gram[9];
     double rotation_gram[9];
     double det_regularity[2];
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9) + krhpr_taint(theta, 9))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(s, 9))) {
         krhpr_fill_nan(eta_1, 1);
         krhpr_fill_nan(eta_2, 1);
         krhpr_fill_nan(eta_3, 1);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -1529,11 +1693,6 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_index_bounds(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_r_fivebar_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_r_fivebar_posture_lanes(
@@ -1543,6 +1702,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_index_bounds(
             square_legs, reach_legs, regularity_legs);
         krhpr_algebra_spatial_spread_bound_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 3, reach_legs, 3, i);
@@ -1551,14 +1712,22 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_index_bounds(
         krhpr_legs_store(smallest, 1, smallest_legs, 1, i);
         krhpr_legs_store(evenness, 1, evenness_legs, 1, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(eta_1, 1);
+        krhpr_fill_nan(eta_2, 1);
+        krhpr_fill_nan(eta_3, 1);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_spatial_c_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norm_bounds(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-        }
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1594,10 +1763,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_forward_all(
         krhpr_fill_nan(count, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_modes(
         s, slide, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
@@ -1639,7 +1806,7 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_forward(
     if (assembly == NULL) {
         assembly = assembly_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(theta, 9) + krhpr_taint(assembly, 3) + krhpr_taint(&side, 1))) {
+    if (!krhpr_is_clean(krhpr_taint(assembly, 3) + krhpr_taint(&side, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
@@ -1647,29 +1814,42 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_forward(
         krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes assembly_legs[1]; krhpr_legs_load(assembly_legs, assembly, 1, i);
-        krhpr_lanes s_legs[3];
-        krhpr_lanes radicand_legs[1];
-        krhpr_lanes slide_legs[2];
         krhpr_lanes angle_legs[3];
         krhpr_lanes sine_legs[3];
         krhpr_lanes cosine_legs[3];
         krhpr_subleg_r_fivebar_forward_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes assembly_legs[1]; krhpr_legs_load(assembly_legs, assembly, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes slide_legs[2];
         krhpr_subleg_r_fivebar_forward_lanes(
             &g->subleg, i, assembly_legs, sine_legs, cosine_legs, s_legs, radicand_legs);
         krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(s, 3, s_legs, 3, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(slide, 2, slide_legs, 2, i);
     }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(p, 3);
+        krhpr_fill_nan(Q, 9);
+        krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
+        return KRHPR_INVALID_INPUT;
+    }
     krhpr_platform_spatial_c_assembly_mode(
         s, slide, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count, certified);
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            }
         }
     }
     if (!(sign[0] >= 0.5)) {
@@ -1716,10 +1896,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_forward_encoders_2(
         krhpr_fill_nan(mismatch, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_two_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1767,10 +1945,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_forward_encoders_3(
         krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_three_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1820,10 +1996,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_forward_gauss_newton_2(
         krhpr_fill_nan(mismatch, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_two_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1891,10 +2065,8 @@ KRHPR_API int krhpr_spatial_r_fivebar_c_forward_gauss_newton_3(
         krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_three_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);

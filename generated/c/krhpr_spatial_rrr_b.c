@@ -99,9 +99,9 @@ KRHPR_API int krhpr_spatial_rrr_b_end_points(
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[3];
         krhpr_platform_spatial_b_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
@@ -119,9 +119,9 @@ KRHPR_API int krhpr_spatial_rrr_b_redundant_coordinates(
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes redundant_legs[1];
         krhpr_platform_spatial_b_redundant_lanes(&g->platform, i, p_legs, Q_legs, s_legs, redundant_legs);
@@ -134,20 +134,21 @@ KRHPR_API int krhpr_spatial_rrr_b_subleg_forward(
     const krhpr_spatial_rrr_b_geometry *g, const double theta[9], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
-    if (!krhpr_is_clean(krhpr_taint(theta, 9))) {
-        krhpr_fill_nan(s, 9);
-        return KRHPR_INVALID_INPUT;
-    }
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes s_legs[3];
         krhpr_lanes angle_legs[3];
         krhpr_lanes sine_legs[3];
         krhpr_lanes cosine_legs[3];
         krhpr_subleg_rrr_forward_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[3];
         krhpr_subleg_rrr_forward_lanes(&g->subleg, i, sine_legs, cosine_legs, s_legs);
         krhpr_legs_store(s, 3, s_legs, 3, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(s, 9);
+        return KRHPR_INVALID_INPUT;
     }
     return status;
 }
@@ -161,6 +162,7 @@ KRHPR_API int krhpr_spatial_rrr_b_subleg_inverse(
         krhpr_fill_nan(theta, 36);
         return KRHPR_INVALID_INPUT;
     }
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes radicand_legs[1];
@@ -171,24 +173,27 @@ KRHPR_API int krhpr_spatial_rrr_b_subleg_inverse(
         krhpr_subleg_rrr_inverse_all_lanes(&g->subleg, i, s_legs, radicand_legs, tail_y_legs, tail_x_legs);
         krhpr_lanes_atan2_each(8, tail_y_legs, tail_x_legs, tail_legs);
         theta_legs[0] = tail_legs[0];
-        theta_legs[1] = tail_legs[1];
+        theta_legs[1] = tail_legs[4];
         theta_legs[2] = tail_legs[2];
         theta_legs[3] = tail_legs[0];
-        theta_legs[4] = tail_legs[3];
-        theta_legs[5] = tail_legs[4];
-        theta_legs[6] = tail_legs[5];
+        theta_legs[4] = tail_legs[5];
+        theta_legs[5] = tail_legs[3];
+        theta_legs[6] = tail_legs[1];
         theta_legs[7] = tail_legs[6];
         theta_legs[8] = tail_legs[2];
-        theta_legs[9] = tail_legs[5];
+        theta_legs[9] = tail_legs[1];
         theta_legs[10] = tail_legs[7];
-        theta_legs[11] = tail_legs[4];
+        theta_legs[11] = tail_legs[3];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 12, theta_legs, 12, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 12 * i, 12);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 12 * i, 12);
+            }
         }
     }
     return status;
@@ -204,17 +209,17 @@ KRHPR_API int krhpr_spatial_rrr_b_subleg_jacobian(
     }
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
         krhpr_lanes d_legs[2];
         krhpr_lanes v_1_legs[2];
         krhpr_lanes M_legs[9];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_rrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_1_legs);
         krhpr_subleg_rrr_jacobian_lanes(&g->subleg, i, x_legs, e_2_legs, d_legs, v_1_legs, M_legs);
@@ -232,9 +237,9 @@ KRHPR_API int krhpr_spatial_rrr_b_constraints(
         krhpr_fill_nan(residual, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes residual_legs[2];
         krhpr_platform_spatial_b_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
@@ -256,11 +261,16 @@ KRHPR_API int krhpr_spatial_rrr_b_jacobians(
     for (int k = 0; k < 54; ++k) {
         K[k] = 0.0;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes J_legs[12];
         krhpr_lanes N_legs[6];
         krhpr_lanes x_legs[3];
@@ -268,11 +278,6 @@ KRHPR_API int krhpr_spatial_rrr_b_jacobians(
         krhpr_lanes d_legs[2];
         krhpr_lanes v_1_legs[2];
         krhpr_lanes K_legs[6];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_rrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_1_legs);
@@ -294,11 +299,16 @@ KRHPR_API int krhpr_spatial_rrr_b_jacobian_blocks(
         krhpr_fill_nan(K, 18);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes J_legs[12];
         krhpr_lanes N_legs[6];
         krhpr_lanes x_legs[3];
@@ -306,11 +316,6 @@ KRHPR_API int krhpr_spatial_rrr_b_jacobian_blocks(
         krhpr_lanes d_legs[2];
         krhpr_lanes v_1_legs[2];
         krhpr_lanes K_legs[6];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_rrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_1_legs);
@@ -336,11 +341,16 @@ KRHPR_API int krhpr_spatial_rrr_b_jacobians_n(
     for (int k = 0; k < 81; ++k) {
         K[k] = 0.0;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes J_lines_legs[12];
         krhpr_lanes N_legs[6];
         krhpr_lanes along_legs[3];
@@ -350,11 +360,6 @@ KRHPR_API int krhpr_spatial_rrr_b_jacobians_n(
         krhpr_lanes d_legs[2];
         krhpr_lanes v_1_legs[2];
         krhpr_lanes K_legs[9];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_lines_legs, N_legs);
         krhpr_platform_spatial_b_redundant_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, along_legs, redundant_line_legs);
@@ -385,9 +390,10 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse(
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes mode_legs[2]; krhpr_legs_load(mode_legs, mode, 2, i);
         krhpr_lanes s_legs[3];
@@ -401,15 +407,18 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse(
             &g->subleg, i, s_legs, mode_legs, radicand_legs, tail_y_legs, tail_x_legs);
         krhpr_lanes_atan2_each(3, tail_y_legs, tail_x_legs, tail_legs);
         theta_legs[0] = tail_legs[0];
-        theta_legs[1] = tail_legs[1];
-        theta_legs[2] = tail_legs[2];
+        theta_legs[1] = tail_legs[2];
+        theta_legs[2] = tail_legs[1];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 3, theta_legs, 3, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 3 * i, 3);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -425,9 +434,10 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse_all(
         krhpr_fill_nan(theta, 36);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[3];
         krhpr_lanes radicand_legs[1];
@@ -439,24 +449,27 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse_all(
         krhpr_subleg_rrr_inverse_all_lanes(&g->subleg, i, s_legs, radicand_legs, tail_y_legs, tail_x_legs);
         krhpr_lanes_atan2_each(8, tail_y_legs, tail_x_legs, tail_legs);
         theta_legs[0] = tail_legs[0];
-        theta_legs[1] = tail_legs[1];
+        theta_legs[1] = tail_legs[4];
         theta_legs[2] = tail_legs[2];
         theta_legs[3] = tail_legs[0];
-        theta_legs[4] = tail_legs[3];
-        theta_legs[5] = tail_legs[4];
-        theta_legs[6] = tail_legs[5];
+        theta_legs[4] = tail_legs[5];
+        theta_legs[5] = tail_legs[3];
+        theta_legs[6] = tail_legs[1];
         theta_legs[7] = tail_legs[6];
         theta_legs[8] = tail_legs[2];
-        theta_legs[9] = tail_legs[5];
+        theta_legs[9] = tail_legs[1];
         theta_legs[10] = tail_legs[7];
-        theta_legs[11] = tail_legs[4];
+        theta_legs[11] = tail_legs[3];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 12, theta_legs, 12, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 12 * i, 12);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 12 * i, 12);
+            }
         }
     }
     return status;
@@ -474,19 +487,23 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse_status(
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[3];
         krhpr_lanes excess_legs[1];
         krhpr_platform_spatial_b_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
         krhpr_subleg_rrr_reach_lanes(&g->subleg, i, s_legs, excess_legs);
+        fine &= krhpr_every(krhpr_at_most(excess_legs[0], krhpr_all(0.0)));
         krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(excess[i] <= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(excess[i] <= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            }
         }
     }
     return status;
@@ -506,11 +523,16 @@ KRHPR_API int krhpr_spatial_rrr_b_twist(
         krhpr_fill_nan(twist, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
@@ -522,11 +544,6 @@ KRHPR_API int krhpr_spatial_rrr_b_twist(
         krhpr_lanes v_1_legs[2];
         krhpr_lanes s_dot_legs[3];
         krhpr_lanes rate_legs[2];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_rrr_posture_lanes(
@@ -563,13 +580,19 @@ KRHPR_API int krhpr_spatial_rrr_b_joint_rates(
         krhpr_fill_nan(theta_dot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes s_dot_legs[3];
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
@@ -577,24 +600,22 @@ KRHPR_API int krhpr_spatial_rrr_b_joint_rates(
         krhpr_lanes v_1_legs[2];
         krhpr_lanes theta_dot_legs[3];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_end_velocity_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], s_dot_legs);
         krhpr_subleg_rrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_1_legs);
         krhpr_subleg_rrr_rates_lanes(
             &g->subleg, i, x_legs, e_2_legs, d_legs, v_1_legs, s_dot_legs, theta_dot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(theta_dot, 3, theta_dot_legs, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_dot + 3 * i, 3);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_dot + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -615,14 +636,19 @@ KRHPR_API int krhpr_spatial_rrr_b_platform_acceleration(
         krhpr_fill_nan(twist_rate, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_rrr_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
         krhpr_lanes theta_ddot_legs[3]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 3, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -637,11 +663,6 @@ KRHPR_API int krhpr_spatial_rrr_b_platform_acceleration(
         krhpr_lanes s_ddot_legs[3];
         krhpr_lanes row_bias_legs[2];
         krhpr_lanes rate_legs[2];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_rrr_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_rrr_bias_lanes(
@@ -684,15 +705,21 @@ KRHPR_API int krhpr_spatial_rrr_b_joint_accelerations(
         krhpr_fill_nan(theta_ddot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
-    krhpr_lanes twist_rate_legs[6]; krhpr_legs_spread(twist_rate_legs, twist_rate, 6);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
-        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_rrr_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes twist_rate_legs[6]; krhpr_legs_spread(twist_rate_legs, twist_rate, 6);
+        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
         krhpr_lanes s_dot_legs[3];
         krhpr_lanes s_ddot_legs[3];
@@ -705,11 +732,6 @@ KRHPR_API int krhpr_spatial_rrr_b_joint_accelerations(
         krhpr_lanes v_1_legs[2];
         krhpr_lanes theta_ddot_legs[3];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_rrr_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_end_acceleration_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], twist_rate_legs,
             redundant_accelerations_legs[0], s_dot_legs, s_ddot_legs);
@@ -720,13 +742,16 @@ KRHPR_API int krhpr_spatial_rrr_b_joint_accelerations(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_1_legs);
         krhpr_subleg_rrr_rates_lanes(
             &g->subleg, i, x_legs, e_2_legs, d_legs, v_1_legs, along_legs, theta_ddot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(theta_ddot, 3, theta_ddot_legs, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_ddot + 3 * i, 3);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_ddot + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -749,11 +774,16 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse_statics(
         krhpr_fill_nan(actuator_forces, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -765,11 +795,6 @@ KRHPR_API int krhpr_spatial_rrr_b_inverse_statics(
         krhpr_lanes d_legs[2];
         krhpr_lanes v_1_legs[2];
         krhpr_lanes K_n_legs[9];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_platform_spatial_b_redundant_line_lanes(
@@ -813,12 +838,18 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_statics(
         krhpr_fill_nan(redundant_forces, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes actuator_forces_legs[3]; krhpr_legs_load(actuator_forces_legs, actuator_forces, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
         krhpr_lanes d_legs[2];
@@ -827,11 +858,6 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_statics(
         krhpr_lanes regularity_legs[1];
         krhpr_lanes moment_legs[3];
         krhpr_lanes redundant_forces_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_rrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_1_legs);
         krhpr_subleg_rrr_end_force_lanes(
@@ -839,16 +865,19 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_statics(
             regularity_legs);
         krhpr_platform_spatial_b_reaction_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, end_force_legs, moment_legs, redundant_forces_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(end_force, 3, end_force_legs, 3, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(moment, 3, moment_legs, 3, i);
         krhpr_legs_store(redundant_forces, 1, redundant_forces_legs, 1, i);
     }
     krhpr_algebra_spatial_total(end_force, moment, wrench);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(redundant_forces + 1 * i, 1);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(redundant_forces + 1 * i, 1);
+            }
         }
     }
     if (status != KRHPR_OK) {
@@ -870,13 +899,9 @@ KRHPR_API int krhpr_spatial_rrr_b_opening(
         krhpr_fill_nan(shares, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        double distance;
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance, &start[i]);
     }
     krhpr_platform_spatial_b_opening(slide, redundant, jaws, start, opening, centre, shares);
     if (!(shares[0] >= 0.0)) {
@@ -904,9 +929,9 @@ KRHPR_API int krhpr_spatial_rrr_b_redundant_of_opening(
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes opening_legs[1]; krhpr_legs_spread(opening_legs, &opening, 1);
-    krhpr_lanes centre_legs[2]; krhpr_legs_spread(centre_legs, centre, 2);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes opening_legs[1]; krhpr_legs_spread(opening_legs, &opening, 1);
+        krhpr_lanes centre_legs[2]; krhpr_legs_spread(centre_legs, centre, 2);
         krhpr_lanes jaws_legs[1]; krhpr_legs_load(jaws_legs, jaws, 1, i);
         krhpr_lanes redundant_legs[1];
         krhpr_platform_spatial_b_redundant_of_opening_lanes(
@@ -933,12 +958,10 @@ KRHPR_API int krhpr_spatial_rrr_b_grasp(
         krhpr_fill_nan(friction_margins, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        double distance;
+        double start;
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance, &start);
     }
     krhpr_platform_spatial_b_grasp(
         Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
@@ -1000,11 +1023,16 @@ KRHPR_API int krhpr_spatial_rrr_b_passive_joints(
         krhpr_fill_nan(platform_joint, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
         krhpr_lanes d_legs[2];
@@ -1013,11 +1041,6 @@ KRHPR_API int krhpr_spatial_rrr_b_passive_joints(
         krhpr_lanes redundant_link_legs[9];
         krhpr_lanes platform_joint_legs[1];
         krhpr_lanes spherical_legs[9];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_rrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_1_legs);
         krhpr_subleg_rrr_passive_lanes(&g->subleg, i, x_legs, e_2_legs, v_1_legs, link_legs);
@@ -1040,21 +1063,21 @@ KRHPR_API int krhpr_spatial_rrr_b_link_points(
         krhpr_fill_nan(attachment, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
         krhpr_lanes d_legs[2];
         krhpr_lanes v_1_legs[2];
         krhpr_lanes points_legs[12];
         krhpr_lanes attachment_legs[3];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_rrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_1_legs);
         krhpr_subleg_rrr_points_lanes(&g->subleg, i, x_legs, d_legs, v_1_legs, s_legs, points_legs);
@@ -1076,21 +1099,21 @@ KRHPR_API int krhpr_spatial_rrr_b_clearances(
         krhpr_fill_nan(distances, 57);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
         krhpr_lanes d_legs[2];
         krhpr_lanes v_1_legs[2];
         krhpr_lanes points_legs[12];
         krhpr_lanes attachment_legs[3];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_rrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_1_legs);
         krhpr_subleg_rrr_points_lanes(&g->subleg, i, x_legs, d_legs, v_1_legs, s_legs, points_legs);
@@ -1140,11 +1163,16 @@ KRHPR_API int krhpr_spatial_rrr_b_singularity(
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
         krhpr_lanes d_legs[2];
@@ -1155,11 +1183,6 @@ KRHPR_API int krhpr_spatial_rrr_b_singularity(
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
         krhpr_lanes scale_legs[2];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_rrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_1_legs);
         krhpr_subleg_rrr_determinant_lanes(&g->subleg, i, d_legs, v_1_legs, type_1_legs, factors_legs);
@@ -1225,11 +1248,17 @@ KRHPR_API int krhpr_spatial_rrr_b_indices(
         krhpr_fill_nan(condition, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -1245,11 +1274,6 @@ KRHPR_API int krhpr_spatial_rrr_b_indices(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_rrr_posture_lanes(
@@ -1259,6 +1283,7 @@ KRHPR_API int krhpr_spatial_rrr_b_indices(
             square_legs, reach_legs);
         krhpr_algebra_spatial_spread_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 3, reach_legs, 3, i);
@@ -1269,9 +1294,11 @@ KRHPR_API int krhpr_spatial_rrr_b_indices(
     krhpr_platform_spatial_b_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norms(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
-    for (int i = 0; i < 3; ++i) {
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1310,11 +1337,17 @@ KRHPR_API int krhpr_spatial_rrr_b_index_bounds(
         krhpr_fill_nan(eta_3, 1);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes angle_legs[2];
+        krhpr_lanes sine_legs[2];
+        krhpr_lanes cosine_legs[2];
+        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -1330,11 +1363,6 @@ KRHPR_API int krhpr_spatial_rrr_b_index_bounds(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[2];
-        krhpr_lanes sine_legs[2];
-        krhpr_lanes cosine_legs[2];
-        krhpr_subleg_rrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_b_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_rrr_posture_lanes(
@@ -1344,6 +1372,7 @@ KRHPR_API int krhpr_spatial_rrr_b_index_bounds(
             square_legs, reach_legs);
         krhpr_algebra_spatial_spread_bound_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 3, reach_legs, 3, i);
@@ -1353,9 +1382,11 @@ KRHPR_API int krhpr_spatial_rrr_b_index_bounds(
     }
     krhpr_platform_spatial_b_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norm_bounds(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
-    for (int i = 0; i < 3; ++i) {
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1393,14 +1424,8 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_all(
         krhpr_fill_nan(count, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(distance, 1, distance_legs, 1, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_assembly_modes(
         s, slide, distance, start, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
@@ -1440,7 +1465,7 @@ KRHPR_API int krhpr_spatial_rrr_b_forward(
     double breadth[1];
     double assembly_radicand[1];
     double sign[1];
-    if (!krhpr_is_clean(krhpr_taint(theta, 9) + krhpr_taint(&side, 1))) {
+    if (!krhpr_is_clean(krhpr_taint(&side, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
@@ -1448,23 +1473,32 @@ KRHPR_API int krhpr_spatial_rrr_b_forward(
         krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes s_legs[3];
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
         krhpr_lanes angle_legs[3];
         krhpr_lanes sine_legs[3];
         krhpr_lanes cosine_legs[3];
         krhpr_subleg_rrr_forward_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes slide_legs[2];
+        krhpr_lanes distance_legs[1];
+        krhpr_lanes start_legs[1];
         krhpr_subleg_rrr_forward_lanes(&g->subleg, i, sine_legs, cosine_legs, s_legs);
         krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
         krhpr_legs_store(s, 3, s_legs, 3, i);
         krhpr_legs_store(slide, 2, slide_legs, 2, i);
         krhpr_legs_store(distance, 1, distance_legs, 1, i);
         krhpr_legs_store(start, 1, start_legs, 1, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 9))) {
+        krhpr_fill_nan(p, 3);
+        krhpr_fill_nan(Q, 9);
+        krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
+        return KRHPR_INVALID_INPUT;
     }
     krhpr_platform_spatial_b_assembly_mode(
         s, slide, distance, start, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count,
@@ -1515,14 +1549,8 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_encoders_2(
         krhpr_fill_nan(mismatch, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(distance, 1, distance_legs, 1, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_two_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1573,14 +1601,8 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_encoders_3(
         krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(distance, 1, distance_legs, 1, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_three_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1633,14 +1655,8 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_gauss_newton_2(
         krhpr_fill_nan(mismatch, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(distance, 1, distance_legs, 1, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_two_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,
@@ -1712,14 +1728,8 @@ KRHPR_API int krhpr_spatial_rrr_b_forward_gauss_newton_3(
         krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_lanes distance_legs[1];
-        krhpr_lanes start_legs[1];
-        krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide_legs, distance_legs, start_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
-        krhpr_legs_store(distance, 1, distance_legs, 1, i);
-        krhpr_legs_store(start, 1, start_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_b_tie(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
     }
     krhpr_platform_spatial_b_three_encoders(
         s, measured, slide, distance, start, tolerance, flatness, points, axes, ends, spread, linear,

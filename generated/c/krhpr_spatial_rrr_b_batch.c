@@ -23,7 +23,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_rotation_error_lanes(
     krhpr_algebra_spatial_rotation_error_lanes(Q, error);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -108,7 +108,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_end_points_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -205,7 +205,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_redundant_coordinates_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -296,25 +296,25 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_subleg_forward_lanes(
     const krhpr_spatial_rrr_b_geometry *g, const krhpr_lanes_at theta[9], krhpr_lanes_at *KRHPR_RESTRICT s,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(theta, 9);
+    const krhpr_lanes taint = krhpr_all(0.0);
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
     krhpr_lanes cosine[9];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_forward_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_forward_lanes(&g->subleg, i, sine + 3 * i, cosine + 3 * i, s + 3 * i);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 9);
     return 1;
@@ -400,24 +400,24 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_subleg_inverse_lanes(
     krhpr_lanes_atan2_each(24, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
         theta[12 * i + 0] = tail[8 * i + 0];
-        theta[12 * i + 1] = tail[8 * i + 1];
+        theta[12 * i + 1] = tail[8 * i + 4];
         theta[12 * i + 2] = tail[8 * i + 2];
         theta[12 * i + 3] = tail[8 * i + 0];
-        theta[12 * i + 4] = tail[8 * i + 3];
-        theta[12 * i + 5] = tail[8 * i + 4];
-        theta[12 * i + 6] = tail[8 * i + 5];
+        theta[12 * i + 4] = tail[8 * i + 5];
+        theta[12 * i + 5] = tail[8 * i + 3];
+        theta[12 * i + 6] = tail[8 * i + 1];
         theta[12 * i + 7] = tail[8 * i + 6];
         theta[12 * i + 8] = tail[8 * i + 2];
-        theta[12 * i + 9] = tail[8 * i + 5];
+        theta[12 * i + 9] = tail[8 * i + 1];
         theta[12 * i + 10] = tail[8 * i + 7];
-        theta[12 * i + 11] = tail[8 * i + 4];
+        theta[12 * i + 11] = tail[8 * i + 3];
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -520,7 +520,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_subleg_jacobian_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -612,7 +612,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_constraints_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -705,7 +705,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_jacobians_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     for (int k = 0; k < 54; ++k) {
         K[k] = krhpr_all(0.0);
     }
@@ -734,7 +734,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_jacobians_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -841,7 +841,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_jacobian_blocks_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes angle[6];
     krhpr_lanes sine[6];
     krhpr_lanes cosine[6];
@@ -862,7 +862,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_jacobian_blocks_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -969,7 +969,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_jacobians_n_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes J_lines[36];
     krhpr_lanes along[9];
     for (int k = 0; k < 81; ++k) {
@@ -1005,7 +1005,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_jacobians_n_lanes(
     krhpr_subleg_rrr_non_redundant_lanes(J_lines, along, p, s, J);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1112,7 +1112,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_inverse_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 6);
+       krhpr_poses_taint(mode, 6);
     krhpr_lanes radicand[3];
     krhpr_lanes tail_y[9];
     krhpr_lanes tail_x[9];
@@ -1126,15 +1126,15 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_inverse_lanes(
     krhpr_lanes_atan2_each(9, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
         theta[3 * i + 0] = tail[3 * i + 0];
-        theta[3 * i + 1] = tail[3 * i + 1];
-        theta[3 * i + 2] = tail[3 * i + 2];
+        theta[3 * i + 1] = tail[3 * i + 2];
+        theta[3 * i + 2] = tail[3 * i + 1];
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1258,24 +1258,24 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_inverse_all_lanes(
     krhpr_lanes_atan2_each(24, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
         theta[12 * i + 0] = tail[8 * i + 0];
-        theta[12 * i + 1] = tail[8 * i + 1];
+        theta[12 * i + 1] = tail[8 * i + 4];
         theta[12 * i + 2] = tail[8 * i + 2];
         theta[12 * i + 3] = tail[8 * i + 0];
-        theta[12 * i + 4] = tail[8 * i + 3];
-        theta[12 * i + 5] = tail[8 * i + 4];
-        theta[12 * i + 6] = tail[8 * i + 5];
+        theta[12 * i + 4] = tail[8 * i + 5];
+        theta[12 * i + 5] = tail[8 * i + 3];
+        theta[12 * i + 6] = tail[8 * i + 1];
         theta[12 * i + 7] = tail[8 * i + 6];
         theta[12 * i + 8] = tail[8 * i + 2];
-        theta[12 * i + 9] = tail[8 * i + 5];
+        theta[12 * i + 9] = tail[8 * i + 1];
         theta[12 * i + 10] = tail[8 * i + 7];
-        theta[12 * i + 11] = tail[8 * i + 4];
+        theta[12 * i + 11] = tail[8 * i + 3];
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1425,7 +1425,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_inverse_status_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 6);
+       krhpr_poses_taint(mode, 6);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[3];
         krhpr_platform_spatial_b_end_point_lanes(&g->platform, i, p, Q, redundant[i], s);
@@ -1436,7 +1436,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_inverse_status_lanes(
         fine &= krhpr_at_most(excess[i], krhpr_all(0.0));
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1548,7 +1548,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_twist_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(theta_dot, 9);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(theta_dot, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes rate[6];
@@ -1580,7 +1580,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_twist_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1685,7 +1685,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_joint_rates_lanes(
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3);
     krhpr_lanes regularity[3];
     krhpr_lanes angle[6];
     krhpr_lanes sine[6];
@@ -1711,7 +1711,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_joint_rates_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1824,8 +1824,8 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_platform_acceleration_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT twist_rate, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(theta_dot, 9) +
-        krhpr_poses_taint(theta_ddot, 9);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(theta_dot, 9) +
+       krhpr_poses_taint(theta_ddot, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes rate[6];
@@ -1865,7 +1865,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_platform_acceleration_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1983,8 +1983,8 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_joint_accelerations_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT theta_ddot, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) +
-        krhpr_poses_taint(theta_dot, 9) + krhpr_poses_taint(twist_rate, 6) + krhpr_poses_taint(redundant_accelerations, 3);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) +
+       krhpr_poses_taint(theta_dot, 9) + krhpr_poses_taint(twist_rate, 6) + krhpr_poses_taint(redundant_accelerations, 3);
     krhpr_lanes regularity[3];
     krhpr_lanes angle[6];
     krhpr_lanes sine[6];
@@ -2019,7 +2019,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_joint_accelerations_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2145,7 +2145,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_inverse_statics_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(wrench, 6) + krhpr_poses_taint(redundant_forces, 3);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(wrench, 6) + krhpr_poses_taint(redundant_forces, 3);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes redundant_line[18];
@@ -2182,7 +2182,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_inverse_statics_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2294,7 +2294,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_forward_statics_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(actuator_forces, 9);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(actuator_forces, 9);
     krhpr_lanes end_force[9];
     krhpr_lanes regularity[3];
     krhpr_lanes moment[9];
@@ -2323,7 +2323,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_forward_statics_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2456,7 +2456,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_opening_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), shares[1]);
     fine &= krhpr_at_most(krhpr_all(0.0), shares[2]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2576,7 +2576,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_redundant_of_opening_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2672,7 +2672,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_grasp_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(Q, 9) + krhpr_poses_taint(contacts, 9) + krhpr_poses_taint(mass_centre, 3) +
-        krhpr_poses_taint(weight, 3) + krhpr_poses_taint(normal_forces, 3) + krhpr_poses_taint(friction, 1);
+       krhpr_poses_taint(weight, 3) + krhpr_poses_taint(normal_forces, 3) + krhpr_poses_taint(friction, 1);
     krhpr_lanes slide[6];
     krhpr_lanes determined[2];
     for (int i = 0; i < 3; ++i) {
@@ -2693,7 +2693,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_grasp_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[1]);
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[2]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2861,7 +2861,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_passive_joints_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes angle[6];
     krhpr_lanes sine[6];
     krhpr_lanes cosine[6];
@@ -2885,7 +2885,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_passive_joints_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2992,7 +2992,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_link_points_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes angle[6];
     krhpr_lanes sine[6];
     krhpr_lanes cosine[6];
@@ -3012,7 +3012,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_link_points_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3119,7 +3119,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_clearances_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes points[36];
     krhpr_lanes attachment[9];
     krhpr_lanes angle[6];
@@ -3164,7 +3164,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_clearances_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3262,7 +3262,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_singularity_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes scale[6];
@@ -3288,7 +3288,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_singularity_lanes(
     krhpr_platform_spatial_b_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3427,7 +3427,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_type_2_of_redundant_lanes(
     krhpr_platform_spatial_b_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3522,7 +3522,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_indices_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT condition, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes reach[9];
@@ -3568,7 +3568,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_indices_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3709,7 +3709,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_index_bounds_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes reach[9];
@@ -3756,7 +3756,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_index_bounds_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3904,7 +3904,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_forward_all_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), breadth[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4045,7 +4045,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_forward_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT count,
     krhpr_lanes_at *KRHPR_RESTRICT certified, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(theta, 9) + krhpr_poses_taint(side, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(side, 1);
     krhpr_lanes s[9];
     krhpr_lanes slide[6];
     krhpr_lanes distance[3];
@@ -4060,7 +4060,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_forward_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_forward_angles_lanes(theta + 3 * i, angle + 3 * i);
     }
-    krhpr_lanes_sincos_each(9, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(9, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrr_forward_lanes(&g->subleg, i, sine + 3 * i, cosine + 3 * i, s + 3 * i);
         krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
@@ -4074,7 +4074,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_forward_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), breadth[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), assembly_radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4089,7 +4089,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_forward_lanes(
     krhpr_poses_keep(valid, redundant, 3);
     krhpr_poses_keep(valid, count, 1);
     krhpr_poses_keep(valid, certified, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 9) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);
@@ -4299,7 +4299,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4458,7 +4458,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4594,7 +4594,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_forward_gauss_newton_2_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+       krhpr_poses_taint(weights, 3);
     krhpr_lanes slide[6];
     krhpr_lanes distance[3];
     krhpr_lanes start[3];
@@ -4642,7 +4642,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4783,7 +4783,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_forward_gauss_newton_3_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+       krhpr_poses_taint(weights, 3);
     krhpr_lanes slide[6];
     krhpr_lanes distance[3];
     krhpr_lanes start[3];
@@ -4830,7 +4830,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrr_b_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */

@@ -98,23 +98,28 @@ KRHPR_API int krhpr_spatial_rrrr_a_end_points(
     double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9))) {
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
-        krhpr_lanes s_legs[3];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3];
         krhpr_platform_spatial_a_end_point_lanes(
             &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
         krhpr_legs_store(s, 3, s_legs, 3, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(redundant, 3))) {
+        krhpr_fill_nan(s, 9);
+        return KRHPR_INVALID_INPUT;
     }
     return status;
 }
@@ -128,9 +133,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_redundant_coordinates(
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes redundant_legs[1];
         krhpr_lanes tail_y_legs[1];
@@ -149,20 +154,21 @@ KRHPR_API int krhpr_spatial_rrrr_a_subleg_forward(
     const krhpr_spatial_rrrr_a_geometry *g, const double theta[12], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
-    if (!krhpr_is_clean(krhpr_taint(theta, 12))) {
-        krhpr_fill_nan(s, 9);
-        return KRHPR_INVALID_INPUT;
-    }
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
-        krhpr_lanes s_legs[3];
         krhpr_lanes angle_legs[4];
         krhpr_lanes sine_legs[4];
         krhpr_lanes cosine_legs[4];
         krhpr_subleg_rrrr_forward_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(4, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(4, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[3];
         krhpr_subleg_rrrr_forward_lanes(&g->subleg, i, sine_legs, cosine_legs, s_legs);
         krhpr_legs_store(s, 3, s_legs, 3, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 12))) {
+        krhpr_fill_nan(s, 9);
+        return KRHPR_INVALID_INPUT;
     }
     return status;
 }
@@ -176,49 +182,58 @@ KRHPR_API int krhpr_spatial_rrrr_a_subleg_inverse(
     if (swivel == NULL) {
         swivel = swivel_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(swivel, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9))) {
         krhpr_fill_nan(theta, 48);
         return KRHPR_INVALID_INPUT;
     }
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes swivel_legs[1]; krhpr_legs_load(swivel_legs, swivel, 1, i);
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
-        krhpr_lanes radicand_legs[1];
-        krhpr_lanes theta_legs[16];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_rrrr_inverse_all_angles_lanes(swivel_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[16];
         krhpr_lanes tail_y_legs[10];
         krhpr_lanes tail_x_legs[10];
         krhpr_lanes tail_legs[10];
         krhpr_subleg_rrrr_inverse_all_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, radicand_legs, tail_y_legs, tail_x_legs);
         krhpr_lanes_atan2_each(10, tail_y_legs, tail_x_legs, tail_legs);
-        theta_legs[0] = tail_legs[0];
-        theta_legs[1] = tail_legs[1];
-        theta_legs[2] = tail_legs[2];
-        theta_legs[3] = tail_legs[3];
-        theta_legs[4] = tail_legs[0];
-        theta_legs[5] = tail_legs[1];
-        theta_legs[6] = tail_legs[4];
-        theta_legs[7] = tail_legs[5];
-        theta_legs[8] = tail_legs[6];
-        theta_legs[9] = tail_legs[7];
-        theta_legs[10] = tail_legs[8];
-        theta_legs[11] = tail_legs[3];
-        theta_legs[12] = tail_legs[6];
-        theta_legs[13] = tail_legs[7];
-        theta_legs[14] = tail_legs[9];
-        theta_legs[15] = tail_legs[5];
+        theta_legs[0] = tail_legs[2];
+        theta_legs[1] = tail_legs[4];
+        theta_legs[2] = tail_legs[5];
+        theta_legs[3] = tail_legs[0];
+        theta_legs[4] = tail_legs[2];
+        theta_legs[5] = tail_legs[4];
+        theta_legs[6] = tail_legs[6];
+        theta_legs[7] = tail_legs[1];
+        theta_legs[8] = tail_legs[3];
+        theta_legs[9] = tail_legs[9];
+        theta_legs[10] = tail_legs[7];
+        theta_legs[11] = tail_legs[0];
+        theta_legs[12] = tail_legs[3];
+        theta_legs[13] = tail_legs[9];
+        theta_legs[14] = tail_legs[8];
+        theta_legs[15] = tail_legs[1];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 16, theta_legs, 16, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 16 * i, 16);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(swivel, 3))) {
+        krhpr_fill_nan(theta, 48);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 16 * i, 16);
+            }
         }
     }
     return status;
@@ -235,6 +250,11 @@ KRHPR_API int krhpr_spatial_rrrr_a_swivel(
     }
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
@@ -242,11 +262,6 @@ KRHPR_API int krhpr_spatial_rrrr_a_swivel(
         krhpr_lanes v_legs[3];
         krhpr_lanes e_4_legs[3];
         krhpr_lanes swivel_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes tail_y_legs[1];
         krhpr_lanes tail_x_legs[1];
         krhpr_lanes tail_legs[1];
@@ -271,6 +286,11 @@ KRHPR_API int krhpr_spatial_rrrr_a_subleg_jacobian(
     }
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
@@ -278,11 +298,6 @@ KRHPR_API int krhpr_spatial_rrrr_a_subleg_jacobian(
         krhpr_lanes v_legs[3];
         krhpr_lanes e_4_legs[3];
         krhpr_lanes M_legs[12];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_rrrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
         krhpr_subleg_rrrr_jacobian_lanes(&g->subleg, i, x_legs, e_2_legs, d_legs, v_legs, e_4_legs, M_legs);
@@ -300,9 +315,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_constraints(
         krhpr_fill_nan(residual, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes residual_legs[2];
         krhpr_platform_spatial_a_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
@@ -324,11 +339,16 @@ KRHPR_API int krhpr_spatial_rrrr_a_jacobians(
     for (int k = 0; k < 72; ++k) {
         K[k] = 0.0;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes J_legs[12];
         krhpr_lanes N_legs[6];
         krhpr_lanes x_legs[3];
@@ -337,11 +357,6 @@ KRHPR_API int krhpr_spatial_rrrr_a_jacobians(
         krhpr_lanes v_legs[3];
         krhpr_lanes e_4_legs[3];
         krhpr_lanes K_legs[8];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_rrrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
@@ -364,11 +379,16 @@ KRHPR_API int krhpr_spatial_rrrr_a_jacobian_blocks(
         krhpr_fill_nan(K, 24);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes J_legs[12];
         krhpr_lanes N_legs[6];
         krhpr_lanes x_legs[3];
@@ -377,11 +397,6 @@ KRHPR_API int krhpr_spatial_rrrr_a_jacobian_blocks(
         krhpr_lanes v_legs[3];
         krhpr_lanes e_4_legs[3];
         krhpr_lanes K_legs[8];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_rrrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
@@ -409,11 +424,17 @@ KRHPR_API int krhpr_spatial_rrrr_a_jacobians_n(
     for (int k = 0; k < 144; ++k) {
         K[k] = 0.0;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes J_lines_legs[12];
         krhpr_lanes N_legs[6];
         krhpr_lanes along_legs[3];
@@ -425,11 +446,6 @@ KRHPR_API int krhpr_spatial_rrrr_a_jacobians_n(
         krhpr_lanes e_4_legs[3];
         krhpr_lanes K_legs[16];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_a_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_lines_legs, N_legs);
         krhpr_platform_spatial_a_redundant_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, along_legs, redundant_line_legs);
@@ -438,6 +454,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_jacobians_n(
         krhpr_subleg_rrrr_transmission_lanes(
             &g->subleg, i, x_legs, e_2_legs, d_legs, v_legs, e_4_legs, N_legs, along_legs, K_legs,
             regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(J_lines, 12, J_lines_legs, 12, i);
         krhpr_legs_store(along, 3, along_legs, 3, i);
         krhpr_legs_store(K, 52, K_legs, 4, i);
@@ -447,13 +464,15 @@ KRHPR_API int krhpr_spatial_rrrr_a_jacobians_n(
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     krhpr_subleg_rrrr_non_redundant(J_lines, along, p, s, J);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(K + 52 * i + 0, 4);
-            krhpr_fill_nan(K + 52 * i + 12, 4);
-            krhpr_fill_nan(K + 52 * i + 24, 4);
-            krhpr_fill_nan(K + 52 * i + 36, 4);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(K + 52 * i + 0, 4);
+                krhpr_fill_nan(K + 52 * i + 12, 4);
+                krhpr_fill_nan(K + 52 * i + 24, 4);
+                krhpr_fill_nan(K + 52 * i + 36, 4);
+            }
         }
     }
     return status;
@@ -471,26 +490,27 @@ KRHPR_API int krhpr_spatial_rrrr_a_inverse(
     if (swivel == NULL) {
         swivel = swivel_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 6) +
-          krhpr_taint(swivel, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(mode, 6))) {
         krhpr_fill_nan(theta, 12);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes swivel_legs[1]; krhpr_legs_load(swivel_legs, swivel, 1, i);
-        krhpr_lanes mode_legs[2]; krhpr_legs_load(mode_legs, mode, 2, i);
-        krhpr_lanes s_legs[3];
-        krhpr_lanes radicand_legs[1];
-        krhpr_lanes theta_legs[4];
         krhpr_lanes angle_legs[2];
         krhpr_lanes sine_legs[2];
         krhpr_lanes cosine_legs[2];
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
         krhpr_subleg_rrrr_inverse_angles_lanes(swivel_legs[0], angle_legs + 1);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes mode_legs[2]; krhpr_legs_load(mode_legs, mode, 2, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[4];
         krhpr_lanes tail_y_legs[4];
         krhpr_lanes tail_x_legs[4];
         krhpr_lanes tail_legs[4];
@@ -500,17 +520,24 @@ KRHPR_API int krhpr_spatial_rrrr_a_inverse(
             &g->subleg, i, s_legs, mode_legs, sine_legs + 1, cosine_legs + 1, radicand_legs, tail_y_legs,
             tail_x_legs);
         krhpr_lanes_atan2_each(4, tail_y_legs, tail_x_legs, tail_legs);
-        theta_legs[0] = tail_legs[0];
-        theta_legs[1] = tail_legs[1];
-        theta_legs[2] = tail_legs[2];
-        theta_legs[3] = tail_legs[3];
+        theta_legs[0] = tail_legs[1];
+        theta_legs[1] = tail_legs[2];
+        theta_legs[2] = tail_legs[3];
+        theta_legs[3] = tail_legs[0];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 4, theta_legs, 4, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 4 * i, 4);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(redundant, 3) + krhpr_taint(swivel, 3))) {
+        krhpr_fill_nan(theta, 12);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 4 * i, 4);
+            }
         }
     }
     return status;
@@ -525,24 +552,26 @@ KRHPR_API int krhpr_spatial_rrrr_a_inverse_all(
     if (swivel == NULL) {
         swivel = swivel_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(swivel, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9))) {
         krhpr_fill_nan(theta, 48);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes swivel_legs[1]; krhpr_legs_load(swivel_legs, swivel, 1, i);
-        krhpr_lanes s_legs[3];
-        krhpr_lanes radicand_legs[1];
-        krhpr_lanes theta_legs[16];
         krhpr_lanes angle_legs[2];
         krhpr_lanes sine_legs[2];
         krhpr_lanes cosine_legs[2];
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
         krhpr_subleg_rrrr_inverse_all_angles_lanes(swivel_legs[0], angle_legs + 1);
-        krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(2, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[16];
         krhpr_lanes tail_y_legs[10];
         krhpr_lanes tail_x_legs[10];
         krhpr_lanes tail_legs[10];
@@ -551,29 +580,36 @@ KRHPR_API int krhpr_spatial_rrrr_a_inverse_all(
         krhpr_subleg_rrrr_inverse_all_lanes(
             &g->subleg, i, s_legs, sine_legs + 1, cosine_legs + 1, radicand_legs, tail_y_legs, tail_x_legs);
         krhpr_lanes_atan2_each(10, tail_y_legs, tail_x_legs, tail_legs);
-        theta_legs[0] = tail_legs[0];
-        theta_legs[1] = tail_legs[1];
-        theta_legs[2] = tail_legs[2];
-        theta_legs[3] = tail_legs[3];
-        theta_legs[4] = tail_legs[0];
-        theta_legs[5] = tail_legs[1];
-        theta_legs[6] = tail_legs[4];
-        theta_legs[7] = tail_legs[5];
-        theta_legs[8] = tail_legs[6];
-        theta_legs[9] = tail_legs[7];
-        theta_legs[10] = tail_legs[8];
-        theta_legs[11] = tail_legs[3];
-        theta_legs[12] = tail_legs[6];
-        theta_legs[13] = tail_legs[7];
-        theta_legs[14] = tail_legs[9];
-        theta_legs[15] = tail_legs[5];
+        theta_legs[0] = tail_legs[2];
+        theta_legs[1] = tail_legs[4];
+        theta_legs[2] = tail_legs[5];
+        theta_legs[3] = tail_legs[0];
+        theta_legs[4] = tail_legs[2];
+        theta_legs[5] = tail_legs[4];
+        theta_legs[6] = tail_legs[6];
+        theta_legs[7] = tail_legs[1];
+        theta_legs[8] = tail_legs[3];
+        theta_legs[9] = tail_legs[9];
+        theta_legs[10] = tail_legs[7];
+        theta_legs[11] = tail_legs[0];
+        theta_legs[12] = tail_legs[3];
+        theta_legs[13] = tail_legs[9];
+        theta_legs[14] = tail_legs[8];
+        theta_legs[15] = tail_legs[1];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 16, theta_legs, 16, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 16 * i, 16);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(redundant, 3) + krhpr_taint(swivel, 3))) {
+        krhpr_fill_nan(theta, 48);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 16 * i, 16);
+            }
         }
     }
     return status;
@@ -590,30 +626,38 @@ KRHPR_API int krhpr_spatial_rrrr_a_inverse_status(
     if (swivel == NULL) {
         swivel = swivel_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 6) +
-          krhpr_taint(swivel, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(mode, 6) + krhpr_taint(swivel, 3))) {
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
-        krhpr_lanes s_legs[3];
-        krhpr_lanes excess_legs[1];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes excess_legs[1];
         krhpr_platform_spatial_a_end_point_lanes(
             &g->platform, i, p_legs, Q_legs, sine_legs, cosine_legs, s_legs);
         krhpr_subleg_rrrr_reach_lanes(&g->subleg, i, s_legs, excess_legs);
+        fine &= krhpr_every(krhpr_at_most(excess_legs[0], krhpr_all(0.0)));
         krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(excess[i] <= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(redundant, 3))) {
+        krhpr_fill_nan(excess, 3);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(excess[i] <= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            }
         }
     }
     return status;
@@ -633,11 +677,16 @@ KRHPR_API int krhpr_spatial_rrrr_a_twist(
         krhpr_fill_nan(twist, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_dot_legs[4]; krhpr_legs_load(theta_dot_legs, theta_dot, 4, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
@@ -650,11 +699,6 @@ KRHPR_API int krhpr_spatial_rrrr_a_twist(
         krhpr_lanes e_4_legs[3];
         krhpr_lanes s_dot_legs[3];
         krhpr_lanes rate_legs[2];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_rrrr_posture_lanes(
@@ -691,13 +735,19 @@ KRHPR_API int krhpr_spatial_rrrr_a_joint_rates(
         krhpr_fill_nan(theta_dot, 12);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes swivel_rates_legs[1]; krhpr_legs_load(swivel_rates_legs, swivel_rates, 1, i);
         krhpr_lanes s_dot_legs[3];
         krhpr_lanes x_legs[3];
@@ -707,11 +757,6 @@ KRHPR_API int krhpr_spatial_rrrr_a_joint_rates(
         krhpr_lanes e_4_legs[3];
         krhpr_lanes theta_dot_legs[4];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_a_end_velocity_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], s_dot_legs);
         krhpr_subleg_rrrr_posture_lanes(
@@ -719,13 +764,16 @@ KRHPR_API int krhpr_spatial_rrrr_a_joint_rates(
         krhpr_subleg_rrrr_rates_lanes(
             &g->subleg, i, x_legs, e_2_legs, d_legs, v_legs, e_4_legs, s_dot_legs, swivel_rates_legs[0],
             theta_dot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(theta_dot, 4, theta_dot_legs, 4, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_dot + 4 * i, 4);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_dot + 4 * i, 4);
+            }
         }
     }
     return status;
@@ -746,14 +794,19 @@ KRHPR_API int krhpr_spatial_rrrr_a_platform_acceleration(
         krhpr_fill_nan(twist_rate, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_dot_legs[4]; krhpr_legs_load(theta_dot_legs, theta_dot, 4, i);
         krhpr_lanes theta_ddot_legs[4]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 4, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -770,11 +823,6 @@ KRHPR_API int krhpr_spatial_rrrr_a_platform_acceleration(
         krhpr_lanes s_ddot_legs[3];
         krhpr_lanes row_bias_legs[2];
         krhpr_lanes rate_legs[2];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_rrrr_bias_lanes(
@@ -819,15 +867,21 @@ KRHPR_API int krhpr_spatial_rrrr_a_joint_accelerations(
         krhpr_fill_nan(theta_ddot, 12);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
-    krhpr_lanes twist_rate_legs[6]; krhpr_legs_spread(twist_rate_legs, twist_rate, 6);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
-        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes twist_rate_legs[6]; krhpr_legs_spread(twist_rate_legs, twist_rate, 6);
+        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_dot_legs[4]; krhpr_legs_load(theta_dot_legs, theta_dot, 4, i);
         krhpr_lanes swivel_accelerations_legs[1]; krhpr_legs_load(swivel_accelerations_legs, swivel_accelerations, 1, i);
         krhpr_lanes s_dot_legs[3];
@@ -844,11 +898,6 @@ KRHPR_API int krhpr_spatial_rrrr_a_joint_accelerations(
         krhpr_lanes e_4_legs[3];
         krhpr_lanes theta_ddot_legs[4];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_a_end_acceleration_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], twist_rate_legs,
             redundant_accelerations_legs[0], s_dot_legs, s_ddot_legs);
@@ -863,13 +912,16 @@ KRHPR_API int krhpr_spatial_rrrr_a_joint_accelerations(
         krhpr_subleg_rrrr_rates_lanes(
             &g->subleg, i, x_legs, e_2_legs, d_legs, v_legs, e_4_legs, along_legs, swivel_along_legs[0],
             theta_ddot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(theta_ddot, 4, theta_ddot_legs, 4, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_ddot + 4 * i, 4);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_ddot + 4 * i, 4);
+            }
         }
     }
     return status;
@@ -893,11 +945,17 @@ KRHPR_API int krhpr_spatial_rrrr_a_inverse_statics(
         krhpr_fill_nan(actuator_forces, 12);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -911,11 +969,6 @@ KRHPR_API int krhpr_spatial_rrrr_a_inverse_statics(
         krhpr_lanes e_4_legs[3];
         krhpr_lanes K_n_legs[16];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_platform_spatial_a_redundant_line_lanes(
@@ -925,6 +978,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_inverse_statics(
         krhpr_subleg_rrrr_transmission_lanes(
             &g->subleg, i, x_legs, e_2_legs, d_legs, v_legs, e_4_legs, N_legs, along_legs, K_n_legs,
             regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(redundant_line, 6, redundant_line_legs, 6, i);
@@ -934,9 +988,11 @@ KRHPR_API int krhpr_spatial_rrrr_a_inverse_statics(
     krhpr_platform_spatial_a_balance(
         Q, line, point, redundant_line, redundant_forces, wrench, line_forces, det_regularity);
     krhpr_subleg_rrrr_torques(K_n, line_forces, redundant_forces, swivel_forces, actuator_forces);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -967,12 +1023,18 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_statics(
         krhpr_fill_nan(swivel_forces, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes actuator_forces_legs[4]; krhpr_legs_load(actuator_forces_legs, actuator_forces, 4, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
         krhpr_lanes d_legs[3];
@@ -983,11 +1045,6 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_statics(
         krhpr_lanes regularity_legs[1];
         krhpr_lanes moment_legs[3];
         krhpr_lanes redundant_forces_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_rrrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
         krhpr_subleg_rrrr_end_force_lanes(
@@ -995,6 +1052,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_statics(
             swivel_forces_legs, regularity_legs);
         krhpr_platform_spatial_a_reaction_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, end_force_legs, moment_legs, redundant_forces_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(end_force, 3, end_force_legs, 3, i);
         krhpr_legs_store(swivel_forces, 1, swivel_forces_legs, 1, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
@@ -1002,11 +1060,13 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_statics(
         krhpr_legs_store(redundant_forces, 1, redundant_forces_legs, 1, i);
     }
     krhpr_algebra_spatial_total(end_force, moment, wrench);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(redundant_forces + 1 * i, 1);
-            krhpr_fill_nan(swivel_forces + 1 * i, 1);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(redundant_forces + 1 * i, 1);
+                krhpr_fill_nan(swivel_forces + 1 * i, 1);
+            }
         }
     }
     if (status != KRHPR_OK) {
@@ -1025,11 +1085,16 @@ KRHPR_API int krhpr_spatial_rrrr_a_passive_joints(
         krhpr_fill_nan(platform_joint, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
         krhpr_lanes d_legs[3];
@@ -1039,11 +1104,6 @@ KRHPR_API int krhpr_spatial_rrrr_a_passive_joints(
         krhpr_lanes redundant_link_legs[9];
         krhpr_lanes platform_joint_legs[1];
         krhpr_lanes spherical_legs[9];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes tail_y_legs[1];
         krhpr_lanes tail_x_legs[1];
         krhpr_lanes tail_legs[1];
@@ -1071,11 +1131,16 @@ KRHPR_API int krhpr_spatial_rrrr_a_link_points(
         krhpr_fill_nan(attachment, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
         krhpr_lanes d_legs[3];
@@ -1083,11 +1148,6 @@ KRHPR_API int krhpr_spatial_rrrr_a_link_points(
         krhpr_lanes e_4_legs[3];
         krhpr_lanes points_legs[12];
         krhpr_lanes attachment_legs[3];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_rrrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
         krhpr_subleg_rrrr_points_lanes(&g->subleg, i, x_legs, e_2_legs, v_legs, s_legs, points_legs);
@@ -1109,11 +1169,16 @@ KRHPR_API int krhpr_spatial_rrrr_a_clearances(
         krhpr_fill_nan(distances, 87);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
         krhpr_lanes d_legs[3];
@@ -1121,11 +1186,6 @@ KRHPR_API int krhpr_spatial_rrrr_a_clearances(
         krhpr_lanes e_4_legs[3];
         krhpr_lanes points_legs[12];
         krhpr_lanes attachment_legs[3];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_rrrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
         krhpr_subleg_rrrr_points_lanes(&g->subleg, i, x_legs, e_2_legs, v_legs, s_legs, points_legs);
@@ -1180,11 +1240,16 @@ KRHPR_API int krhpr_spatial_rrrr_a_singularity(
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
         krhpr_lanes d_legs[3];
@@ -1196,11 +1261,6 @@ KRHPR_API int krhpr_spatial_rrrr_a_singularity(
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
         krhpr_lanes scale_legs[2];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_rrrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
         krhpr_subleg_rrrr_determinant_lanes(
@@ -1225,26 +1285,27 @@ KRHPR_API int krhpr_spatial_rrrr_a_type_2_of_redundant(
     double line[18];
     double point[6];
     double scale[6];
-    if (!krhpr_is_clean(krhpr_taint(redundant, 3))) {
-        krhpr_fill_nan(type_2, 2);
-        krhpr_fill_nan(margins, 2);
-        return KRHPR_INVALID_INPUT;
-    }
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
-        krhpr_lanes line_legs[6];
-        krhpr_lanes point_legs[2];
-        krhpr_lanes scale_legs[2];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_platform_spatial_a_line_of_redundant_angles_lanes(redundant_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes line_legs[6];
+        krhpr_lanes point_legs[2];
+        krhpr_lanes scale_legs[2];
         krhpr_platform_spatial_a_line_of_redundant_lanes(
             &g->platform, i, sine_legs, cosine_legs, line_legs, point_legs, scale_legs);
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(scale, 2, scale_legs, 2, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(redundant, 3))) {
+        krhpr_fill_nan(type_2, 2);
+        krhpr_fill_nan(margins, 2);
+        return KRHPR_INVALID_INPUT;
     }
     krhpr_platform_spatial_a_type_2(line, point, scale, type_2, margins);
     return status;
@@ -1272,11 +1333,17 @@ KRHPR_API int krhpr_spatial_rrrr_a_indices(
         krhpr_fill_nan(condition, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -1293,11 +1360,6 @@ KRHPR_API int krhpr_spatial_rrrr_a_indices(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_rrrr_posture_lanes(
@@ -1307,6 +1369,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_indices(
             square_legs, reach_legs);
         krhpr_algebra_spatial_spread_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 3, reach_legs, 3, i);
@@ -1317,9 +1380,11 @@ KRHPR_API int krhpr_spatial_rrrr_a_indices(
     krhpr_platform_spatial_a_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norms(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
-    for (int i = 0; i < 3; ++i) {
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1358,11 +1423,17 @@ KRHPR_API int krhpr_spatial_rrrr_a_index_bounds(
         krhpr_fill_nan(eta_3, 1);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -1379,11 +1450,6 @@ KRHPR_API int krhpr_spatial_rrrr_a_index_bounds(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_a_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_rrrr_posture_lanes(
@@ -1393,6 +1459,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_index_bounds(
             square_legs, reach_legs);
         krhpr_algebra_spatial_spread_bound_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 3, reach_legs, 3, i);
@@ -1402,9 +1469,11 @@ KRHPR_API int krhpr_spatial_rrrr_a_index_bounds(
     }
     krhpr_platform_spatial_a_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norm_bounds(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
-    for (int i = 0; i < 3; ++i) {
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1444,12 +1513,8 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_all(
         krhpr_fill_nan(doubtful, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
     {
@@ -1544,7 +1609,7 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward(
     if (box == NULL) {
         box = box_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(theta, 12) + krhpr_taint(box, 6) + krhpr_taint(&turned, 1))) {
+    if (!krhpr_is_clean(krhpr_taint(box, 6) + krhpr_taint(&turned, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
@@ -1552,21 +1617,30 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward(
         krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
-        krhpr_lanes s_legs[3];
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
         krhpr_lanes angle_legs[4];
         krhpr_lanes sine_legs[4];
         krhpr_lanes cosine_legs[4];
         krhpr_subleg_rrrr_forward_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(4, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(4, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes anchor_legs[2];
+        krhpr_lanes length_legs[1];
         krhpr_subleg_rrrr_forward_lanes(&g->subleg, i, sine_legs, cosine_legs, s_legs);
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
         krhpr_legs_store(s, 3, s_legs, 3, i);
         krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
         krhpr_legs_store(length, 1, length_legs, 1, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 12))) {
+        krhpr_fill_nan(p, 3);
+        krhpr_fill_nan(Q, 9);
+        krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
+        return KRHPR_INVALID_INPUT;
     }
     krhpr_platform_spatial_a_uniqueness(anchor, length, box, certificate);
     krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
@@ -1670,12 +1744,8 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_newton(
     double tail_y[KRHPR_PADDED(3)] = {0.0};
     double tail_x[KRHPR_PADDED(3)] = {0.0};
     double tail[KRHPR_PADDED(3)];
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
     }
     krhpr_platform_spatial_a_newton_start(
         s, anchor, length, p_near, Q_near, flatness, points, axes, centre, start, kantorovich);
@@ -1748,15 +1818,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_encoders_1(
     krhpr_platform_spatial_a_turns_1_angles(measured, angle);
     krhpr_sincos_array(1, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_1(sine, cosine, turns);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_lanes arm_legs[2];
-        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_platform_spatial_a_arm_lanes(&g->platform, i, arm_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
-        krhpr_legs_store(arm, 2, arm_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_one_encoder(
         s, turns, anchor, length, arm, tolerance, flatness, radicand, p, Q, mismatch, agreement);
@@ -1808,15 +1872,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_encoders_2(
     krhpr_platform_spatial_a_turns_2_angles(measured, angle);
     krhpr_sincos_array(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2(sine, cosine, turns);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_lanes arm_legs[2];
-        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_platform_spatial_a_arm_lanes(&g->platform, i, arm_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
-        krhpr_legs_store(arm, 2, arm_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1874,15 +1932,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_encoders_3(
     krhpr_platform_spatial_a_turns_3_angles(measured, angle);
     krhpr_sincos_array(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3(sine, cosine, turns);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_lanes arm_legs[2];
-        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_platform_spatial_a_arm_lanes(&g->platform, i, arm_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
-        krhpr_legs_store(arm, 2, arm_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -1942,15 +1994,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_gauss_newton_2(
     krhpr_platform_spatial_a_turns_2_angles(measured, angle);
     krhpr_sincos_array(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2(sine, cosine, turns);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_lanes arm_legs[2];
-        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_platform_spatial_a_arm_lanes(&g->platform, i, arm_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
-        krhpr_legs_store(arm, 2, arm_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_two_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,
@@ -2029,15 +2075,9 @@ KRHPR_API int krhpr_spatial_rrrr_a_forward_gauss_newton_3(
     krhpr_platform_spatial_a_turns_3_angles(measured, angle);
     krhpr_sincos_array(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3(sine, cosine, turns);
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes anchor_legs[2];
-        krhpr_lanes length_legs[1];
-        krhpr_lanes arm_legs[2];
-        krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor_legs, length_legs);
-        krhpr_platform_spatial_a_arm_lanes(&g->platform, i, arm_legs);
-        krhpr_legs_store(anchor, 2, anchor_legs, 2, i);
-        krhpr_legs_store(length, 1, length_legs, 1, i);
-        krhpr_legs_store(arm, 2, arm_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_a_tie(&g->platform, i, anchor + 2 * i, &length[i]);
+        krhpr_platform_spatial_a_arm(&g->platform, i, arm + 2 * i);
     }
     krhpr_platform_spatial_a_three_encoders(
         s, turns, anchor, length, arm, tolerance, flatness, points, axes, ends, spread, linear, mismatch,

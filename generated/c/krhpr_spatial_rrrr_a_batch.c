@@ -24,7 +24,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_rotation_error_lanes(
     krhpr_algebra_spatial_rotation_error_lanes(Q, error);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -104,26 +104,26 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_end_points_lanes(
     const krhpr_spatial_rrrr_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9);
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_lanes(
             &g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s + 3 * i);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 9);
     return 1;
@@ -224,7 +224,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_redundant_coordinates_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -316,25 +316,25 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_subleg_forward_lanes(
     const krhpr_spatial_rrrr_a_geometry *g, const krhpr_lanes_at theta[12], krhpr_lanes_at *KRHPR_RESTRICT s,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(theta, 12);
+    const krhpr_lanes taint = krhpr_all(0.0);
     krhpr_lanes angle[12];
     krhpr_lanes sine[12];
     krhpr_lanes cosine[12];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrrr_forward_angles_lanes(theta + 4 * i, angle + 4 * i);
     }
-    krhpr_lanes_sincos_each(12, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(12, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrrr_forward_lanes(&g->subleg, i, sine + 4 * i, cosine + 4 * i, s + 3 * i);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 12) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 9);
     return 1;
@@ -409,7 +409,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_subleg_inverse_lanes(
     const krhpr_spatial_rrrr_a_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at swivel[3],
     krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(swivel, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
@@ -417,7 +417,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_subleg_inverse_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrrr_inverse_all_angles_lanes(swivel[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_lanes tail_y[30];
     krhpr_lanes tail_x[30];
     krhpr_lanes tail[30];
@@ -428,29 +428,29 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_subleg_inverse_lanes(
     }
     krhpr_lanes_atan2_each(30, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
-        theta[16 * i + 0] = tail[10 * i + 0];
-        theta[16 * i + 1] = tail[10 * i + 1];
-        theta[16 * i + 2] = tail[10 * i + 2];
-        theta[16 * i + 3] = tail[10 * i + 3];
-        theta[16 * i + 4] = tail[10 * i + 0];
-        theta[16 * i + 5] = tail[10 * i + 1];
-        theta[16 * i + 6] = tail[10 * i + 4];
-        theta[16 * i + 7] = tail[10 * i + 5];
-        theta[16 * i + 8] = tail[10 * i + 6];
-        theta[16 * i + 9] = tail[10 * i + 7];
-        theta[16 * i + 10] = tail[10 * i + 8];
-        theta[16 * i + 11] = tail[10 * i + 3];
-        theta[16 * i + 12] = tail[10 * i + 6];
-        theta[16 * i + 13] = tail[10 * i + 7];
-        theta[16 * i + 14] = tail[10 * i + 9];
-        theta[16 * i + 15] = tail[10 * i + 5];
+        theta[16 * i + 0] = tail[10 * i + 2];
+        theta[16 * i + 1] = tail[10 * i + 4];
+        theta[16 * i + 2] = tail[10 * i + 5];
+        theta[16 * i + 3] = tail[10 * i + 0];
+        theta[16 * i + 4] = tail[10 * i + 2];
+        theta[16 * i + 5] = tail[10 * i + 4];
+        theta[16 * i + 6] = tail[10 * i + 6];
+        theta[16 * i + 7] = tail[10 * i + 1];
+        theta[16 * i + 8] = tail[10 * i + 3];
+        theta[16 * i + 9] = tail[10 * i + 9];
+        theta[16 * i + 10] = tail[10 * i + 7];
+        theta[16 * i + 11] = tail[10 * i + 0];
+        theta[16 * i + 12] = tail[10 * i + 3];
+        theta[16 * i + 13] = tail[10 * i + 9];
+        theta[16 * i + 14] = tail[10 * i + 8];
+        theta[16 * i + 15] = tail[10 * i + 1];
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -460,7 +460,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_subleg_inverse_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 16 * i, 16);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(swivel, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 48);
     return 1;
@@ -580,7 +580,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_swivel_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -687,7 +687,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_subleg_jacobian_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -780,7 +780,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_constraints_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -874,7 +874,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_jacobians_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12);
+       krhpr_poses_taint(theta, 12);
     for (int k = 0; k < 72; ++k) {
         K[k] = krhpr_all(0.0);
     }
@@ -904,7 +904,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_jacobians_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1012,7 +1012,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_jacobian_blocks_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12);
+       krhpr_poses_taint(theta, 12);
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
     krhpr_lanes cosine[9];
@@ -1034,7 +1034,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_jacobian_blocks_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1142,7 +1142,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_jacobians_n_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12);
+       krhpr_poses_taint(theta, 12);
     krhpr_lanes J_lines[36];
     krhpr_lanes along[9];
     krhpr_lanes regularity[3];
@@ -1185,7 +1185,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_jacobians_n_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1300,8 +1300,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_inverse_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], const krhpr_lanes_at swivel[3],
     krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 6) + krhpr_poses_taint(swivel, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(mode, 6);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[6];
     krhpr_lanes sine[6];
@@ -1310,7 +1309,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_inverse_lanes(
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
         krhpr_subleg_rrrr_inverse_angles_lanes(swivel[i], angle + 3 + 1 * i);
     }
-    krhpr_lanes_sincos_each(6, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(6, angle, sine, cosine);
     krhpr_lanes tail_y[12];
     krhpr_lanes tail_x[12];
     krhpr_lanes tail[12];
@@ -1323,17 +1322,17 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_inverse_lanes(
     }
     krhpr_lanes_atan2_each(12, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
-        theta[4 * i + 0] = tail[4 * i + 0];
-        theta[4 * i + 1] = tail[4 * i + 1];
-        theta[4 * i + 2] = tail[4 * i + 2];
-        theta[4 * i + 3] = tail[4 * i + 3];
+        theta[4 * i + 0] = tail[4 * i + 1];
+        theta[4 * i + 1] = tail[4 * i + 2];
+        theta[4 * i + 2] = tail[4 * i + 3];
+        theta[4 * i + 3] = tail[4 * i + 0];
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1343,7 +1342,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_inverse_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 4 * i, 4);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) + krhpr_poses_taint(swivel, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 12);
     return 1;
@@ -1462,8 +1461,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_inverse_all_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at swivel[3], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(swivel, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[6];
     krhpr_lanes sine[6];
@@ -1472,7 +1470,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_inverse_all_lanes(
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
         krhpr_subleg_rrrr_inverse_all_angles_lanes(swivel[i], angle + 3 + 1 * i);
     }
-    krhpr_lanes_sincos_each(6, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(6, angle, sine, cosine);
     krhpr_lanes tail_y[30];
     krhpr_lanes tail_x[30];
     krhpr_lanes tail[30];
@@ -1485,29 +1483,29 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_inverse_all_lanes(
     }
     krhpr_lanes_atan2_each(30, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
-        theta[16 * i + 0] = tail[10 * i + 0];
-        theta[16 * i + 1] = tail[10 * i + 1];
-        theta[16 * i + 2] = tail[10 * i + 2];
-        theta[16 * i + 3] = tail[10 * i + 3];
-        theta[16 * i + 4] = tail[10 * i + 0];
-        theta[16 * i + 5] = tail[10 * i + 1];
-        theta[16 * i + 6] = tail[10 * i + 4];
-        theta[16 * i + 7] = tail[10 * i + 5];
-        theta[16 * i + 8] = tail[10 * i + 6];
-        theta[16 * i + 9] = tail[10 * i + 7];
-        theta[16 * i + 10] = tail[10 * i + 8];
-        theta[16 * i + 11] = tail[10 * i + 3];
-        theta[16 * i + 12] = tail[10 * i + 6];
-        theta[16 * i + 13] = tail[10 * i + 7];
-        theta[16 * i + 14] = tail[10 * i + 9];
-        theta[16 * i + 15] = tail[10 * i + 5];
+        theta[16 * i + 0] = tail[10 * i + 2];
+        theta[16 * i + 1] = tail[10 * i + 4];
+        theta[16 * i + 2] = tail[10 * i + 5];
+        theta[16 * i + 3] = tail[10 * i + 0];
+        theta[16 * i + 4] = tail[10 * i + 2];
+        theta[16 * i + 5] = tail[10 * i + 4];
+        theta[16 * i + 6] = tail[10 * i + 6];
+        theta[16 * i + 7] = tail[10 * i + 1];
+        theta[16 * i + 8] = tail[10 * i + 3];
+        theta[16 * i + 9] = tail[10 * i + 9];
+        theta[16 * i + 10] = tail[10 * i + 7];
+        theta[16 * i + 11] = tail[10 * i + 0];
+        theta[16 * i + 12] = tail[10 * i + 3];
+        theta[16 * i + 13] = tail[10 * i + 9];
+        theta[16 * i + 14] = tail[10 * i + 8];
+        theta[16 * i + 15] = tail[10 * i + 1];
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1517,7 +1515,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_inverse_all_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 16 * i, 16);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) + krhpr_poses_taint(swivel, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 48);
     return 1;
@@ -1678,15 +1676,15 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_inverse_status_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at mode[6], const krhpr_lanes_at swivel[3],
     krhpr_lanes_at *KRHPR_RESTRICT excess, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 6) + krhpr_poses_taint(swivel, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(mode, 6) +
+       krhpr_poses_taint(swivel, 3);
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[3];
         krhpr_platform_spatial_a_end_point_lanes(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
@@ -1697,7 +1695,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_inverse_status_lanes(
         fine &= krhpr_at_most(excess[i], krhpr_all(0.0));
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1706,7 +1704,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_inverse_status_lanes(
         const krhpr_ints kept_1 = krhpr_at_most(excess[i], krhpr_all(0.0));
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 3);
     return 1;
@@ -1826,7 +1824,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_twist_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12) + krhpr_poses_taint(theta_dot, 12);
+       krhpr_poses_taint(theta, 12) + krhpr_poses_taint(theta_dot, 12);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes rate[6];
@@ -1859,7 +1857,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_twist_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1966,8 +1964,8 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_joint_rates_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) +
-        krhpr_poses_taint(swivel_rates, 3);
+       krhpr_poses_taint(theta, 12) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) +
+       krhpr_poses_taint(swivel_rates, 3);
     krhpr_lanes regularity[3];
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
@@ -1995,7 +1993,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_joint_rates_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2114,8 +2112,8 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_platform_acceleration_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT twist_rate, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(theta_dot, 12) +
-        krhpr_poses_taint(theta_ddot, 12);
+       krhpr_poses_taint(theta, 12) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(theta_dot, 12) +
+       krhpr_poses_taint(theta_ddot, 12);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes rate[6];
@@ -2158,7 +2156,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_platform_acceleration_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2278,9 +2276,9 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_joint_accelerations_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) +
-        krhpr_poses_taint(theta_dot, 12) + krhpr_poses_taint(twist_rate, 6) + krhpr_poses_taint(redundant_accelerations, 3) +
-        krhpr_poses_taint(swivel_accelerations, 3);
+       krhpr_poses_taint(theta, 12) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) +
+       krhpr_poses_taint(theta_dot, 12) + krhpr_poses_taint(twist_rate, 6) + krhpr_poses_taint(redundant_accelerations, 3) +
+       krhpr_poses_taint(swivel_accelerations, 3);
     krhpr_lanes regularity[3];
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
@@ -2320,7 +2318,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_joint_accelerations_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2453,8 +2451,8 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_inverse_statics_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT actuator_forces, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12) + krhpr_poses_taint(wrench, 6) + krhpr_poses_taint(redundant_forces, 3) +
-        krhpr_poses_taint(swivel_forces, 3);
+       krhpr_poses_taint(theta, 12) + krhpr_poses_taint(wrench, 6) + krhpr_poses_taint(redundant_forces, 3) +
+       krhpr_poses_taint(swivel_forces, 3);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes redundant_line[18];
@@ -2497,7 +2495,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_inverse_statics_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2619,7 +2617,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_forward_statics_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT swivel_forces, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12) + krhpr_poses_taint(actuator_forces, 12);
+       krhpr_poses_taint(theta, 12) + krhpr_poses_taint(actuator_forces, 12);
     krhpr_lanes end_force[9];
     krhpr_lanes regularity[3];
     krhpr_lanes moment[9];
@@ -2650,7 +2648,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_forward_statics_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2783,7 +2781,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_passive_joints_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12);
+       krhpr_poses_taint(theta, 12);
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
     krhpr_lanes cosine[9];
@@ -2815,7 +2813,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_passive_joints_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2923,7 +2921,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_link_points_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12);
+       krhpr_poses_taint(theta, 12);
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
     krhpr_lanes cosine[9];
@@ -2944,7 +2942,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_link_points_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3052,7 +3050,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_clearances_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12);
+       krhpr_poses_taint(theta, 12);
     krhpr_lanes points[36];
     krhpr_lanes attachment[9];
     krhpr_lanes angle[9];
@@ -3103,7 +3101,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_clearances_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3202,7 +3200,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_singularity_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12);
+       krhpr_poses_taint(theta, 12);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes scale[6];
@@ -3229,7 +3227,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_singularity_lanes(
     krhpr_platform_spatial_a_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3358,7 +3356,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_type_2_of_redundant_lanes(
     const krhpr_spatial_rrrr_a_geometry *g, const krhpr_lanes_at redundant[3],
     krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_all(0.0);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes scale[6];
@@ -3368,7 +3366,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_type_2_of_redundant_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_line_of_redundant_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_line_of_redundant_lanes(
             &g->platform, i, sine + 1 * i, cosine + 1 * i, line + 6 * i, point + 2 * i, scale + 2 * i);
@@ -3376,12 +3374,12 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_type_2_of_redundant_lanes(
     krhpr_platform_spatial_a_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_2, 2);
     krhpr_poses_keep(finite, margins, 2);
@@ -3472,7 +3470,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_indices_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT condition, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12);
+       krhpr_poses_taint(theta, 12);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes reach[9];
@@ -3519,7 +3517,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_indices_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3661,7 +3659,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_index_bounds_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12);
+       krhpr_poses_taint(theta, 12);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes reach[9];
@@ -3709,7 +3707,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_index_bounds_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4018,7 +4016,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_forward_newton_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-20));
     fine &= krhpr_at_most(misfit[0], krhpr_all(1e-12));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4152,7 +4150,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_forward_encoders_1_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 1) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[2];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4164,7 +4162,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_forward_encoders_1_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_platform_spatial_a_turns_1_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_1_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4177,7 +4175,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_forward_encoders_1_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4189,7 +4187,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_forward_encoders_1_lanes(
     krhpr_poses_keep(valid, p, 6);
     krhpr_poses_keep(valid, Q, 18);
     krhpr_poses_keep(valid, mismatch, 2);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 6);
     krhpr_poses_keep(finite, Q, 18);
@@ -4361,7 +4359,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_forward_encoders_2_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[4];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4378,7 +4376,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_forward_encoders_2_lanes(
     krhpr_lanes sine[2];
     krhpr_lanes cosine[2];
     krhpr_platform_spatial_a_turns_2_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(2, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4394,7 +4392,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4408,7 +4406,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_forward_encoders_2_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 2) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);
@@ -4529,7 +4527,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_forward_encoders_3_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[6];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4546,7 +4544,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_forward_encoders_3_lanes(
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     krhpr_platform_spatial_a_turns_3_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4562,7 +4560,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4576,7 +4574,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_forward_encoders_3_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);
@@ -4698,8 +4696,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_forward_gauss_newton_2_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1) + krhpr_poses_taint(weights, 3);
     krhpr_lanes turns[4];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4718,7 +4715,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_forward_gauss_newton_2_lanes(
     krhpr_lanes sine[2];
     krhpr_lanes cosine[2];
     krhpr_platform_spatial_a_turns_2_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(2, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4755,7 +4752,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4770,7 +4767,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_forward_gauss_newton_2_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 2) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);
@@ -4896,8 +4893,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_forward_gauss_newton_3_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1) + krhpr_poses_taint(weights, 3);
     krhpr_lanes turns[6];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4916,7 +4912,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_forward_gauss_newton_3_lanes(
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     krhpr_platform_spatial_a_turns_3_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4952,7 +4948,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4967,7 +4963,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_a_forward_gauss_newton_3_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);

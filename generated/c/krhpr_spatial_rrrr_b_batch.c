@@ -24,7 +24,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_rotation_error_lanes(
     krhpr_algebra_spatial_rotation_error_lanes(Q, error);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -110,7 +110,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_end_points_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -208,7 +208,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_redundant_coordinates_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -300,25 +300,25 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_subleg_forward_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at theta[12], krhpr_lanes_at *KRHPR_RESTRICT s,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(theta, 12);
+    const krhpr_lanes taint = krhpr_all(0.0);
     krhpr_lanes angle[12];
     krhpr_lanes sine[12];
     krhpr_lanes cosine[12];
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrrr_forward_angles_lanes(theta + 4 * i, angle + 4 * i);
     }
-    krhpr_lanes_sincos_each(12, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(12, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrrr_forward_lanes(&g->subleg, i, sine + 4 * i, cosine + 4 * i, s + 3 * i);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 12) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 9);
     return 1;
@@ -393,7 +393,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_subleg_inverse_lanes(
     const krhpr_spatial_rrrr_b_geometry *g, const krhpr_lanes_at s[9], const krhpr_lanes_at swivel[3],
     krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(swivel, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
@@ -401,7 +401,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_subleg_inverse_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrrr_inverse_all_angles_lanes(swivel[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_lanes tail_y[30];
     krhpr_lanes tail_x[30];
     krhpr_lanes tail[30];
@@ -412,29 +412,29 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_subleg_inverse_lanes(
     }
     krhpr_lanes_atan2_each(30, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
-        theta[16 * i + 0] = tail[10 * i + 0];
-        theta[16 * i + 1] = tail[10 * i + 1];
-        theta[16 * i + 2] = tail[10 * i + 2];
-        theta[16 * i + 3] = tail[10 * i + 3];
-        theta[16 * i + 4] = tail[10 * i + 0];
-        theta[16 * i + 5] = tail[10 * i + 1];
-        theta[16 * i + 6] = tail[10 * i + 4];
-        theta[16 * i + 7] = tail[10 * i + 5];
-        theta[16 * i + 8] = tail[10 * i + 6];
-        theta[16 * i + 9] = tail[10 * i + 7];
-        theta[16 * i + 10] = tail[10 * i + 8];
-        theta[16 * i + 11] = tail[10 * i + 3];
-        theta[16 * i + 12] = tail[10 * i + 6];
-        theta[16 * i + 13] = tail[10 * i + 7];
-        theta[16 * i + 14] = tail[10 * i + 9];
-        theta[16 * i + 15] = tail[10 * i + 5];
+        theta[16 * i + 0] = tail[10 * i + 2];
+        theta[16 * i + 1] = tail[10 * i + 4];
+        theta[16 * i + 2] = tail[10 * i + 5];
+        theta[16 * i + 3] = tail[10 * i + 0];
+        theta[16 * i + 4] = tail[10 * i + 2];
+        theta[16 * i + 5] = tail[10 * i + 4];
+        theta[16 * i + 6] = tail[10 * i + 6];
+        theta[16 * i + 7] = tail[10 * i + 1];
+        theta[16 * i + 8] = tail[10 * i + 3];
+        theta[16 * i + 9] = tail[10 * i + 9];
+        theta[16 * i + 10] = tail[10 * i + 7];
+        theta[16 * i + 11] = tail[10 * i + 0];
+        theta[16 * i + 12] = tail[10 * i + 3];
+        theta[16 * i + 13] = tail[10 * i + 9];
+        theta[16 * i + 14] = tail[10 * i + 8];
+        theta[16 * i + 15] = tail[10 * i + 1];
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -444,7 +444,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_subleg_inverse_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 16 * i, 16);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(swivel, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 48);
     return 1;
@@ -564,7 +564,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_swivel_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -671,7 +671,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_subleg_jacobian_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -764,7 +764,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_constraints_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -858,7 +858,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_jacobians_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12);
+       krhpr_poses_taint(theta, 12);
     for (int k = 0; k < 72; ++k) {
         K[k] = krhpr_all(0.0);
     }
@@ -888,7 +888,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_jacobians_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -996,7 +996,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_jacobian_blocks_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12);
+       krhpr_poses_taint(theta, 12);
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
     krhpr_lanes cosine[9];
@@ -1018,7 +1018,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_jacobian_blocks_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1126,7 +1126,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_jacobians_n_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12);
+       krhpr_poses_taint(theta, 12);
     krhpr_lanes J_lines[36];
     krhpr_lanes along[9];
     krhpr_lanes regularity[3];
@@ -1169,7 +1169,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_jacobians_n_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1285,7 +1285,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_inverse_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 6) + krhpr_poses_taint(swivel, 3);
+       krhpr_poses_taint(mode, 6);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
@@ -1293,7 +1293,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_inverse_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrrr_inverse_angles_lanes(swivel[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_lanes tail_y[12];
     krhpr_lanes tail_x[12];
     krhpr_lanes tail[12];
@@ -1306,17 +1306,17 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_inverse_lanes(
     }
     krhpr_lanes_atan2_each(12, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
-        theta[4 * i + 0] = tail[4 * i + 0];
-        theta[4 * i + 1] = tail[4 * i + 1];
-        theta[4 * i + 2] = tail[4 * i + 2];
-        theta[4 * i + 3] = tail[4 * i + 3];
+        theta[4 * i + 0] = tail[4 * i + 1];
+        theta[4 * i + 1] = tail[4 * i + 2];
+        theta[4 * i + 2] = tail[4 * i + 3];
+        theta[4 * i + 3] = tail[4 * i + 0];
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1326,7 +1326,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_inverse_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 4 * i, 4);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(swivel, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 12);
     return 1;
@@ -1445,8 +1445,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_inverse_all_lanes(
     const krhpr_lanes_at redundant[3], const krhpr_lanes_at swivel[3], krhpr_lanes_at *KRHPR_RESTRICT theta,
     krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(swivel, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
@@ -1454,7 +1453,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_inverse_all_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrrr_inverse_all_angles_lanes(swivel[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_lanes tail_y[30];
     krhpr_lanes tail_x[30];
     krhpr_lanes tail[30];
@@ -1466,29 +1465,29 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_inverse_all_lanes(
     }
     krhpr_lanes_atan2_each(30, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
-        theta[16 * i + 0] = tail[10 * i + 0];
-        theta[16 * i + 1] = tail[10 * i + 1];
-        theta[16 * i + 2] = tail[10 * i + 2];
-        theta[16 * i + 3] = tail[10 * i + 3];
-        theta[16 * i + 4] = tail[10 * i + 0];
-        theta[16 * i + 5] = tail[10 * i + 1];
-        theta[16 * i + 6] = tail[10 * i + 4];
-        theta[16 * i + 7] = tail[10 * i + 5];
-        theta[16 * i + 8] = tail[10 * i + 6];
-        theta[16 * i + 9] = tail[10 * i + 7];
-        theta[16 * i + 10] = tail[10 * i + 8];
-        theta[16 * i + 11] = tail[10 * i + 3];
-        theta[16 * i + 12] = tail[10 * i + 6];
-        theta[16 * i + 13] = tail[10 * i + 7];
-        theta[16 * i + 14] = tail[10 * i + 9];
-        theta[16 * i + 15] = tail[10 * i + 5];
+        theta[16 * i + 0] = tail[10 * i + 2];
+        theta[16 * i + 1] = tail[10 * i + 4];
+        theta[16 * i + 2] = tail[10 * i + 5];
+        theta[16 * i + 3] = tail[10 * i + 0];
+        theta[16 * i + 4] = tail[10 * i + 2];
+        theta[16 * i + 5] = tail[10 * i + 4];
+        theta[16 * i + 6] = tail[10 * i + 6];
+        theta[16 * i + 7] = tail[10 * i + 1];
+        theta[16 * i + 8] = tail[10 * i + 3];
+        theta[16 * i + 9] = tail[10 * i + 9];
+        theta[16 * i + 10] = tail[10 * i + 7];
+        theta[16 * i + 11] = tail[10 * i + 0];
+        theta[16 * i + 12] = tail[10 * i + 3];
+        theta[16 * i + 13] = tail[10 * i + 9];
+        theta[16 * i + 14] = tail[10 * i + 8];
+        theta[16 * i + 15] = tail[10 * i + 1];
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     for (int i = 0; i < 3; ++i) {
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1498,7 +1497,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_inverse_all_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 16 * i, 16);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(swivel, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 48);
     return 1;
@@ -1660,7 +1659,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_inverse_status_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT excess, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3) +
-        krhpr_poses_taint(mode, 6) + krhpr_poses_taint(swivel, 3);
+       krhpr_poses_taint(mode, 6) + krhpr_poses_taint(swivel, 3);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[3];
         krhpr_platform_spatial_b_end_point_lanes(&g->platform, i, p, Q, redundant[i], s);
@@ -1671,7 +1670,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_inverse_status_lanes(
         fine &= krhpr_at_most(excess[i], krhpr_all(0.0));
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1800,7 +1799,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_twist_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12) + krhpr_poses_taint(theta_dot, 12);
+       krhpr_poses_taint(theta, 12) + krhpr_poses_taint(theta_dot, 12);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes rate[6];
@@ -1833,7 +1832,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_twist_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1940,8 +1939,8 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_joint_rates_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) +
-        krhpr_poses_taint(swivel_rates, 3);
+       krhpr_poses_taint(theta, 12) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) +
+       krhpr_poses_taint(swivel_rates, 3);
     krhpr_lanes regularity[3];
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
@@ -1969,7 +1968,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_joint_rates_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2088,8 +2087,8 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_platform_acceleration_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT twist_rate, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(theta_dot, 12) +
-        krhpr_poses_taint(theta_ddot, 12);
+       krhpr_poses_taint(theta, 12) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(theta_dot, 12) +
+       krhpr_poses_taint(theta_ddot, 12);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes rate[6];
@@ -2132,7 +2131,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_platform_acceleration_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2252,9 +2251,9 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_joint_accelerations_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) +
-        krhpr_poses_taint(theta_dot, 12) + krhpr_poses_taint(twist_rate, 6) + krhpr_poses_taint(redundant_accelerations, 3) +
-        krhpr_poses_taint(swivel_accelerations, 3);
+       krhpr_poses_taint(theta, 12) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) +
+       krhpr_poses_taint(theta_dot, 12) + krhpr_poses_taint(twist_rate, 6) + krhpr_poses_taint(redundant_accelerations, 3) +
+       krhpr_poses_taint(swivel_accelerations, 3);
     krhpr_lanes regularity[3];
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
@@ -2294,7 +2293,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_joint_accelerations_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2427,8 +2426,8 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_inverse_statics_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT actuator_forces, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12) + krhpr_poses_taint(wrench, 6) + krhpr_poses_taint(redundant_forces, 3) +
-        krhpr_poses_taint(swivel_forces, 3);
+       krhpr_poses_taint(theta, 12) + krhpr_poses_taint(wrench, 6) + krhpr_poses_taint(redundant_forces, 3) +
+       krhpr_poses_taint(swivel_forces, 3);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes redundant_line[18];
@@ -2471,7 +2470,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_inverse_statics_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2593,7 +2592,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_forward_statics_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT swivel_forces, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12) + krhpr_poses_taint(actuator_forces, 12);
+       krhpr_poses_taint(theta, 12) + krhpr_poses_taint(actuator_forces, 12);
     krhpr_lanes end_force[9];
     krhpr_lanes regularity[3];
     krhpr_lanes moment[9];
@@ -2624,7 +2623,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_forward_statics_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2769,7 +2768,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_opening_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), shares[1]);
     fine &= krhpr_at_most(krhpr_all(0.0), shares[2]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2890,7 +2889,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_redundant_of_opening_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2987,7 +2986,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_grasp_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(Q, 9) + krhpr_poses_taint(contacts, 9) + krhpr_poses_taint(mass_centre, 3) +
-        krhpr_poses_taint(weight, 3) + krhpr_poses_taint(normal_forces, 3) + krhpr_poses_taint(friction, 1);
+       krhpr_poses_taint(weight, 3) + krhpr_poses_taint(normal_forces, 3) + krhpr_poses_taint(friction, 1);
     krhpr_lanes slide[6];
     krhpr_lanes determined[2];
     for (int i = 0; i < 3; ++i) {
@@ -3008,7 +3007,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_grasp_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[1]);
     fine &= krhpr_at_most(krhpr_all(0.0), friction_margins[2]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3177,7 +3176,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_passive_joints_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT platform_joint, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12);
+       krhpr_poses_taint(theta, 12);
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
     krhpr_lanes cosine[9];
@@ -3202,7 +3201,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_passive_joints_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3310,7 +3309,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_link_points_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12);
+       krhpr_poses_taint(theta, 12);
     krhpr_lanes angle[9];
     krhpr_lanes sine[9];
     krhpr_lanes cosine[9];
@@ -3331,7 +3330,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_link_points_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3439,7 +3438,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_clearances_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12);
+       krhpr_poses_taint(theta, 12);
     krhpr_lanes points[36];
     krhpr_lanes attachment[9];
     krhpr_lanes angle[9];
@@ -3485,7 +3484,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_clearances_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3584,7 +3583,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_singularity_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12);
+       krhpr_poses_taint(theta, 12);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes scale[6];
@@ -3611,7 +3610,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_singularity_lanes(
     krhpr_platform_spatial_b_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3751,7 +3750,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_type_2_of_redundant_lanes(
     krhpr_platform_spatial_b_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3847,7 +3846,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_indices_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT condition, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12);
+       krhpr_poses_taint(theta, 12);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes reach[9];
@@ -3894,7 +3893,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_indices_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4036,7 +4035,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_index_bounds_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 12);
+       krhpr_poses_taint(theta, 12);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes reach[9];
@@ -4084,7 +4083,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_index_bounds_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4233,7 +4232,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_forward_all_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), breadth[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4375,7 +4374,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_forward_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT redundant, krhpr_lanes_at *KRHPR_RESTRICT count,
     krhpr_lanes_at *KRHPR_RESTRICT certified, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(theta, 12) + krhpr_poses_taint(side, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(side, 1);
     krhpr_lanes s[9];
     krhpr_lanes slide[6];
     krhpr_lanes distance[3];
@@ -4390,7 +4389,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_forward_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrrr_forward_angles_lanes(theta + 4 * i, angle + 4 * i);
     }
-    krhpr_lanes_sincos_each(12, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(12, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_subleg_rrrr_forward_lanes(&g->subleg, i, sine + 4 * i, cosine + 4 * i, s + 3 * i);
         krhpr_platform_spatial_b_tie_lanes(&g->platform, i, slide + 2 * i, &distance[i], &start[i]);
@@ -4404,7 +4403,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_forward_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), breadth[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), assembly_radicand[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4419,7 +4418,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_forward_lanes(
     krhpr_poses_keep(valid, redundant, 3);
     krhpr_poses_keep(valid, count, 1);
     krhpr_poses_keep(valid, certified, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(theta, 12) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);
@@ -4631,7 +4630,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4791,7 +4790,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4928,7 +4927,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_forward_gauss_newton_2_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+       krhpr_poses_taint(weights, 3);
     krhpr_lanes slide[6];
     krhpr_lanes distance[3];
     krhpr_lanes start[3];
@@ -4976,7 +4975,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -5118,7 +5117,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_forward_gauss_newton_3_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+       krhpr_poses_taint(weights, 3);
     krhpr_lanes slide[6];
     krhpr_lanes distance[3];
     krhpr_lanes start[3];
@@ -5165,7 +5164,7 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */

@@ -92,9 +92,9 @@ KRHPR_API int krhpr_spatial_rrrr_c_end_points(
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[3];
         krhpr_platform_spatial_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
@@ -112,9 +112,9 @@ KRHPR_API int krhpr_spatial_rrrr_c_redundant_coordinates(
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes redundant_legs[1];
         krhpr_platform_spatial_c_redundant_lanes(&g->platform, i, p_legs, Q_legs, s_legs, redundant_legs);
@@ -127,20 +127,21 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_forward(
     const krhpr_spatial_rrrr_c_geometry *g, const double theta[12], double *KRHPR_RESTRICT s)
 {
     int status = KRHPR_OK;
-    if (!krhpr_is_clean(krhpr_taint(theta, 12))) {
-        krhpr_fill_nan(s, 9);
-        return KRHPR_INVALID_INPUT;
-    }
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
-        krhpr_lanes s_legs[3];
         krhpr_lanes angle_legs[4];
         krhpr_lanes sine_legs[4];
         krhpr_lanes cosine_legs[4];
         krhpr_subleg_rrrr_forward_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(4, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(4, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[3];
         krhpr_subleg_rrrr_forward_lanes(&g->subleg, i, sine_legs, cosine_legs, s_legs);
         krhpr_legs_store(s, 3, s_legs, 3, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 12))) {
+        krhpr_fill_nan(s, 9);
+        return KRHPR_INVALID_INPUT;
     }
     return status;
 }
@@ -154,49 +155,58 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_inverse(
     if (swivel == NULL) {
         swivel = swivel_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(s, 9) + krhpr_taint(swivel, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(s, 9))) {
         krhpr_fill_nan(theta, 48);
         return KRHPR_INVALID_INPUT;
     }
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes swivel_legs[1]; krhpr_legs_load(swivel_legs, swivel, 1, i);
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
-        krhpr_lanes radicand_legs[1];
-        krhpr_lanes theta_legs[16];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_rrrr_inverse_all_angles_lanes(swivel_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[16];
         krhpr_lanes tail_y_legs[10];
         krhpr_lanes tail_x_legs[10];
         krhpr_lanes tail_legs[10];
         krhpr_subleg_rrrr_inverse_all_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, radicand_legs, tail_y_legs, tail_x_legs);
         krhpr_lanes_atan2_each(10, tail_y_legs, tail_x_legs, tail_legs);
-        theta_legs[0] = tail_legs[0];
-        theta_legs[1] = tail_legs[1];
-        theta_legs[2] = tail_legs[2];
-        theta_legs[3] = tail_legs[3];
-        theta_legs[4] = tail_legs[0];
-        theta_legs[5] = tail_legs[1];
-        theta_legs[6] = tail_legs[4];
-        theta_legs[7] = tail_legs[5];
-        theta_legs[8] = tail_legs[6];
-        theta_legs[9] = tail_legs[7];
-        theta_legs[10] = tail_legs[8];
-        theta_legs[11] = tail_legs[3];
-        theta_legs[12] = tail_legs[6];
-        theta_legs[13] = tail_legs[7];
-        theta_legs[14] = tail_legs[9];
-        theta_legs[15] = tail_legs[5];
+        theta_legs[0] = tail_legs[2];
+        theta_legs[1] = tail_legs[4];
+        theta_legs[2] = tail_legs[5];
+        theta_legs[3] = tail_legs[0];
+        theta_legs[4] = tail_legs[2];
+        theta_legs[5] = tail_legs[4];
+        theta_legs[6] = tail_legs[6];
+        theta_legs[7] = tail_legs[1];
+        theta_legs[8] = tail_legs[3];
+        theta_legs[9] = tail_legs[9];
+        theta_legs[10] = tail_legs[7];
+        theta_legs[11] = tail_legs[0];
+        theta_legs[12] = tail_legs[3];
+        theta_legs[13] = tail_legs[9];
+        theta_legs[14] = tail_legs[8];
+        theta_legs[15] = tail_legs[1];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 16, theta_legs, 16, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 16 * i, 16);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(swivel, 3))) {
+        krhpr_fill_nan(theta, 48);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 16 * i, 16);
+            }
         }
     }
     return status;
@@ -213,6 +223,11 @@ KRHPR_API int krhpr_spatial_rrrr_c_swivel(
     }
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
@@ -220,11 +235,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_swivel(
         krhpr_lanes v_legs[3];
         krhpr_lanes e_4_legs[3];
         krhpr_lanes swivel_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes tail_y_legs[1];
         krhpr_lanes tail_x_legs[1];
         krhpr_lanes tail_legs[1];
@@ -249,6 +259,11 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_jacobian(
     }
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
@@ -256,11 +271,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_subleg_jacobian(
         krhpr_lanes v_legs[3];
         krhpr_lanes e_4_legs[3];
         krhpr_lanes M_legs[12];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_rrrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
         krhpr_subleg_rrrr_jacobian_lanes(&g->subleg, i, x_legs, e_2_legs, d_legs, v_legs, e_4_legs, M_legs);
@@ -278,9 +288,9 @@ KRHPR_API int krhpr_spatial_rrrr_c_constraints(
         krhpr_fill_nan(residual, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes residual_legs[2];
         krhpr_platform_spatial_c_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
@@ -302,11 +312,16 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobians(
     for (int k = 0; k < 72; ++k) {
         K[k] = 0.0;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes J_legs[12];
         krhpr_lanes N_legs[6];
         krhpr_lanes x_legs[3];
@@ -315,11 +330,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobians(
         krhpr_lanes v_legs[3];
         krhpr_lanes e_4_legs[3];
         krhpr_lanes K_legs[8];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_rrrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
@@ -342,11 +352,16 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobian_blocks(
         krhpr_fill_nan(K, 24);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes J_legs[12];
         krhpr_lanes N_legs[6];
         krhpr_lanes x_legs[3];
@@ -355,11 +370,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobian_blocks(
         krhpr_lanes v_legs[3];
         krhpr_lanes e_4_legs[3];
         krhpr_lanes K_legs[8];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_legs, N_legs);
         krhpr_subleg_rrrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
@@ -387,11 +397,17 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobians_n(
     for (int k = 0; k < 144; ++k) {
         K[k] = 0.0;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes J_lines_legs[12];
         krhpr_lanes N_legs[6];
         krhpr_lanes along_legs[3];
@@ -403,11 +419,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobians_n(
         krhpr_lanes e_4_legs[3];
         krhpr_lanes K_legs[16];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_rows_lanes(&g->platform, i, p_legs, Q_legs, s_legs, J_lines_legs, N_legs);
         krhpr_platform_spatial_c_redundant_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, along_legs, redundant_line_legs);
@@ -416,6 +427,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobians_n(
         krhpr_subleg_rrrr_transmission_lanes(
             &g->subleg, i, x_legs, e_2_legs, d_legs, v_legs, e_4_legs, N_legs, along_legs, K_legs,
             regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(J_lines, 12, J_lines_legs, 12, i);
         krhpr_legs_store(along, 3, along_legs, 3, i);
         krhpr_legs_store(K, 52, K_legs, 4, i);
@@ -425,13 +437,15 @@ KRHPR_API int krhpr_spatial_rrrr_c_jacobians_n(
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
     krhpr_subleg_rrrr_non_redundant(J_lines, along, p, s, J);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(K + 52 * i + 0, 4);
-            krhpr_fill_nan(K + 52 * i + 12, 4);
-            krhpr_fill_nan(K + 52 * i + 24, 4);
-            krhpr_fill_nan(K + 52 * i + 36, 4);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(K + 52 * i + 0, 4);
+                krhpr_fill_nan(K + 52 * i + 12, 4);
+                krhpr_fill_nan(K + 52 * i + 24, 4);
+                krhpr_fill_nan(K + 52 * i + 36, 4);
+            }
         }
     }
     return status;
@@ -449,25 +463,26 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse(
     if (swivel == NULL) {
         swivel = swivel_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 6) +
-          krhpr_taint(swivel, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(mode, 6))) {
         krhpr_fill_nan(theta, 12);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes swivel_legs[1]; krhpr_legs_load(swivel_legs, swivel, 1, i);
-        krhpr_lanes mode_legs[2]; krhpr_legs_load(mode_legs, mode, 2, i);
-        krhpr_lanes s_legs[3];
-        krhpr_lanes radicand_legs[1];
-        krhpr_lanes theta_legs[4];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_rrrr_inverse_angles_lanes(swivel_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes mode_legs[2]; krhpr_legs_load(mode_legs, mode, 2, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[4];
         krhpr_lanes tail_y_legs[4];
         krhpr_lanes tail_x_legs[4];
         krhpr_lanes tail_legs[4];
@@ -476,17 +491,24 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse(
             &g->subleg, i, s_legs, mode_legs, sine_legs, cosine_legs, radicand_legs, tail_y_legs,
             tail_x_legs);
         krhpr_lanes_atan2_each(4, tail_y_legs, tail_x_legs, tail_legs);
-        theta_legs[0] = tail_legs[0];
-        theta_legs[1] = tail_legs[1];
-        theta_legs[2] = tail_legs[2];
-        theta_legs[3] = tail_legs[3];
+        theta_legs[0] = tail_legs[1];
+        theta_legs[1] = tail_legs[2];
+        theta_legs[2] = tail_legs[3];
+        theta_legs[3] = tail_legs[0];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 4, theta_legs, 4, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 4 * i, 4);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(swivel, 3))) {
+        krhpr_fill_nan(theta, 12);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 4 * i, 4);
+            }
         }
     }
     return status;
@@ -501,23 +523,25 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_all(
     if (swivel == NULL) {
         swivel = swivel_default;
     }
-    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3) + krhpr_taint(swivel, 3))) {
+    if (!krhpr_is_clean(krhpr_taint(p, 3) + krhpr_taint(Q, 9) + krhpr_taint(redundant, 3))) {
         krhpr_fill_nan(theta, 48);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int near = 1;
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes swivel_legs[1]; krhpr_legs_load(swivel_legs, swivel, 1, i);
-        krhpr_lanes s_legs[3];
-        krhpr_lanes radicand_legs[1];
-        krhpr_lanes theta_legs[16];
         krhpr_lanes angle_legs[1];
         krhpr_lanes sine_legs[1];
         krhpr_lanes cosine_legs[1];
         krhpr_subleg_rrrr_inverse_all_angles_lanes(swivel_legs[0], angle_legs);
-        krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(1, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes radicand_legs[1];
+        krhpr_lanes theta_legs[16];
         krhpr_lanes tail_y_legs[10];
         krhpr_lanes tail_x_legs[10];
         krhpr_lanes tail_legs[10];
@@ -525,29 +549,36 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_all(
         krhpr_subleg_rrrr_inverse_all_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, radicand_legs, tail_y_legs, tail_x_legs);
         krhpr_lanes_atan2_each(10, tail_y_legs, tail_x_legs, tail_legs);
-        theta_legs[0] = tail_legs[0];
-        theta_legs[1] = tail_legs[1];
-        theta_legs[2] = tail_legs[2];
-        theta_legs[3] = tail_legs[3];
-        theta_legs[4] = tail_legs[0];
-        theta_legs[5] = tail_legs[1];
-        theta_legs[6] = tail_legs[4];
-        theta_legs[7] = tail_legs[5];
-        theta_legs[8] = tail_legs[6];
-        theta_legs[9] = tail_legs[7];
-        theta_legs[10] = tail_legs[8];
-        theta_legs[11] = tail_legs[3];
-        theta_legs[12] = tail_legs[6];
-        theta_legs[13] = tail_legs[7];
-        theta_legs[14] = tail_legs[9];
-        theta_legs[15] = tail_legs[5];
+        theta_legs[0] = tail_legs[2];
+        theta_legs[1] = tail_legs[4];
+        theta_legs[2] = tail_legs[5];
+        theta_legs[3] = tail_legs[0];
+        theta_legs[4] = tail_legs[2];
+        theta_legs[5] = tail_legs[4];
+        theta_legs[6] = tail_legs[6];
+        theta_legs[7] = tail_legs[1];
+        theta_legs[8] = tail_legs[3];
+        theta_legs[9] = tail_legs[9];
+        theta_legs[10] = tail_legs[7];
+        theta_legs[11] = tail_legs[0];
+        theta_legs[12] = tail_legs[3];
+        theta_legs[13] = tail_legs[9];
+        theta_legs[14] = tail_legs[8];
+        theta_legs[15] = tail_legs[1];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(theta, 16, theta_legs, 16, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 16 * i, 16);
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(swivel, 3))) {
+        krhpr_fill_nan(theta, 48);
+        return KRHPR_INVALID_INPUT;
+    }
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 16 * i, 16);
+            }
         }
     }
     return status;
@@ -569,19 +600,23 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_status(
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[3];
         krhpr_lanes excess_legs[1];
         krhpr_platform_spatial_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
         krhpr_subleg_rrrr_reach_lanes(&g->subleg, i, s_legs, excess_legs);
+        fine &= krhpr_every(krhpr_at_most(excess_legs[0], krhpr_all(0.0)));
         krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(excess[i] <= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(excess[i] <= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            }
         }
     }
     return status;
@@ -601,11 +636,16 @@ KRHPR_API int krhpr_spatial_rrrr_c_twist(
         krhpr_fill_nan(twist, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_dot_legs[4]; krhpr_legs_load(theta_dot_legs, theta_dot, 4, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
@@ -618,11 +658,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_twist(
         krhpr_lanes e_4_legs[3];
         krhpr_lanes s_dot_legs[3];
         krhpr_lanes rate_legs[2];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_rrrr_posture_lanes(
@@ -659,13 +694,19 @@ KRHPR_API int krhpr_spatial_rrrr_c_joint_rates(
         krhpr_fill_nan(theta_dot, 12);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes swivel_rates_legs[1]; krhpr_legs_load(swivel_rates_legs, swivel_rates, 1, i);
         krhpr_lanes s_dot_legs[3];
         krhpr_lanes x_legs[3];
@@ -675,11 +716,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_joint_rates(
         krhpr_lanes e_4_legs[3];
         krhpr_lanes theta_dot_legs[4];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_end_velocity_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], s_dot_legs);
         krhpr_subleg_rrrr_posture_lanes(
@@ -687,13 +723,16 @@ KRHPR_API int krhpr_spatial_rrrr_c_joint_rates(
         krhpr_subleg_rrrr_rates_lanes(
             &g->subleg, i, x_legs, e_2_legs, d_legs, v_legs, e_4_legs, s_dot_legs, swivel_rates_legs[0],
             theta_dot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(theta_dot, 4, theta_dot_legs, 4, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_dot + 4 * i, 4);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_dot + 4 * i, 4);
+            }
         }
     }
     return status;
@@ -714,14 +753,19 @@ KRHPR_API int krhpr_spatial_rrrr_c_platform_acceleration(
         krhpr_fill_nan(twist_rate, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_dot_legs[4]; krhpr_legs_load(theta_dot_legs, theta_dot, 4, i);
         krhpr_lanes theta_ddot_legs[4]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 4, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -738,11 +782,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_platform_acceleration(
         krhpr_lanes s_ddot_legs[3];
         krhpr_lanes row_bias_legs[2];
         krhpr_lanes rate_legs[2];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_rrrr_bias_lanes(
@@ -787,15 +826,21 @@ KRHPR_API int krhpr_spatial_rrrr_c_joint_accelerations(
         krhpr_fill_nan(theta_ddot, 12);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
-    krhpr_lanes twist_rate_legs[6]; krhpr_legs_spread(twist_rate_legs, twist_rate, 6);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
-        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
-        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_bias_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
+        krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes twist_rate_legs[6]; krhpr_legs_spread(twist_rate_legs, twist_rate, 6);
+        krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_dot_legs[4]; krhpr_legs_load(theta_dot_legs, theta_dot, 4, i);
         krhpr_lanes swivel_accelerations_legs[1]; krhpr_legs_load(swivel_accelerations_legs, swivel_accelerations, 1, i);
         krhpr_lanes s_dot_legs[3];
@@ -812,11 +857,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_joint_accelerations(
         krhpr_lanes e_4_legs[3];
         krhpr_lanes theta_ddot_legs[4];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_bias_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_end_acceleration_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, twist_legs, redundant_rates_legs[0], twist_rate_legs,
             redundant_accelerations_legs[0], s_dot_legs, s_ddot_legs);
@@ -831,13 +871,16 @@ KRHPR_API int krhpr_spatial_rrrr_c_joint_accelerations(
         krhpr_subleg_rrrr_rates_lanes(
             &g->subleg, i, x_legs, e_2_legs, d_legs, v_legs, e_4_legs, along_legs, swivel_along_legs[0],
             theta_ddot_legs, regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(theta_ddot, 4, theta_ddot_legs, 4, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(theta_ddot + 4 * i, 4);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(theta_ddot + 4 * i, 4);
+            }
         }
     }
     return status;
@@ -861,11 +904,17 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_statics(
         krhpr_fill_nan(actuator_forces, 12);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -879,11 +928,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_statics(
         krhpr_lanes e_4_legs[3];
         krhpr_lanes K_n_legs[16];
         krhpr_lanes regularity_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_platform_spatial_c_redundant_line_lanes(
@@ -893,6 +937,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_statics(
         krhpr_subleg_rrrr_transmission_lanes(
             &g->subleg, i, x_legs, e_2_legs, d_legs, v_legs, e_4_legs, N_legs, along_legs, K_n_legs,
             regularity_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(redundant_line, 6, redundant_line_legs, 6, i);
@@ -902,9 +947,11 @@ KRHPR_API int krhpr_spatial_rrrr_c_inverse_statics(
     krhpr_platform_spatial_c_balance(
         Q, line, point, redundant_line, redundant_forces, wrench, line_forces, det_regularity);
     krhpr_subleg_rrrr_torques(K_n, line_forces, redundant_forces, swivel_forces, actuator_forces);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -935,12 +982,18 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_statics(
         krhpr_fill_nan(swivel_forces, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes actuator_forces_legs[4]; krhpr_legs_load(actuator_forces_legs, actuator_forces, 4, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
         krhpr_lanes d_legs[3];
@@ -951,11 +1004,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_statics(
         krhpr_lanes regularity_legs[1];
         krhpr_lanes moment_legs[3];
         krhpr_lanes redundant_forces_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_rrrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
         krhpr_subleg_rrrr_end_force_lanes(
@@ -963,6 +1011,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_statics(
             swivel_forces_legs, regularity_legs);
         krhpr_platform_spatial_c_reaction_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, end_force_legs, moment_legs, redundant_forces_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-12), regularity_legs[0]));
         krhpr_legs_store(end_force, 3, end_force_legs, 3, i);
         krhpr_legs_store(swivel_forces, 1, swivel_forces_legs, 1, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
@@ -970,11 +1019,13 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_statics(
         krhpr_legs_store(redundant_forces, 1, redundant_forces_legs, 1, i);
     }
     krhpr_algebra_spatial_total(end_force, moment, wrench);
-    for (int i = 0; i < 3; ++i) {
-        if (!(regularity[i] >= 1e-12)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(redundant_forces + 1 * i, 1);
-            krhpr_fill_nan(swivel_forces + 1 * i, 1);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(regularity[i] >= 1e-12)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(redundant_forces + 1 * i, 1);
+                krhpr_fill_nan(swivel_forces + 1 * i, 1);
+            }
         }
     }
     if (status != KRHPR_OK) {
@@ -995,10 +1046,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_opening(
         krhpr_fill_nan(shares, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_opening(slide, redundant, jaws, opening, centre, shares);
     if (!(shares[0] >= 0.0)) {
@@ -1026,9 +1075,9 @@ KRHPR_API int krhpr_spatial_rrrr_c_redundant_of_opening(
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes opening_legs[1]; krhpr_legs_spread(opening_legs, &opening, 1);
-    krhpr_lanes centre_legs[2]; krhpr_legs_spread(centre_legs, centre, 2);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes opening_legs[1]; krhpr_legs_spread(opening_legs, &opening, 1);
+        krhpr_lanes centre_legs[2]; krhpr_legs_spread(centre_legs, centre, 2);
         krhpr_lanes jaws_legs[1]; krhpr_legs_load(jaws_legs, jaws, 1, i);
         krhpr_lanes redundant_legs[1];
         krhpr_platform_spatial_c_redundant_of_opening_lanes(
@@ -1055,10 +1104,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_grasp(
         krhpr_fill_nan(friction_margins, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_grasp(
         Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
@@ -1120,11 +1167,16 @@ KRHPR_API int krhpr_spatial_rrrr_c_passive_joints(
         krhpr_fill_nan(platform_joint, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
         krhpr_lanes d_legs[3];
@@ -1134,11 +1186,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_passive_joints(
         krhpr_lanes redundant_link_legs[9];
         krhpr_lanes platform_joint_legs[1];
         krhpr_lanes spherical_legs[9];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_rrrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
         krhpr_subleg_rrrr_passive_lanes(&g->subleg, i, x_legs, e_2_legs, v_legs, e_4_legs, link_legs);
@@ -1163,6 +1210,11 @@ KRHPR_API int krhpr_spatial_rrrr_c_link_points(
     }
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
@@ -1171,11 +1223,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_link_points(
         krhpr_lanes e_4_legs[3];
         krhpr_lanes points_legs[12];
         krhpr_lanes attachment_legs[3];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_rrrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
         krhpr_subleg_rrrr_points_lanes(&g->subleg, i, x_legs, e_2_legs, v_legs, s_legs, points_legs);
@@ -1199,6 +1246,11 @@ KRHPR_API int krhpr_spatial_rrrr_c_clearances(
     }
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
@@ -1207,11 +1259,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_clearances(
         krhpr_lanes e_4_legs[3];
         krhpr_lanes points_legs[12];
         krhpr_lanes attachment_legs[3];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_rrrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
         krhpr_subleg_rrrr_points_lanes(&g->subleg, i, x_legs, e_2_legs, v_legs, s_legs, points_legs);
@@ -1257,11 +1304,16 @@ KRHPR_API int krhpr_spatial_rrrr_c_singularity(
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes x_legs[3];
         krhpr_lanes e_2_legs[3];
         krhpr_lanes d_legs[3];
@@ -1273,11 +1325,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_singularity(
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
         krhpr_lanes scale_legs[2];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_subleg_rrrr_posture_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, x_legs, e_2_legs, d_legs, v_legs, e_4_legs);
         krhpr_subleg_rrrr_determinant_lanes(
@@ -1344,11 +1391,17 @@ KRHPR_API int krhpr_spatial_rrrr_c_indices(
         krhpr_fill_nan(condition, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -1365,11 +1418,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_indices(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_rrrr_posture_lanes(
@@ -1379,6 +1427,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_indices(
             square_legs, reach_legs);
         krhpr_algebra_spatial_spread_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 3, reach_legs, 3, i);
@@ -1389,9 +1438,11 @@ KRHPR_API int krhpr_spatial_rrrr_c_indices(
     krhpr_platform_spatial_c_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norms(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
-    for (int i = 0; i < 3; ++i) {
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1430,11 +1481,17 @@ KRHPR_API int krhpr_spatial_rrrr_c_index_bounds(
         krhpr_fill_nan(eta_3, 1);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
+        krhpr_lanes angle_legs[3];
+        krhpr_lanes sine_legs[3];
+        krhpr_lanes cosine_legs[3];
+        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
+        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -1451,11 +1508,6 @@ KRHPR_API int krhpr_spatial_rrrr_c_index_bounds(
         krhpr_lanes largest_legs[1];
         krhpr_lanes smallest_legs[1];
         krhpr_lanes evenness_legs[1];
-        krhpr_lanes angle_legs[3];
-        krhpr_lanes sine_legs[3];
-        krhpr_lanes cosine_legs[3];
-        krhpr_subleg_rrrr_posture_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(3, angle_legs, sine_legs, cosine_legs);
         krhpr_platform_spatial_c_line_lanes(
             &g->platform, i, p_legs, Q_legs, s_legs, line_legs, point_legs, N_legs, scale_legs);
         krhpr_subleg_rrrr_posture_lanes(
@@ -1465,6 +1517,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_index_bounds(
             square_legs, reach_legs);
         krhpr_algebra_spatial_spread_bound_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 3, reach_legs, 3, i);
@@ -1474,9 +1527,11 @@ KRHPR_API int krhpr_spatial_rrrr_c_index_bounds(
     }
     krhpr_platform_spatial_c_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norm_bounds(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
-    for (int i = 0; i < 3; ++i) {
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1512,10 +1567,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_all(
         krhpr_fill_nan(count, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_modes(
         s, slide, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
@@ -1553,7 +1606,7 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward(
     double breadth[1];
     double assembly_radicand[1];
     double sign[1];
-    if (!krhpr_is_clean(krhpr_taint(theta, 12) + krhpr_taint(&side, 1))) {
+    if (!krhpr_is_clean(krhpr_taint(&side, 1))) {
         krhpr_fill_nan(p, 3);
         krhpr_fill_nan(Q, 9);
         krhpr_fill_nan(redundant, 3);
@@ -1561,19 +1614,28 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward(
         krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
+    int near = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[4]; krhpr_legs_load(theta_legs, theta, 4, i);
-        krhpr_lanes s_legs[3];
-        krhpr_lanes slide_legs[2];
         krhpr_lanes angle_legs[4];
         krhpr_lanes sine_legs[4];
         krhpr_lanes cosine_legs[4];
         krhpr_subleg_rrrr_forward_angles_lanes(theta_legs, angle_legs);
-        krhpr_lanes_sincos_each(4, angle_legs, sine_legs, cosine_legs);
+        near &= krhpr_lanes_sincos_each(4, angle_legs, sine_legs, cosine_legs);
+        krhpr_lanes s_legs[3];
+        krhpr_lanes slide_legs[2];
         krhpr_subleg_rrrr_forward_lanes(&g->subleg, i, sine_legs, cosine_legs, s_legs);
         krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
         krhpr_legs_store(s, 3, s_legs, 3, i);
         krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    }
+    if (!KRHPR_LIKELY(near) && !krhpr_is_clean(krhpr_taint(theta, 12))) {
+        krhpr_fill_nan(p, 3);
+        krhpr_fill_nan(Q, 9);
+        krhpr_fill_nan(redundant, 3);
+        krhpr_fill_nan(count, 1);
+        krhpr_fill_nan(certified, 1);
+        return KRHPR_INVALID_INPUT;
     }
     krhpr_platform_spatial_c_assembly_mode(
         s, slide, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count, certified);
@@ -1621,10 +1683,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_encoders_2(
         krhpr_fill_nan(mismatch, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_two_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1672,10 +1732,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_encoders_3(
         krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_three_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1725,10 +1783,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_gauss_newton_2(
         krhpr_fill_nan(mismatch, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_two_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1796,10 +1852,8 @@ KRHPR_API int krhpr_spatial_rrrr_c_forward_gauss_newton_3(
         krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_three_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);

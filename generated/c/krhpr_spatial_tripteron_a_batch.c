@@ -22,7 +22,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_rotation_error_lanes(
     krhpr_algebra_spatial_rotation_error_lanes(Q, error);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -103,26 +103,26 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_end_points_lanes(
     const krhpr_spatial_tripteron_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9);
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_lanes(
             &g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s + 3 * i);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 9);
     return 1;
@@ -223,7 +223,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_redundant_coordinates_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -325,7 +325,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_subleg_forward_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -421,7 +421,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_subleg_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -515,7 +515,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_subleg_jacobian_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -608,7 +608,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_constraints_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -702,7 +702,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_jacobians_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     for (int k = 0; k < 54; ++k) {
         K[k] = krhpr_all(0.0);
     }
@@ -720,7 +720,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_jacobians_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -828,7 +828,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_jacobian_blocks_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
         krhpr_lanes rho[3];
@@ -838,7 +838,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_jacobian_blocks_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -946,7 +946,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_jacobians_n_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes J_lines[36];
     krhpr_lanes along[9];
     for (int k = 0; k < 81; ++k) {
@@ -971,7 +971,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_jacobians_n_lanes(
     krhpr_subleg_tripteron_non_redundant_lanes(J_lines, along, p, s, J);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1077,7 +1077,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_inverse_lanes(
     const krhpr_spatial_tripteron_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
@@ -1085,7 +1085,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_inverse_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[3];
         krhpr_platform_spatial_a_end_point_lanes(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
@@ -1096,7 +1096,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1106,7 +1106,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_inverse_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 3 * i, 3);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 9);
     return 1;
@@ -1193,7 +1193,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_inverse_all_lanes(
     const krhpr_spatial_tripteron_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
@@ -1201,7 +1201,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_inverse_all_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[3];
         krhpr_platform_spatial_a_end_point_lanes(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
@@ -1212,7 +1212,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_inverse_all_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1222,7 +1222,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_inverse_all_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 3 * i, 3);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 9);
     return 1;
@@ -1363,14 +1363,14 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_inverse_status_lanes(
     const krhpr_spatial_tripteron_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT excess, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9);
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[3];
         krhpr_platform_spatial_a_end_point_lanes(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
@@ -1381,7 +1381,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_inverse_status_lanes(
         fine &= krhpr_at_most(excess[i], krhpr_all(0.0));
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1390,7 +1390,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_inverse_status_lanes(
         const krhpr_ints kept_1 = krhpr_at_most(excess[i], krhpr_all(0.0));
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 3);
     return 1;
@@ -1479,7 +1479,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_twist_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(theta_dot, 9);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(theta_dot, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes rate[6];
@@ -1500,7 +1500,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_twist_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1606,7 +1606,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_joint_rates_lanes(
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s_dot[3];
         krhpr_lanes rho[3];
@@ -1617,7 +1617,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_joint_rates_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1726,8 +1726,8 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_platform_acceleration_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT twist_rate, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(theta_dot, 9) +
-        krhpr_poses_taint(theta_ddot, 9);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(theta_dot, 9) +
+       krhpr_poses_taint(theta_ddot, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes rate[6];
@@ -1756,7 +1756,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_platform_acceleration_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1875,8 +1875,8 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_joint_accelerations_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT theta_ddot, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) +
-        krhpr_poses_taint(theta_dot, 9) + krhpr_poses_taint(twist_rate, 6) + krhpr_poses_taint(redundant_accelerations, 3);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) +
+       krhpr_poses_taint(theta_dot, 9) + krhpr_poses_taint(twist_rate, 6) + krhpr_poses_taint(redundant_accelerations, 3);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s_dot[3];
         krhpr_lanes s_ddot[3];
@@ -1895,7 +1895,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_joint_accelerations_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2017,7 +2017,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_inverse_statics_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(wrench, 6) + krhpr_poses_taint(redundant_forces, 3);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(wrench, 6) + krhpr_poses_taint(redundant_forces, 3);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes redundant_line[18];
@@ -2043,7 +2043,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_inverse_statics_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2156,7 +2156,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_forward_statics_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(actuator_forces, 9);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(actuator_forces, 9);
     krhpr_lanes end_force[9];
     krhpr_lanes moment[9];
     for (int i = 0; i < 3; ++i) {
@@ -2169,7 +2169,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_forward_statics_lanes(
     krhpr_algebra_spatial_total_lanes(end_force, moment, wrench);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2285,7 +2285,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_passive_joints_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes radicand[3];
     krhpr_lanes regularity[3];
     krhpr_lanes tail_y[21];
@@ -2304,12 +2304,12 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_passive_joints_lanes(
     }
     krhpr_lanes_atan2_each(21, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
-        passive[6 * i + 0] = tail[6 * i + 0];
-        passive[6 * i + 1] = tail[6 * i + 1];
-        passive[6 * i + 2] = tail[6 * i + 2];
-        passive[6 * i + 3] = tail[6 * i + 3];
-        passive[6 * i + 4] = tail[6 * i + 4];
-        passive[6 * i + 5] = tail[6 * i + 5];
+        passive[6 * i + 0] = tail[6 * i + 3];
+        passive[6 * i + 1] = tail[6 * i + 0];
+        passive[6 * i + 2] = tail[6 * i + 4];
+        passive[6 * i + 3] = tail[6 * i + 1];
+        passive[6 * i + 4] = tail[6 * i + 5];
+        passive[6 * i + 5] = tail[6 * i + 2];
         platform_joint[i] = tail[18 + 1 * i + 0];
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
@@ -2318,7 +2318,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_passive_joints_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-24), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2451,7 +2451,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_link_points_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes radicand[3];
     krhpr_lanes regularity[3];
     for (int i = 0; i < 3; ++i) {
@@ -2467,7 +2467,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_link_points_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-24), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2585,7 +2585,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_clearances_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes points[72];
     krhpr_lanes radicand[3];
     krhpr_lanes regularity[3];
@@ -2691,7 +2691,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_clearances_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-24), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2798,7 +2798,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_singularity_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes scale[6];
@@ -2813,7 +2813,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_singularity_lanes(
     krhpr_platform_spatial_a_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2942,7 +2942,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_type_2_of_redundant_lanes(
     const krhpr_spatial_tripteron_a_geometry *g, const krhpr_lanes_at redundant[3],
     krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_all(0.0);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes scale[6];
@@ -2952,7 +2952,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_type_2_of_redundant_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_line_of_redundant_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_line_of_redundant_lanes(
             &g->platform, i, sine + 1 * i, cosine + 1 * i, line + 6 * i, point + 2 * i, scale + 2 * i);
@@ -2960,12 +2960,12 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_type_2_of_redundant_lanes(
     krhpr_platform_spatial_a_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_2, 2);
     krhpr_poses_keep(finite, margins, 2);
@@ -3056,7 +3056,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_indices_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_lanes_at *KRHPR_RESTRICT condition, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(characteristic_length, 1);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(characteristic_length, 1);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes reach[9];
@@ -3091,7 +3091,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_indices_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3238,7 +3238,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_index_bounds_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(characteristic_length, 1);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(characteristic_length, 1);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes reach[9];
@@ -3274,7 +3274,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_index_bounds_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3589,7 +3589,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_forward_newton_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-20));
     fine &= krhpr_at_most(misfit[0], krhpr_all(1e-12));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3723,7 +3723,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_forward_encoders_1_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 1) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[2];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -3735,7 +3735,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_forward_encoders_1_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_platform_spatial_a_turns_1_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_1_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -3748,7 +3748,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_forward_encoders_1_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3760,7 +3760,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_forward_encoders_1_lanes(
     krhpr_poses_keep(valid, p, 6);
     krhpr_poses_keep(valid, Q, 18);
     krhpr_poses_keep(valid, mismatch, 2);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 6);
     krhpr_poses_keep(finite, Q, 18);
@@ -3934,7 +3934,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_forward_encoders_2_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[4];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -3951,7 +3951,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_forward_encoders_2_lanes(
     krhpr_lanes sine[2];
     krhpr_lanes cosine[2];
     krhpr_platform_spatial_a_turns_2_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(2, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -3967,7 +3967,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3981,7 +3981,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_forward_encoders_2_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 2) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);
@@ -4102,7 +4102,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_forward_encoders_3_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[6];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4119,7 +4119,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_forward_encoders_3_lanes(
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     krhpr_platform_spatial_a_turns_3_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4135,7 +4135,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4149,7 +4149,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_forward_encoders_3_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);
@@ -4271,8 +4271,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_forward_gauss_newton_2_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1) + krhpr_poses_taint(weights, 3);
     krhpr_lanes turns[4];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4291,7 +4290,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_forward_gauss_newton_2_lanes(
     krhpr_lanes sine[2];
     krhpr_lanes cosine[2];
     krhpr_platform_spatial_a_turns_2_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(2, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4328,7 +4327,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4343,7 +4342,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_forward_gauss_newton_2_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 2) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);
@@ -4469,8 +4468,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_forward_gauss_newton_3_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1) + krhpr_poses_taint(weights, 3);
     krhpr_lanes turns[6];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4489,7 +4487,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_forward_gauss_newton_3_lanes(
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     krhpr_platform_spatial_a_turns_3_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4525,7 +4523,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4540,7 +4538,7 @@ KRHPR_OUTLINE int krhpr_spatial_tripteron_a_forward_gauss_newton_3_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);

@@ -91,9 +91,9 @@ KRHPR_API int krhpr_spatial_tripteron_c_end_points(
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[3];
         krhpr_platform_spatial_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
@@ -111,9 +111,9 @@ KRHPR_API int krhpr_spatial_tripteron_c_redundant_coordinates(
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes redundant_legs[1];
         krhpr_platform_spatial_c_redundant_lanes(&g->platform, i, p_legs, Q_legs, s_legs, redundant_legs);
@@ -131,18 +131,22 @@ KRHPR_API int krhpr_spatial_tripteron_c_subleg_forward(
         krhpr_fill_nan(s, 9);
         return KRHPR_INVALID_INPUT;
     }
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
         krhpr_lanes s_legs[3];
         krhpr_lanes radicand_legs[1];
         krhpr_subleg_tripteron_forward_lanes(&g->subleg, i, theta_legs, s_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(s, 3, s_legs, 3, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(s + 3 * i, 3);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(s + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -157,18 +161,22 @@ KRHPR_API int krhpr_spatial_tripteron_c_subleg_inverse(
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3];
         krhpr_lanes radicand_legs[1];
         krhpr_subleg_tripteron_inverse_all_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(theta, 3, theta_legs, 3, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 3 * i, 3);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -183,14 +191,10 @@ KRHPR_API int krhpr_spatial_tripteron_c_subleg_jacobian(
         krhpr_fill_nan(M, 27);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
-        krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
-        krhpr_lanes rho_legs[3];
-        krhpr_lanes M_legs[9];
-        krhpr_subleg_tripteron_posture_lanes(&g->subleg, i, s_legs, theta_legs, rho_legs);
-        krhpr_subleg_tripteron_jacobian_lanes(&g->subleg, i, M_legs);
-        krhpr_legs_store(M, 9, M_legs, 9, i);
+    for (int i = 0; i < 3; ++i) {
+        double rho[3];
+        krhpr_subleg_tripteron_posture(&g->subleg, i, s + 3 * i, theta + 3 * i, rho);
+        krhpr_subleg_tripteron_jacobian(&g->subleg, i, M + 9 * i);
     }
     return status;
 }
@@ -204,9 +208,9 @@ KRHPR_API int krhpr_spatial_tripteron_c_constraints(
         krhpr_fill_nan(residual, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes residual_legs[2];
         krhpr_platform_spatial_c_residual_lanes(&g->platform, i, p_legs, Q_legs, s_legs, residual_legs);
@@ -228,9 +232,9 @@ KRHPR_API int krhpr_spatial_tripteron_c_jacobians(
     for (int k = 0; k < 54; ++k) {
         K[k] = 0.0;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
         krhpr_lanes J_legs[12];
@@ -257,9 +261,9 @@ KRHPR_API int krhpr_spatial_tripteron_c_jacobian_blocks(
         krhpr_fill_nan(K, 18);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
         krhpr_lanes J_legs[12];
@@ -290,9 +294,9 @@ KRHPR_API int krhpr_spatial_tripteron_c_jacobians_n(
     for (int k = 0; k < 81; ++k) {
         K[k] = 0.0;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
         krhpr_lanes J_lines_legs[12];
@@ -326,22 +330,26 @@ KRHPR_API int krhpr_spatial_tripteron_c_inverse(
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[3];
         krhpr_lanes theta_legs[3];
         krhpr_lanes radicand_legs[1];
         krhpr_platform_spatial_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
         krhpr_subleg_tripteron_inverse_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(theta, 3, theta_legs, 3, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 3 * i, 3);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -357,22 +365,26 @@ KRHPR_API int krhpr_spatial_tripteron_c_inverse_all(
         krhpr_fill_nan(theta, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[3];
         krhpr_lanes theta_legs[3];
         krhpr_lanes radicand_legs[1];
         krhpr_platform_spatial_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
         krhpr_subleg_tripteron_inverse_all_lanes(&g->subleg, i, s_legs, theta_legs, radicand_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(theta, 3, theta_legs, 3, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(theta + 3 * i, 3);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(theta + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -387,19 +399,23 @@ KRHPR_API int krhpr_spatial_tripteron_c_inverse_status(
         krhpr_fill_nan(excess, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes redundant_legs[1]; krhpr_legs_load(redundant_legs, redundant, 1, i);
         krhpr_lanes s_legs[3];
         krhpr_lanes excess_legs[1];
         krhpr_platform_spatial_c_end_point_lanes(&g->platform, i, p_legs, Q_legs, redundant_legs[0], s_legs);
         krhpr_subleg_tripteron_reach_lanes(&g->subleg, i, s_legs, excess_legs);
+        fine &= krhpr_every(krhpr_at_most(excess_legs[0], krhpr_all(0.0)));
         krhpr_legs_store(excess, 1, excess_legs, 1, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(excess[i] <= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(excess[i] <= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            }
         }
     }
     return status;
@@ -419,9 +435,9 @@ KRHPR_API int krhpr_spatial_tripteron_c_twist(
         krhpr_fill_nan(twist, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
         krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
@@ -465,11 +481,11 @@ KRHPR_API int krhpr_spatial_tripteron_c_joint_rates(
         krhpr_fill_nan(theta_dot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
         krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
         krhpr_lanes s_dot_legs[3];
@@ -499,14 +515,14 @@ KRHPR_API int krhpr_spatial_tripteron_c_platform_acceleration(
         krhpr_fill_nan(twist_rate, 6);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
         krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
         krhpr_lanes theta_ddot_legs[3]; krhpr_legs_load(theta_ddot_legs, theta_ddot, 3, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -557,13 +573,13 @@ KRHPR_API int krhpr_spatial_tripteron_c_joint_accelerations(
         krhpr_fill_nan(theta_ddot, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
-    krhpr_lanes twist_rate_legs[6]; krhpr_legs_spread(twist_rate_legs, twist_rate, 6);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
+        krhpr_lanes twist_legs[6]; krhpr_legs_spread(twist_legs, twist, 6);
         krhpr_lanes redundant_rates_legs[1]; krhpr_legs_load(redundant_rates_legs, redundant_rates, 1, i);
+        krhpr_lanes twist_rate_legs[6]; krhpr_legs_spread(twist_rate_legs, twist_rate, 6);
         krhpr_lanes redundant_accelerations_legs[1]; krhpr_legs_load(redundant_accelerations_legs, redundant_accelerations, 1, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
         krhpr_lanes theta_dot_legs[3]; krhpr_legs_load(theta_dot_legs, theta_dot, 3, i);
@@ -604,9 +620,9 @@ KRHPR_API int krhpr_spatial_tripteron_c_inverse_statics(
         krhpr_fill_nan(actuator_forces, 9);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
         krhpr_lanes line_legs[6];
@@ -657,12 +673,12 @@ KRHPR_API int krhpr_spatial_tripteron_c_forward_statics(
         krhpr_fill_nan(redundant_forces, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
         krhpr_lanes actuator_forces_legs[3]; krhpr_legs_load(actuator_forces_legs, actuator_forces, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes rho_legs[3];
         krhpr_lanes end_force_legs[3];
         krhpr_lanes moment_legs[3];
@@ -691,10 +707,8 @@ KRHPR_API int krhpr_spatial_tripteron_c_opening(
         krhpr_fill_nan(shares, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_opening(slide, redundant, jaws, opening, centre, shares);
     if (!(shares[0] >= 0.0)) {
@@ -722,9 +736,9 @@ KRHPR_API int krhpr_spatial_tripteron_c_redundant_of_opening(
         krhpr_fill_nan(redundant, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes opening_legs[1]; krhpr_legs_spread(opening_legs, &opening, 1);
-    krhpr_lanes centre_legs[2]; krhpr_legs_spread(centre_legs, centre, 2);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes opening_legs[1]; krhpr_legs_spread(opening_legs, &opening, 1);
+        krhpr_lanes centre_legs[2]; krhpr_legs_spread(centre_legs, centre, 2);
         krhpr_lanes jaws_legs[1]; krhpr_legs_load(jaws_legs, jaws, 1, i);
         krhpr_lanes redundant_legs[1];
         krhpr_platform_spatial_c_redundant_of_opening_lanes(
@@ -751,10 +765,8 @@ KRHPR_API int krhpr_spatial_tripteron_c_grasp(
         krhpr_fill_nan(friction_margins, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_grasp(
         Q, slide, contacts, mass_centre, weight, normal_forces, friction, contact_forces, wrench,
@@ -820,11 +832,12 @@ KRHPR_API int krhpr_spatial_tripteron_c_passive_joints(
         krhpr_fill_nan(platform_joint, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes rho_legs[3];
         krhpr_lanes link_legs[9];
         krhpr_lanes radicand_legs[1];
@@ -843,30 +856,34 @@ KRHPR_API int krhpr_spatial_tripteron_c_passive_joints(
             &g->platform, i, p_legs, Q_legs, s_legs, redundant_link_legs, platform_joint_legs);
         krhpr_algebra_spatial_wrist_lanes(link_legs, redundant_link_legs, spherical_legs);
         krhpr_lanes_atan2_each(6, tail_y_legs, tail_x_legs, tail_legs);
-        passive_legs[0] = tail_legs[0];
-        passive_legs[1] = tail_legs[1];
-        passive_legs[2] = tail_legs[2];
-        passive_legs[3] = tail_legs[3];
-        passive_legs[4] = tail_legs[4];
-        passive_legs[5] = tail_legs[5];
+        passive_legs[0] = tail_legs[3];
+        passive_legs[1] = tail_legs[0];
+        passive_legs[2] = tail_legs[4];
+        passive_legs[3] = tail_legs[1];
+        passive_legs[4] = tail_legs[5];
+        passive_legs[5] = tail_legs[2];
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), regularity_legs[0]));
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(passive, 6, passive_legs, 6, i);
         krhpr_legs_store(platform_joint, 1, platform_joint_legs, 1, i);
         krhpr_legs_store(spherical, 9, spherical_legs, 9, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(passive + 6 * i, 6);
-            krhpr_fill_nan(spherical + 9 * i, 9);
-            krhpr_fill_nan(platform_joint + 1 * i, 1);
-        }
-        if (!(regularity[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(passive + 6 * i, 6);
-            krhpr_fill_nan(spherical + 9 * i, 9);
-            krhpr_fill_nan(platform_joint + 1 * i, 1);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(passive + 6 * i, 6);
+                krhpr_fill_nan(spherical + 9 * i, 9);
+                krhpr_fill_nan(platform_joint + 1 * i, 1);
+            }
+            if (!(regularity[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(passive + 6 * i, 6);
+                krhpr_fill_nan(spherical + 9 * i, 9);
+                krhpr_fill_nan(platform_joint + 1 * i, 1);
+            }
         }
     }
     return status;
@@ -884,6 +901,7 @@ KRHPR_API int krhpr_spatial_tripteron_c_link_points(
         krhpr_fill_nan(attachment, 9);
         return KRHPR_INVALID_INPUT;
     }
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
@@ -896,21 +914,25 @@ KRHPR_API int krhpr_spatial_tripteron_c_link_points(
         krhpr_subleg_tripteron_points_lanes(
             &g->subleg, i, rho_legs, s_legs, points_legs, radicand_legs, regularity_legs);
         krhpr_platform_spatial_c_attachment_lanes(&g->platform, i, s_legs, attachment_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), regularity_legs[0]));
         krhpr_legs_store(points, 24, points_legs, 24, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
         krhpr_legs_store(attachment, 3, attachment_legs, 3, i);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-            krhpr_fill_nan(points + 24 * i, 24);
-            krhpr_fill_nan(attachment + 3 * i, 3);
-        }
-        if (!(regularity[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
-            krhpr_fill_nan(points + 24 * i, 24);
-            krhpr_fill_nan(attachment + 3 * i, 3);
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+                krhpr_fill_nan(points + 24 * i, 24);
+                krhpr_fill_nan(attachment + 3 * i, 3);
+            }
+            if (!(regularity[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+                krhpr_fill_nan(points + 24 * i, 24);
+                krhpr_fill_nan(attachment + 3 * i, 3);
+            }
         }
     }
     return status;
@@ -929,6 +951,7 @@ KRHPR_API int krhpr_spatial_tripteron_c_clearances(
         krhpr_fill_nan(distances, 315);
         return KRHPR_INVALID_INPUT;
     }
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
@@ -941,6 +964,8 @@ KRHPR_API int krhpr_spatial_tripteron_c_clearances(
         krhpr_subleg_tripteron_points_lanes(
             &g->subleg, i, rho_legs, s_legs, points_legs, radicand_legs, regularity_legs);
         krhpr_platform_spatial_c_attachment_lanes(&g->platform, i, s_legs, attachment_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), regularity_legs[0]));
         krhpr_legs_store(points, 24, points_legs, 24, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(regularity, 1, regularity_legs, 1, i);
@@ -1009,12 +1034,14 @@ KRHPR_API int krhpr_spatial_tripteron_c_clearances(
             points_of_links + ends[4 * pair + 0], points_of_links + ends[4 * pair + 1],
             points_of_links + ends[4 * pair + 2], points_of_links + ends[4 * pair + 3], distances + pair);
     }
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
-        }
-        if (!(regularity[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            }
+            if (!(regularity[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (status != KRHPR_OK) {
@@ -1039,11 +1066,11 @@ KRHPR_API int krhpr_spatial_tripteron_c_singularity(
         krhpr_fill_nan(margins, 2);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes rho_legs[3];
         krhpr_lanes type_1_legs[1];
         krhpr_lanes factors_legs[3];
@@ -1116,12 +1143,13 @@ KRHPR_API int krhpr_spatial_tripteron_c_indices(
         krhpr_fill_nan(condition, 3);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -1142,6 +1170,7 @@ KRHPR_API int krhpr_spatial_tripteron_c_indices(
             reach_legs);
         krhpr_algebra_spatial_spread_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 3, reach_legs, 3, i);
@@ -1152,9 +1181,11 @@ KRHPR_API int krhpr_spatial_tripteron_c_indices(
     krhpr_platform_spatial_c_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norms(
         position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3, condition);
-    for (int i = 0; i < 3; ++i) {
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1194,12 +1225,13 @@ KRHPR_API int krhpr_spatial_tripteron_c_index_bounds(
         krhpr_fill_nan(eta_3, 1);
         return KRHPR_INVALID_INPUT;
     }
-    krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
-    krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
-    krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
+        krhpr_lanes p_legs[3]; krhpr_legs_spread(p_legs, p, 3);
+        krhpr_lanes Q_legs[9]; krhpr_legs_spread(Q_legs, Q, 9);
         krhpr_lanes s_legs[3]; krhpr_legs_load(s_legs, s, 3, i);
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
+        krhpr_lanes characteristic_length_legs[1]; krhpr_legs_spread(characteristic_length_legs, &characteristic_length, 1);
         krhpr_lanes line_legs[6];
         krhpr_lanes point_legs[2];
         krhpr_lanes N_legs[6];
@@ -1220,6 +1252,7 @@ KRHPR_API int krhpr_spatial_tripteron_c_index_bounds(
             reach_legs);
         krhpr_algebra_spatial_spread_bound_lanes(
             gram_legs, cofactors_legs, square_legs[0], largest_legs, smallest_legs, evenness_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(1e-24), evenness_legs[0]));
         krhpr_legs_store(line, 6, line_legs, 6, i);
         krhpr_legs_store(point, 2, point_legs, 2, i);
         krhpr_legs_store(reach, 3, reach_legs, 3, i);
@@ -1229,9 +1262,11 @@ KRHPR_API int krhpr_spatial_tripteron_c_index_bounds(
     }
     krhpr_platform_spatial_c_sensitivity(line, point, reach, position_gram, rotation_gram, det_regularity);
     krhpr_algebra_spatial_norm_bounds(position_gram, rotation_gram, largest, smallest, eta_1, eta_2, eta_3);
-    for (int i = 0; i < 3; ++i) {
-        if (!(evenness[i] >= 1e-24)) {
-            status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(evenness[i] >= 1e-24)) {
+                status = status == KRHPR_OK ? KRHPR_SINGULAR_LEG_1 + i : status;
+            }
         }
     }
     if (!(det_regularity[0] >= 1e-24)) {
@@ -1267,10 +1302,8 @@ KRHPR_API int krhpr_spatial_tripteron_c_forward_all(
         krhpr_fill_nan(count, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_assembly_modes(
         s, slide, turned, sign, flatness, breadth, radicand, p, Q, redundant, det_J, count);
@@ -1317,6 +1350,7 @@ KRHPR_API int krhpr_spatial_tripteron_c_forward(
         krhpr_fill_nan(certified, 1);
         return KRHPR_INVALID_INPUT;
     }
+    int fine = 1;
     for (int i = 0; i < 3; i += KRHPR_LANES) {
         krhpr_lanes theta_legs[3]; krhpr_legs_load(theta_legs, theta, 3, i);
         krhpr_lanes s_legs[3];
@@ -1324,15 +1358,18 @@ KRHPR_API int krhpr_spatial_tripteron_c_forward(
         krhpr_lanes slide_legs[2];
         krhpr_subleg_tripteron_forward_lanes(&g->subleg, i, theta_legs, s_legs, radicand_legs);
         krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
+        fine &= krhpr_every(krhpr_at_most(krhpr_all(0.0), radicand_legs[0]));
         krhpr_legs_store(s, 3, s_legs, 3, i);
         krhpr_legs_store(radicand, 1, radicand_legs, 1, i);
         krhpr_legs_store(slide, 2, slide_legs, 2, i);
     }
     krhpr_platform_spatial_c_assembly_mode(
         s, slide, side, flatness, breadth, assembly_radicand, sign, p, Q, redundant, count, certified);
-    for (int i = 0; i < 3; ++i) {
-        if (!(radicand[i] >= 0.0)) {
-            status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+    if (!KRHPR_LIKELY(fine)) {
+        for (int i = 0; i < 3; ++i) {
+            if (!(radicand[i] >= 0.0)) {
+                status = status == KRHPR_OK ? KRHPR_UNREACHABLE_LEG_1 + i : status;
+            }
         }
     }
     if (!(sign[0] >= 0.5)) {
@@ -1379,10 +1416,8 @@ KRHPR_API int krhpr_spatial_tripteron_c_forward_encoders_2(
         krhpr_fill_nan(mismatch, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_two_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1430,10 +1465,8 @@ KRHPR_API int krhpr_spatial_tripteron_c_forward_encoders_3(
         krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_three_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1483,10 +1516,8 @@ KRHPR_API int krhpr_spatial_tripteron_c_forward_gauss_newton_2(
         krhpr_fill_nan(mismatch, 1);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_two_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);
@@ -1554,10 +1585,8 @@ KRHPR_API int krhpr_spatial_tripteron_c_forward_gauss_newton_3(
         krhpr_fill_nan(mismatch, 3);
         return KRHPR_INVALID_INPUT;
     }
-    for (int i = 0; i < 3; i += KRHPR_LANES) {
-        krhpr_lanes slide_legs[2];
-        krhpr_platform_spatial_c_tie_lanes(&g->platform, i, slide_legs);
-        krhpr_legs_store(slide, 2, slide_legs, 2, i);
+    for (int i = 0; i < 3; ++i) {
+        krhpr_platform_spatial_c_tie(&g->platform, i, slide + 2 * i);
     }
     krhpr_platform_spatial_c_three_encoders(
         s, measured, slide, tolerance, flatness, points, axes, ends, spread, linear, mismatch, agreement);

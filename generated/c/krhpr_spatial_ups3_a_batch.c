@@ -22,7 +22,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_rotation_error_lanes(
     krhpr_algebra_spatial_rotation_error_lanes(Q, error);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -102,26 +102,26 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_end_points_lanes(
     const krhpr_spatial_ups3_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9);
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_lanes(
             &g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s + 3 * i);
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, s, 9);
     return 1;
@@ -222,7 +222,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_redundant_coordinates_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -325,7 +325,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_subleg_forward_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -427,7 +427,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_subleg_forward_all_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -523,7 +523,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_subleg_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -621,7 +621,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_subleg_jacobian_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -719,7 +719,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_constraints_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -813,7 +813,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_jacobians_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes regularity[3];
     for (int k = 0; k < 54; ++k) {
         K[k] = krhpr_all(0.0);
@@ -836,7 +836,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_jacobians_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -950,7 +950,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_jacobian_blocks_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes regularity[3];
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes N[6];
@@ -965,7 +965,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_jacobian_blocks_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1078,7 +1078,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_jacobians_n_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes J_lines[36];
     krhpr_lanes along[9];
     krhpr_lanes regularity[3];
@@ -1108,7 +1108,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_jacobians_n_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1221,7 +1221,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_inverse_lanes(
     const krhpr_spatial_ups3_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
@@ -1229,7 +1229,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_inverse_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[3];
         krhpr_platform_spatial_a_end_point_lanes(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
@@ -1240,7 +1240,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_inverse_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1250,7 +1250,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_inverse_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 3 * i, 3);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 9);
     return 1;
@@ -1337,7 +1337,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_inverse_all_lanes(
     const krhpr_spatial_ups3_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9);
     krhpr_lanes radicand[3];
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
@@ -1345,7 +1345,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_inverse_all_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[3];
         krhpr_platform_spatial_a_end_point_lanes(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
@@ -1356,7 +1356,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_inverse_all_lanes(
         fine &= krhpr_at_most(krhpr_all(0.0), radicand[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1366,7 +1366,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_inverse_all_lanes(
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
         krhpr_poses_keep(kept_1, theta + 3 * i, 3);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, theta, 9);
     return 1;
@@ -1506,14 +1506,14 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_inverse_status_lanes(
     const krhpr_spatial_ups3_a_geometry *g, const krhpr_lanes_at p[3], const krhpr_lanes_at Q[9],
     const krhpr_lanes_at redundant[3], krhpr_lanes_at *KRHPR_RESTRICT excess, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9);
     krhpr_lanes angle[3];
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_end_point_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s[3];
         krhpr_platform_spatial_a_end_point_lanes(&g->platform, i, p, Q, sine + 1 * i, cosine + 1 * i, s);
@@ -1524,7 +1524,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_inverse_status_lanes(
         fine &= krhpr_at_most(excess[i], krhpr_all(0.0));
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1533,7 +1533,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_inverse_status_lanes(
         const krhpr_ints kept_1 = krhpr_at_most(excess[i], krhpr_all(0.0));
         status = krhpr_expect(kept_1, status, KRHPR_UNREACHABLE_LEG_1 + i);
     }
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, excess, 3);
     return 1;
@@ -1622,7 +1622,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_twist_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT twist, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(theta_dot, 9);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(theta_dot, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes regularity[3];
@@ -1648,7 +1648,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_twist_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1758,7 +1758,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_joint_rates_lanes(
     const krhpr_lanes_at redundant_rates[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3);
     krhpr_lanes regularity[3];
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes s_dot[3];
@@ -1774,7 +1774,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_joint_rates_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -1888,8 +1888,8 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_platform_acceleration_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT twist_rate, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(theta_dot, 9) +
-        krhpr_poses_taint(theta_ddot, 9);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(theta_dot, 9) +
+       krhpr_poses_taint(theta_ddot, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes regularity[3];
@@ -1923,7 +1923,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_platform_acceleration_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2046,8 +2046,8 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_joint_accelerations_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT theta_ddot, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) +
-        krhpr_poses_taint(theta_dot, 9) + krhpr_poses_taint(twist_rate, 6) + krhpr_poses_taint(redundant_accelerations, 3);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(twist, 6) + krhpr_poses_taint(redundant_rates, 3) +
+       krhpr_poses_taint(theta_dot, 9) + krhpr_poses_taint(twist_rate, 6) + krhpr_poses_taint(redundant_accelerations, 3);
     krhpr_lanes parallel_regularity[3];
     krhpr_lanes regularity[3];
     for (int i = 0; i < 3; ++i) {
@@ -2074,7 +2074,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_joint_accelerations_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2204,7 +2204,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_inverse_statics_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(wrench, 6) + krhpr_poses_taint(redundant_forces, 3);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(wrench, 6) + krhpr_poses_taint(redundant_forces, 3);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes redundant_line[18];
@@ -2235,7 +2235,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_inverse_statics_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2352,7 +2352,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_forward_statics_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(actuator_forces, 9);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(actuator_forces, 9);
     krhpr_lanes end_force[9];
     krhpr_lanes regularity[3];
     krhpr_lanes moment[9];
@@ -2371,7 +2371,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_forward_statics_lanes(
         fine &= krhpr_at_most(krhpr_all(1e-12), regularity[i]);
     }
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2494,7 +2494,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_passive_joints_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes tail_y[21];
     krhpr_lanes tail_x[21];
     krhpr_lanes tail[21];
@@ -2512,16 +2512,16 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_passive_joints_lanes(
     krhpr_lanes_atan2_each(21, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
         passive[6 * i + 0] = tail[6 * i + 0];
-        passive[6 * i + 1] = tail[6 * i + 1];
-        passive[6 * i + 2] = tail[6 * i + 2];
-        passive[6 * i + 3] = tail[6 * i + 3];
-        passive[6 * i + 4] = tail[6 * i + 4];
+        passive[6 * i + 1] = tail[6 * i + 3];
+        passive[6 * i + 2] = tail[6 * i + 1];
+        passive[6 * i + 3] = tail[6 * i + 4];
+        passive[6 * i + 4] = tail[6 * i + 2];
         passive[6 * i + 5] = tail[6 * i + 5];
         platform_joint[i] = tail[18 + 1 * i + 0];
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2642,7 +2642,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_link_points_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT attachment, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     for (int i = 0; i < 3; ++i) {
         krhpr_lanes w[9];
         krhpr_lanes b[3];
@@ -2652,7 +2652,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_link_points_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2760,7 +2760,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_clearances_lanes(
     krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes points[36];
     krhpr_lanes attachment[9];
     for (int i = 0; i < 3; ++i) {
@@ -2798,7 +2798,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_clearances_lanes(
     }
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -2897,7 +2897,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_singularity_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9);
+       krhpr_poses_taint(theta, 9);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes scale[6];
@@ -2913,7 +2913,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_singularity_lanes(
     krhpr_platform_spatial_a_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3042,7 +3042,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_type_2_of_redundant_lanes(
     const krhpr_spatial_ups3_a_geometry *g, const krhpr_lanes_at redundant[3],
     krhpr_lanes_at *KRHPR_RESTRICT type_2, krhpr_lanes_at *KRHPR_RESTRICT margins, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(redundant, 3);
+    const krhpr_lanes taint = krhpr_all(0.0);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes scale[6];
@@ -3052,7 +3052,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_type_2_of_redundant_lanes(
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_line_of_redundant_angles_lanes(redundant[i], angle + 1 * i);
     }
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_line_of_redundant_lanes(
             &g->platform, i, sine + 1 * i, cosine + 1 * i, line + 6 * i, point + 2 * i, scale + 2 * i);
@@ -3060,12 +3060,12 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_type_2_of_redundant_lanes(
     krhpr_platform_spatial_a_type_2_lanes(line, point, scale, type_2, margins);
     krhpr_ints fine = (krhpr_ints)(taint == krhpr_all(0.0));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
     krhpr_ints status = krhpr_all_status(KRHPR_OK);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(redundant, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, type_2, 2);
     krhpr_poses_keep(finite, margins, 2);
@@ -3156,7 +3156,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_indices_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_lanes_at *KRHPR_RESTRICT condition, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(characteristic_length, 1);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(characteristic_length, 1);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes reach[9];
@@ -3195,7 +3195,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_indices_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3344,7 +3344,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_index_bounds_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT eta_3, krhpr_ints *answer)
 {
     const krhpr_lanes taint = krhpr_poses_taint(p, 3) + krhpr_poses_taint(Q, 9) + krhpr_poses_taint(s, 9) +
-        krhpr_poses_taint(theta, 9) + krhpr_poses_taint(characteristic_length, 1);
+       krhpr_poses_taint(theta, 9) + krhpr_poses_taint(characteristic_length, 1);
     krhpr_lanes line[18];
     krhpr_lanes point[6];
     krhpr_lanes reach[9];
@@ -3384,7 +3384,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_index_bounds_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[0]);
     fine &= krhpr_at_most(krhpr_all(1e-24), det_regularity[1]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3703,7 +3703,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_forward_newton_lanes(
     fine &= krhpr_at_most(change[0], krhpr_all(1e-20));
     fine &= krhpr_at_most(misfit[0], krhpr_all(1e-12));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3837,7 +3837,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_forward_encoders_1_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 1) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[2];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -3849,7 +3849,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_forward_encoders_1_lanes(
     krhpr_lanes sine[1];
     krhpr_lanes cosine[1];
     krhpr_platform_spatial_a_turns_1_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(1, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(1, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_1_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -3862,7 +3862,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_forward_encoders_1_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), radicand[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -3874,7 +3874,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_forward_encoders_1_lanes(
     krhpr_poses_keep(valid, p, 6);
     krhpr_poses_keep(valid, Q, 18);
     krhpr_poses_keep(valid, mismatch, 2);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 1) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 6);
     krhpr_poses_keep(finite, Q, 18);
@@ -4051,7 +4051,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_forward_encoders_2_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[4];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4068,7 +4068,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_forward_encoders_2_lanes(
     krhpr_lanes sine[2];
     krhpr_lanes cosine[2];
     krhpr_platform_spatial_a_turns_2_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(2, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4084,7 +4084,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_forward_encoders_2_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4098,7 +4098,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_forward_encoders_2_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 2) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);
@@ -4219,7 +4219,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_forward_encoders_3_lanes(
     const krhpr_lanes_at tolerance[1], krhpr_lanes_at *KRHPR_RESTRICT p, krhpr_lanes_at *KRHPR_RESTRICT Q,
     krhpr_lanes_at *KRHPR_RESTRICT raw, krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1);
     krhpr_lanes turns[6];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4236,7 +4236,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_forward_encoders_3_lanes(
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     krhpr_platform_spatial_a_turns_3_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4252,7 +4252,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_forward_encoders_3_lanes(
     fine &= krhpr_at_most(krhpr_all(1e-24), direction[0]);
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4266,7 +4266,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_forward_encoders_3_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);
@@ -4388,8 +4388,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_forward_gauss_newton_2_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 2) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1) + krhpr_poses_taint(weights, 3);
     krhpr_lanes turns[4];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4408,7 +4407,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_forward_gauss_newton_2_lanes(
     krhpr_lanes sine[2];
     krhpr_lanes cosine[2];
     krhpr_platform_spatial_a_turns_2_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(2, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(2, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_2_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4445,7 +4444,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_forward_gauss_newton_2_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4460,7 +4459,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_forward_gauss_newton_2_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 1);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 2) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);
@@ -4586,8 +4585,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_forward_gauss_newton_3_lanes(
     krhpr_lanes_at *KRHPR_RESTRICT Q, krhpr_lanes_at *KRHPR_RESTRICT raw,
     krhpr_lanes_at *KRHPR_RESTRICT mismatch, krhpr_ints *answer)
 {
-    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(measured, 3) + krhpr_poses_taint(tolerance, 1) +
-        krhpr_poses_taint(weights, 3);
+    const krhpr_lanes taint = krhpr_poses_taint(s, 9) + krhpr_poses_taint(tolerance, 1) + krhpr_poses_taint(weights, 3);
     krhpr_lanes turns[6];
     krhpr_lanes anchor[6];
     krhpr_lanes length[3];
@@ -4606,7 +4604,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_forward_gauss_newton_3_lanes(
     krhpr_lanes sine[3];
     krhpr_lanes cosine[3];
     krhpr_platform_spatial_a_turns_3_angles_lanes(measured, angle);
-    krhpr_lanes_sincos_each(3, angle, sine, cosine);
+    const int near = krhpr_lanes_sincos_each(3, angle, sine, cosine);
     krhpr_platform_spatial_a_turns_3_lanes(sine, cosine, turns);
     for (int i = 0; i < 3; ++i) {
         krhpr_platform_spatial_a_tie_lanes(&g->platform, i, anchor + 2 * i, &length[i]);
@@ -4642,7 +4640,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_forward_gauss_newton_3_lanes(
     fine &= krhpr_at_most(krhpr_all(0.0), agreement[0]);
     fine &= krhpr_at_most(change[0], krhpr_all(1e-24));
     *answer = krhpr_all_status(KRHPR_OK);
-    if (!krhpr_any(krhpr_not(fine))) {
+    if (near && krhpr_every(fine)) {
         return 0;
     }
     /* somewhere there is no answer: why, and NaN */
@@ -4657,7 +4655,7 @@ KRHPR_OUTLINE int krhpr_spatial_ups3_a_forward_gauss_newton_3_lanes(
     krhpr_poses_keep(valid, Q, 9);
     krhpr_poses_keep(valid, raw, 9);
     krhpr_poses_keep(valid, mismatch, 3);
-    const krhpr_ints finite = (krhpr_ints)(taint == krhpr_all(0.0));
+    const krhpr_ints finite = (krhpr_ints)(taint + krhpr_poses_taint(measured, 3) == krhpr_all(0.0));
     *answer = krhpr_demand(finite, status, KRHPR_INVALID_INPUT);
     krhpr_poses_keep(finite, p, 3);
     krhpr_poses_keep(finite, Q, 9);

@@ -43,7 +43,7 @@ typedef struct {
 } krhpr_subleg_cpr3_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (124 add, 196 multiply, 2 divide, 8 sine
+/* Vectors and sub-expressions that depend on the geometry alone.  (124 add, 190 multiply, 2 divide, 8 sine
  * cosine) */
 KRHPR_STATIC void krhpr_subleg_cpr3_prepare(krhpr_subleg_cpr3_geometry *g, int i)
 {
@@ -96,28 +96,28 @@ KRHPR_STATIC void krhpr_subleg_cpr3_prepare(krhpr_subleg_cpr3_geometry *g, int i
     const double t29 = e_11 * n_01 - t18 * n_00 + e_12 * n_02;
     const double t30 = e_11 * n_11 - t18 * n_10 - e_12 * t24;
     const double t31 = t12 * t18 + e_01 * e_11 + e_02 * e_12;
-    const double t32 = t18 * t31 - t12;
-    const double t33 = e_01 - e_11 * t31;
-    const double t34 = e_02 - e_12 * t31;
-    const double t35 = g_00 - g_20;
-    const double t36 = g_01 - g_21;
-    const double t37 = g_02 - g_22;
-    const double t38 = e_21 * t36 - t23 * t35 + e_22 * t37;
-    const double t39 = e_21 * n_01 - t23 * n_00 + e_22 * n_02;
-    const double t40 = e_21 * n_11 - t23 * n_10 - e_22 * t24;
-    const double t41 = t12 * t23 + e_01 * e_21 + e_02 * e_22;
-    const double t42 = t23 * t41 - t12;
-    const double t43 = e_01 - e_21 * t41;
-    const double t44 = e_02 - e_22 * t41;
-    const double t45 = t3 * e_02 + e_1_2 * e_01;
+    const double k_27 = t18 * t31 - t12;
+    const double k_28 = e_01 - e_11 * t31;
+    const double k_29 = e_02 - e_12 * t31;
+    const double t32 = g_00 - g_20;
+    const double t33 = g_01 - g_21;
+    const double t34 = g_02 - g_22;
+    const double t35 = e_21 * t33 - t23 * t32 + e_22 * t34;
+    const double t36 = e_21 * n_01 - t23 * n_00 + e_22 * n_02;
+    const double t37 = e_21 * n_11 - t23 * n_10 - e_22 * t24;
+    const double t38 = t12 * t23 + e_01 * e_21 + e_02 * e_22;
+    const double k_40 = t23 * t38 - t12;
+    const double k_41 = e_01 - e_21 * t38;
+    const double k_42 = e_02 - e_22 * t38;
+    const double t39 = t3 * e_02 + e_1_2 * e_01;
     const double k_47 = t2 * e_02 - e_1_2 * t12;
-    const double t46 = t2 * e_01 + t3 * t12;
-    const double t47 = t3 * e_12 + e_1_2 * e_11;
+    const double t40 = t2 * e_01 + t3 * t12;
+    const double t41 = t3 * e_12 + e_1_2 * e_11;
     const double k_53 = t2 * e_12 - e_1_2 * t18;
-    const double t48 = t2 * e_11 + t3 * t18;
-    const double t49 = t3 * e_22 + e_1_2 * e_21;
+    const double t42 = t2 * e_11 + t3 * t18;
+    const double t43 = t3 * e_22 + e_1_2 * e_21;
     const double k_59 = t2 * e_22 - e_1_2 * t23;
-    const double t50 = t2 * e_21 + t3 * t23;
+    const double t44 = t2 * e_21 + t3 * t23;
     g->c[0][i] = c_0;
     g->c[1][i] = c_1;
     g->c[2][i] = c_2;
@@ -181,43 +181,43 @@ KRHPR_STATIC void krhpr_subleg_cpr3_prepare(krhpr_subleg_cpr3_geometry *g, int i
     g->k[24][i] = n_10 + t18 * t30;
     g->k[25][i] = n_11 - e_11 * t30;
     g->k[26][i] = -(t24 + e_12 * t30);
-    g->k[27][i] = t32 * t32 + t33 * t33 + t34 * t34;
-    g->k[28][i] = t32 * 2.0;
-    g->k[29][i] = t33 * 2.0;
-    g->k[30][i] = t34 * 2.0;
-    g->k[31][i] = t35 + t23 * t38;
-    g->k[32][i] = t36 - e_21 * t38;
-    g->k[33][i] = t37 - e_22 * t38;
-    g->k[34][i] = n_00 + t23 * t39;
-    g->k[35][i] = n_01 - e_21 * t39;
-    g->k[36][i] = n_02 - e_22 * t39;
-    g->k[37][i] = n_10 + t23 * t40;
-    g->k[38][i] = n_11 - e_21 * t40;
-    g->k[39][i] = -(t24 + e_22 * t40);
-    g->k[40][i] = t42 * t42 + t43 * t43 + t44 * t44;
-    g->k[41][i] = 2.0 * t42;
-    g->k[42][i] = 2.0 * t43;
-    g->k[43][i] = 2.0 * t44;
+    g->k[27][i] = k_27;
+    g->k[28][i] = k_28;
+    g->k[29][i] = k_29;
+    g->k[30][i] = k_27 * k_27 + k_28 * k_28 + k_29 * k_29;
+    g->k[31][i] = t32 + t23 * t35;
+    g->k[32][i] = t33 - e_21 * t35;
+    g->k[33][i] = t34 - e_22 * t35;
+    g->k[34][i] = n_00 + t23 * t36;
+    g->k[35][i] = n_01 - e_21 * t36;
+    g->k[36][i] = n_02 - e_22 * t36;
+    g->k[37][i] = n_10 + t23 * t37;
+    g->k[38][i] = n_11 - e_21 * t37;
+    g->k[39][i] = -(t24 + e_22 * t37);
+    g->k[40][i] = k_40;
+    g->k[41][i] = k_41;
+    g->k[42][i] = k_42;
+    g->k[43][i] = k_40 * k_40 + k_41 * k_41 + k_42 * k_42;
     g->k[44][i] = 1.0 / (g->R_b[i] * (g->R_b[i] * g->R_b[i]));
     g->k[45][i] = 1.0 / g->R_b[i];
-    g->k[46][i] = -t45;
+    g->k[46][i] = -t39;
     g->k[47][i] = k_47;
-    g->k[48][i] = -t46;
-    g->k[49][i] = -(e_01 * t46 + e_02 * k_47);
-    g->k[50][i] = -(e_02 * t45 + t12 * t46);
-    g->k[51][i] = e_01 * t45 - t12 * k_47;
-    g->k[52][i] = -t47;
+    g->k[48][i] = -t40;
+    g->k[49][i] = -(e_01 * t40 + e_02 * k_47);
+    g->k[50][i] = -(e_02 * t39 + t12 * t40);
+    g->k[51][i] = e_01 * t39 - t12 * k_47;
+    g->k[52][i] = -t41;
     g->k[53][i] = k_53;
-    g->k[54][i] = -t48;
-    g->k[55][i] = -(e_11 * t48 + e_12 * k_53);
-    g->k[56][i] = -(e_12 * t47 + t18 * t48);
-    g->k[57][i] = e_11 * t47 - t18 * k_53;
-    g->k[58][i] = -t49;
+    g->k[54][i] = -t42;
+    g->k[55][i] = -(e_11 * t42 + e_12 * k_53);
+    g->k[56][i] = -(e_12 * t41 + t18 * t42);
+    g->k[57][i] = e_11 * t41 - t18 * k_53;
+    g->k[58][i] = -t43;
     g->k[59][i] = k_59;
-    g->k[60][i] = -t50;
-    g->k[61][i] = -(e_21 * t50 + e_22 * k_59);
-    g->k[62][i] = -(e_22 * t49 + t23 * t50);
-    g->k[63][i] = e_21 * t49 - t23 * k_59;
+    g->k[60][i] = -t44;
+    g->k[61][i] = -(e_21 * t44 + e_22 * k_59);
+    g->k[62][i] = -(e_22 * t43 + t23 * t44);
+    g->k[63][i] = e_21 * t43 - t23 * k_59;
 }
 
 /* One Newton step of the forward kinematics of the (3-CPR) sub-leg, from its loop closure.  (102 add, 96
@@ -303,7 +303,7 @@ KRHPR_STATIC void krhpr_subleg_cpr3_forward_step(
     *change = (t36 * t36 + t38 * t38 + t40 * t40) / size;
 }
 
-/* The octic of the (3-CPR) sub-leg's assembly modes.  Thesis: 2.4.3.  (114 add, 174 multiply) */
+/* The octic of the (3-CPR) sub-leg's assembly modes.  Thesis: 2.4.3.  (114 add, 178 multiply) */
 KRHPR_STATIC void krhpr_subleg_cpr3_octic(
     const krhpr_subleg_cpr3_geometry *g, int i, const double theta[3], double *KRHPR_RESTRICT octic)
 {
@@ -322,18 +322,15 @@ KRHPR_STATIC void krhpr_subleg_cpr3_octic(
     const double p_22_0 = g->k[20][i] + a_2_2;
     const double p_22_1 = b_2_2 * 2.0;
     const double p_22_2 = g->k[20][i] - a_2_2;
-    const double B_2_0 = p_20_0 * g->k[28][i] + p_21_0 * g->k[29][i] + p_22_0 * g->k[30][i];
-    const double B_2_1 = p_20_1 * g->k[28][i] + p_21_1 * g->k[29][i] + p_22_1 * g->k[30][i];
-    const double B_2_2 = p_20_2 * g->k[28][i] + p_21_2 * g->k[29][i] + p_22_2 * g->k[30][i];
+    const double B_2_0 = 2.0 * (g->k[27][i] * p_20_0 + g->k[28][i] * p_21_0 + g->k[29][i] * p_22_0);
+    const double B_2_1 = 2.0 * (g->k[27][i] * p_20_1 + g->k[28][i] * p_21_1 + g->k[29][i] * p_22_1);
+    const double B_2_2 = 2.0 * (g->k[27][i] * p_20_2 + g->k[28][i] * p_21_2 + g->k[29][i] * p_22_2);
     const double t1 = theta[1] * theta[1];
     const double C_2_0 = p_20_0 * p_20_0 + p_21_0 * p_21_0 + p_22_0 * p_22_0 - t1;
-    const double t2 = p_20_0 * 2.0;
-    const double t3 = 2.0 * p_21_0;
-    const double t4 = 2.0 * p_22_0;
-    const double C_2_1 = p_20_1 * t2 + p_21_1 * t3 + p_22_1 * t4;
-    const double t5 = p_20_1 * p_20_1 + p_21_1 * p_21_1 + p_22_1 * p_22_1 + p_20_2 * t2 + p_21_2 * t3;
-    const double C_2_2 = t5 + p_22_2 * t4 - 2.0 * t1;
-    const double C_2_3 = p_20_2 * (2.0 * p_20_1) + p_21_2 * (2.0 * p_21_1) + p_22_2 * (2.0 * p_22_1);
+    const double C_2_1 = 2.0 * (p_20_0 * p_20_1 + p_21_0 * p_21_1 + p_22_0 * p_22_1);
+    const double t2 = p_20_1 * p_20_1 + p_21_1 * p_21_1 + p_22_1 * p_22_1 + p_20_2 * (p_20_0 * 2.0) + p_21_2 * (2.0 * p_21_0);
+    const double C_2_2 = t2 + p_22_2 * (2.0 * p_22_0) - 2.0 * t1;
+    const double C_2_3 = 2.0 * (p_20_1 * p_20_2 + p_21_1 * p_21_2 + p_22_1 * p_22_2);
     const double C_2_4 = p_20_2 * p_20_2 + p_21_2 * p_21_2 + p_22_2 * p_22_2 - t1;
     const double a_3_0 = theta[0] * g->k[34][i];
     const double a_3_1 = theta[0] * g->k[35][i];
@@ -350,27 +347,24 @@ KRHPR_STATIC void krhpr_subleg_cpr3_octic(
     const double p_32_0 = g->k[33][i] + a_3_2;
     const double p_32_1 = 2.0 * b_3_2;
     const double p_32_2 = g->k[33][i] - a_3_2;
-    const double B_3_0 = p_30_0 * g->k[41][i] + p_31_0 * g->k[42][i] + p_32_0 * g->k[43][i];
-    const double B_3_1 = p_30_1 * g->k[41][i] + p_31_1 * g->k[42][i] + p_32_1 * g->k[43][i];
-    const double B_3_2 = p_30_2 * g->k[41][i] + p_31_2 * g->k[42][i] + p_32_2 * g->k[43][i];
-    const double t6 = theta[2] * theta[2];
-    const double C_3_0 = p_30_0 * p_30_0 + p_31_0 * p_31_0 + p_32_0 * p_32_0 - t6;
-    const double t7 = 2.0 * p_30_0;
-    const double t8 = 2.0 * p_31_0;
-    const double t9 = 2.0 * p_32_0;
-    const double C_3_1 = p_30_1 * t7 + p_31_1 * t8 + p_32_1 * t9;
-    const double t10 = p_30_1 * p_30_1 + p_31_1 * p_31_1 + p_32_1 * p_32_1 + p_30_2 * t7 + p_31_2 * t8;
-    const double C_3_2 = t10 + p_32_2 * t9 - 2.0 * t6;
-    const double C_3_3 = p_30_2 * (2.0 * p_30_1) + p_31_2 * (2.0 * p_31_1) + p_32_2 * (2.0 * p_32_1);
-    const double C_3_4 = p_30_2 * p_30_2 + p_31_2 * p_31_2 + p_32_2 * p_32_2 - t6;
-    const double F_0 = g->k[27][i] * C_3_0 - C_2_0 * g->k[40][i];
-    const double F_1 = g->k[27][i] * C_3_1 - C_2_1 * g->k[40][i];
-    const double F_2 = g->k[27][i] * C_3_2 - C_2_2 * g->k[40][i];
-    const double F_3 = g->k[27][i] * C_3_3 - C_2_3 * g->k[40][i];
-    const double F_4 = g->k[27][i] * C_3_4 - C_2_4 * g->k[40][i];
-    const double G_0 = g->k[27][i] * B_3_0 - B_2_0 * g->k[40][i];
-    const double G_1 = g->k[27][i] * B_3_1 - B_2_1 * g->k[40][i];
-    const double G_2 = g->k[27][i] * B_3_2 - B_2_2 * g->k[40][i];
+    const double B_3_0 = 2.0 * (g->k[40][i] * p_30_0 + g->k[41][i] * p_31_0 + g->k[42][i] * p_32_0);
+    const double B_3_1 = 2.0 * (g->k[40][i] * p_30_1 + g->k[41][i] * p_31_1 + g->k[42][i] * p_32_1);
+    const double B_3_2 = 2.0 * (g->k[40][i] * p_30_2 + g->k[41][i] * p_31_2 + g->k[42][i] * p_32_2);
+    const double t3 = theta[2] * theta[2];
+    const double C_3_0 = p_30_0 * p_30_0 + p_31_0 * p_31_0 + p_32_0 * p_32_0 - t3;
+    const double C_3_1 = 2.0 * (p_30_0 * p_30_1 + p_31_0 * p_31_1 + p_32_0 * p_32_1);
+    const double t4 = p_30_1 * p_30_1 + p_31_1 * p_31_1 + p_32_1 * p_32_1 + p_30_2 * (2.0 * p_30_0) + p_31_2 * (2.0 * p_31_0);
+    const double C_3_2 = t4 + p_32_2 * (2.0 * p_32_0) - 2.0 * t3;
+    const double C_3_3 = 2.0 * (p_30_1 * p_30_2 + p_31_1 * p_31_2 + p_32_1 * p_32_2);
+    const double C_3_4 = p_30_2 * p_30_2 + p_31_2 * p_31_2 + p_32_2 * p_32_2 - t3;
+    const double F_0 = g->k[30][i] * C_3_0 - C_2_0 * g->k[43][i];
+    const double F_1 = g->k[30][i] * C_3_1 - C_2_1 * g->k[43][i];
+    const double F_2 = g->k[30][i] * C_3_2 - C_2_2 * g->k[43][i];
+    const double F_3 = g->k[30][i] * C_3_3 - C_2_3 * g->k[43][i];
+    const double F_4 = g->k[30][i] * C_3_4 - C_2_4 * g->k[43][i];
+    const double G_0 = g->k[30][i] * B_3_0 - B_2_0 * g->k[43][i];
+    const double G_1 = g->k[30][i] * B_3_1 - B_2_1 * g->k[43][i];
+    const double G_2 = g->k[30][i] * B_3_2 - B_2_2 * g->k[43][i];
     const double H_0 = B_2_0 * C_3_0 - C_2_0 * B_3_0;
     const double H_1 = B_2_0 * C_3_1 + B_2_1 * C_3_0 - C_2_1 * B_3_0 - C_2_0 * B_3_1;
     const double H_2 = B_2_0 * C_3_2 + B_2_1 * C_3_1 + B_2_2 * C_3_0 - C_2_2 * B_3_0 - C_2_1 * B_3_1 - C_2_0 * B_3_2;
@@ -378,21 +372,21 @@ KRHPR_STATIC void krhpr_subleg_cpr3_octic(
     const double H_4 = B_2_0 * C_3_4 + B_2_1 * C_3_3 + B_2_2 * C_3_2 - C_2_4 * B_3_0 - C_2_3 * B_3_1 - C_2_2 * B_3_2;
     const double H_5 = B_2_1 * C_3_4 + B_2_2 * C_3_3 - C_2_4 * B_3_1 - C_2_3 * B_3_2;
     const double H_6 = B_2_2 * C_3_4 - C_2_4 * B_3_2;
-    const double t11 = 2.0 * F_0;
-    const double t12 = 2.0 * F_1;
-    const double t13 = 2.0 * F_2;
+    const double t5 = 2.0 * F_0;
+    const double t6 = 2.0 * F_1;
+    const double t7 = 2.0 * F_2;
     octic[0] = F_0 * F_0 - G_0 * H_0;
-    octic[1] = F_1 * t11 - G_0 * H_1 - G_1 * H_0;
-    octic[2] = F_1 * F_1 + F_2 * t11 - G_0 * H_2 - G_1 * H_1 - G_2 * H_0;
-    octic[3] = F_3 * t11 + F_2 * t12 - G_0 * H_3 - G_1 * H_2 - G_2 * H_1;
-    octic[4] = F_2 * F_2 + F_4 * t11 + F_3 * t12 - G_0 * H_4 - G_1 * H_3 - G_2 * H_2;
-    octic[5] = F_4 * t12 + F_3 * t13 - G_0 * H_5 - G_1 * H_4 - G_2 * H_3;
-    octic[6] = F_3 * F_3 + F_4 * t13 - G_0 * H_6 - G_1 * H_5 - G_2 * H_4;
+    octic[1] = F_1 * t5 - G_0 * H_1 - G_1 * H_0;
+    octic[2] = F_1 * F_1 + F_2 * t5 - G_0 * H_2 - G_1 * H_1 - G_2 * H_0;
+    octic[3] = F_3 * t5 + F_2 * t6 - G_0 * H_3 - G_1 * H_2 - G_2 * H_1;
+    octic[4] = F_2 * F_2 + F_4 * t5 + F_3 * t6 - G_0 * H_4 - G_1 * H_3 - G_2 * H_2;
+    octic[5] = F_4 * t6 + F_3 * t7 - G_0 * H_5 - G_1 * H_4 - G_2 * H_3;
+    octic[6] = F_3 * F_3 + F_4 * t7 - G_0 * H_6 - G_1 * H_5 - G_2 * H_4;
     octic[7] = F_4 * (2.0 * F_3) - G_1 * H_6 - G_2 * H_5;
     octic[8] = F_4 * F_4 - G_2 * H_6;
 }
 
-/* End point of the (3-CPR) sub-leg at a root of its octic.  Thesis: 2.4.3.  (277 add, 266 multiply, 5
+/* End point of the (3-CPR) sub-leg at a root of its octic.  Thesis: 2.4.3.  (277 add, 268 multiply, 5
  * divide) */
 KRHPR_STATIC void krhpr_subleg_cpr3_at_root(
     const krhpr_subleg_cpr3_geometry *g, int i, const double root[2], const double theta[3],
@@ -413,7 +407,7 @@ KRHPR_STATIC void krhpr_subleg_cpr3_at_root(
     const double p_2_0 = t3 - g->e[3][i] * t6;
     const double p_2_1 = t4 - g->e[4][i] * t6;
     const double p_2_2 = t5 - g->e[5][i] * t6;
-    const double B_2 = p_2_0 * g->k[28][i] + p_2_1 * g->k[29][i] + p_2_2 * g->k[30][i];
+    const double B_2 = 2.0 * (p_2_0 * g->k[27][i] + p_2_1 * g->k[28][i] + p_2_2 * g->k[29][i]);
     const double t7 = foot_0 - g->g[6][i];
     const double t8 = foot_1 - g->g[7][i];
     const double t9 = foot_2 - g->g[8][i];
@@ -421,11 +415,11 @@ KRHPR_STATIC void krhpr_subleg_cpr3_at_root(
     const double p_3_0 = t7 - g->e[6][i] * t10;
     const double p_3_1 = t8 - g->e[7][i] * t10;
     const double p_3_2 = t9 - g->e[8][i] * t10;
-    const double B_3 = p_3_0 * g->k[41][i] + p_3_1 * g->k[42][i] + p_3_2 * g->k[43][i];
+    const double B_3 = 2.0 * (p_3_0 * g->k[40][i] + p_3_1 * g->k[41][i] + p_3_2 * g->k[42][i]);
     const double t11 = theta[2] * theta[2];
     const double t12 = theta[1] * theta[1];
-    const double t13 = g->k[27][i] * (p_3_0 * p_3_0 + p_3_1 * p_3_1 + p_3_2 * p_3_2 - t11) - g->k[40][i] * (p_2_0 * p_2_0 + p_2_1 * p_2_1 + p_2_2 * p_2_2 - t12);
-    const double t14 = 1.0 / (g->k[27][i] * B_3 - B_2 * g->k[40][i]);
+    const double t13 = g->k[30][i] * (p_3_0 * p_3_0 + p_3_1 * p_3_1 + p_3_2 * p_3_2 - t11) - g->k[43][i] * (p_2_0 * p_2_0 + p_2_1 * p_2_1 + p_2_2 * p_2_2 - t12);
+    const double t14 = 1.0 / (g->k[30][i] * B_3 - B_2 * g->k[43][i]);
     const double s_0_0 = foot_0 - g->e[0][i] * t13 * t14;
     const double s_0_1 = foot_1 - t14 * (g->e[1][i] * t13);
     const double s_0_2 = foot_2 - t14 * (g->e[2][i] * t13);

@@ -128,7 +128,7 @@ KRHPR_INLINE void krhpr_subleg_cpr3_forward_step_lanes(
     *change = (t36 * t36 + t38 * t38 + t40 * t40) / size;
 }
 
-/* The octic of the (3-CPR) sub-leg's assembly modes.  Thesis: 2.4.3.  (114 add, 174 multiply) */
+/* The octic of the (3-CPR) sub-leg's assembly modes.  Thesis: 2.4.3.  (114 add, 178 multiply) */
 KRHPR_INLINE void krhpr_subleg_cpr3_octic_lanes(
     const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes_at theta[3],
     krhpr_lanes_at *KRHPR_RESTRICT octic)
@@ -174,18 +174,15 @@ KRHPR_INLINE void krhpr_subleg_cpr3_octic_lanes(
     const krhpr_lanes p_22_0 = g_k_20 + a_2_2;
     const krhpr_lanes p_22_1 = b_2_2 * 2.0;
     const krhpr_lanes p_22_2 = g_k_20 - a_2_2;
-    const krhpr_lanes B_2_0 = p_20_0 * g_k_28 + p_21_0 * g_k_29 + p_22_0 * g_k_30;
-    const krhpr_lanes B_2_1 = p_20_1 * g_k_28 + p_21_1 * g_k_29 + p_22_1 * g_k_30;
-    const krhpr_lanes B_2_2 = p_20_2 * g_k_28 + p_21_2 * g_k_29 + p_22_2 * g_k_30;
+    const krhpr_lanes B_2_0 = 2.0 * (g_k_27 * p_20_0 + g_k_28 * p_21_0 + g_k_29 * p_22_0);
+    const krhpr_lanes B_2_1 = 2.0 * (g_k_27 * p_20_1 + g_k_28 * p_21_1 + g_k_29 * p_22_1);
+    const krhpr_lanes B_2_2 = 2.0 * (g_k_27 * p_20_2 + g_k_28 * p_21_2 + g_k_29 * p_22_2);
     const krhpr_lanes t1 = theta[1] * theta[1];
     const krhpr_lanes C_2_0 = p_20_0 * p_20_0 + p_21_0 * p_21_0 + p_22_0 * p_22_0 - t1;
-    const krhpr_lanes t2 = p_20_0 * 2.0;
-    const krhpr_lanes t3 = 2.0 * p_21_0;
-    const krhpr_lanes t4 = 2.0 * p_22_0;
-    const krhpr_lanes C_2_1 = p_20_1 * t2 + p_21_1 * t3 + p_22_1 * t4;
-    const krhpr_lanes t5 = p_20_1 * p_20_1 + p_21_1 * p_21_1 + p_22_1 * p_22_1 + p_20_2 * t2 + p_21_2 * t3;
-    const krhpr_lanes C_2_2 = t5 + p_22_2 * t4 - 2.0 * t1;
-    const krhpr_lanes C_2_3 = p_20_2 * (2.0 * p_20_1) + p_21_2 * (2.0 * p_21_1) + p_22_2 * (2.0 * p_22_1);
+    const krhpr_lanes C_2_1 = 2.0 * (p_20_0 * p_20_1 + p_21_0 * p_21_1 + p_22_0 * p_22_1);
+    const krhpr_lanes t2 = p_20_1 * p_20_1 + p_21_1 * p_21_1 + p_22_1 * p_22_1 + p_20_2 * (p_20_0 * 2.0) + p_21_2 * (2.0 * p_21_0);
+    const krhpr_lanes C_2_2 = t2 + p_22_2 * (2.0 * p_22_0) - 2.0 * t1;
+    const krhpr_lanes C_2_3 = 2.0 * (p_20_1 * p_20_2 + p_21_1 * p_21_2 + p_22_1 * p_22_2);
     const krhpr_lanes C_2_4 = p_20_2 * p_20_2 + p_21_2 * p_21_2 + p_22_2 * p_22_2 - t1;
     const krhpr_lanes a_3_0 = theta[0] * g_k_34;
     const krhpr_lanes a_3_1 = theta[0] * g_k_35;
@@ -202,27 +199,24 @@ KRHPR_INLINE void krhpr_subleg_cpr3_octic_lanes(
     const krhpr_lanes p_32_0 = g_k_33 + a_3_2;
     const krhpr_lanes p_32_1 = 2.0 * b_3_2;
     const krhpr_lanes p_32_2 = g_k_33 - a_3_2;
-    const krhpr_lanes B_3_0 = p_30_0 * g_k_41 + p_31_0 * g_k_42 + p_32_0 * g_k_43;
-    const krhpr_lanes B_3_1 = p_30_1 * g_k_41 + p_31_1 * g_k_42 + p_32_1 * g_k_43;
-    const krhpr_lanes B_3_2 = p_30_2 * g_k_41 + p_31_2 * g_k_42 + p_32_2 * g_k_43;
-    const krhpr_lanes t6 = theta[2] * theta[2];
-    const krhpr_lanes C_3_0 = p_30_0 * p_30_0 + p_31_0 * p_31_0 + p_32_0 * p_32_0 - t6;
-    const krhpr_lanes t7 = 2.0 * p_30_0;
-    const krhpr_lanes t8 = 2.0 * p_31_0;
-    const krhpr_lanes t9 = 2.0 * p_32_0;
-    const krhpr_lanes C_3_1 = p_30_1 * t7 + p_31_1 * t8 + p_32_1 * t9;
-    const krhpr_lanes t10 = p_30_1 * p_30_1 + p_31_1 * p_31_1 + p_32_1 * p_32_1 + p_30_2 * t7 + p_31_2 * t8;
-    const krhpr_lanes C_3_2 = t10 + p_32_2 * t9 - 2.0 * t6;
-    const krhpr_lanes C_3_3 = p_30_2 * (2.0 * p_30_1) + p_31_2 * (2.0 * p_31_1) + p_32_2 * (2.0 * p_32_1);
-    const krhpr_lanes C_3_4 = p_30_2 * p_30_2 + p_31_2 * p_31_2 + p_32_2 * p_32_2 - t6;
-    const krhpr_lanes F_0 = g_k_27 * C_3_0 - C_2_0 * g_k_40;
-    const krhpr_lanes F_1 = g_k_27 * C_3_1 - C_2_1 * g_k_40;
-    const krhpr_lanes F_2 = g_k_27 * C_3_2 - C_2_2 * g_k_40;
-    const krhpr_lanes F_3 = g_k_27 * C_3_3 - C_2_3 * g_k_40;
-    const krhpr_lanes F_4 = g_k_27 * C_3_4 - C_2_4 * g_k_40;
-    const krhpr_lanes G_0 = g_k_27 * B_3_0 - B_2_0 * g_k_40;
-    const krhpr_lanes G_1 = g_k_27 * B_3_1 - B_2_1 * g_k_40;
-    const krhpr_lanes G_2 = g_k_27 * B_3_2 - B_2_2 * g_k_40;
+    const krhpr_lanes B_3_0 = 2.0 * (g_k_40 * p_30_0 + g_k_41 * p_31_0 + g_k_42 * p_32_0);
+    const krhpr_lanes B_3_1 = 2.0 * (g_k_40 * p_30_1 + g_k_41 * p_31_1 + g_k_42 * p_32_1);
+    const krhpr_lanes B_3_2 = 2.0 * (g_k_40 * p_30_2 + g_k_41 * p_31_2 + g_k_42 * p_32_2);
+    const krhpr_lanes t3 = theta[2] * theta[2];
+    const krhpr_lanes C_3_0 = p_30_0 * p_30_0 + p_31_0 * p_31_0 + p_32_0 * p_32_0 - t3;
+    const krhpr_lanes C_3_1 = 2.0 * (p_30_0 * p_30_1 + p_31_0 * p_31_1 + p_32_0 * p_32_1);
+    const krhpr_lanes t4 = p_30_1 * p_30_1 + p_31_1 * p_31_1 + p_32_1 * p_32_1 + p_30_2 * (2.0 * p_30_0) + p_31_2 * (2.0 * p_31_0);
+    const krhpr_lanes C_3_2 = t4 + p_32_2 * (2.0 * p_32_0) - 2.0 * t3;
+    const krhpr_lanes C_3_3 = 2.0 * (p_30_1 * p_30_2 + p_31_1 * p_31_2 + p_32_1 * p_32_2);
+    const krhpr_lanes C_3_4 = p_30_2 * p_30_2 + p_31_2 * p_31_2 + p_32_2 * p_32_2 - t3;
+    const krhpr_lanes F_0 = g_k_30 * C_3_0 - C_2_0 * g_k_43;
+    const krhpr_lanes F_1 = g_k_30 * C_3_1 - C_2_1 * g_k_43;
+    const krhpr_lanes F_2 = g_k_30 * C_3_2 - C_2_2 * g_k_43;
+    const krhpr_lanes F_3 = g_k_30 * C_3_3 - C_2_3 * g_k_43;
+    const krhpr_lanes F_4 = g_k_30 * C_3_4 - C_2_4 * g_k_43;
+    const krhpr_lanes G_0 = g_k_30 * B_3_0 - B_2_0 * g_k_43;
+    const krhpr_lanes G_1 = g_k_30 * B_3_1 - B_2_1 * g_k_43;
+    const krhpr_lanes G_2 = g_k_30 * B_3_2 - B_2_2 * g_k_43;
     const krhpr_lanes H_0 = B_2_0 * C_3_0 - C_2_0 * B_3_0;
     const krhpr_lanes H_1 = B_2_0 * C_3_1 + B_2_1 * C_3_0 - C_2_1 * B_3_0 - C_2_0 * B_3_1;
     const krhpr_lanes H_2 = B_2_0 * C_3_2 + B_2_1 * C_3_1 + B_2_2 * C_3_0 - C_2_2 * B_3_0 - C_2_1 * B_3_1 - C_2_0 * B_3_2;
@@ -230,21 +224,21 @@ KRHPR_INLINE void krhpr_subleg_cpr3_octic_lanes(
     const krhpr_lanes H_4 = B_2_0 * C_3_4 + B_2_1 * C_3_3 + B_2_2 * C_3_2 - C_2_4 * B_3_0 - C_2_3 * B_3_1 - C_2_2 * B_3_2;
     const krhpr_lanes H_5 = B_2_1 * C_3_4 + B_2_2 * C_3_3 - C_2_4 * B_3_1 - C_2_3 * B_3_2;
     const krhpr_lanes H_6 = B_2_2 * C_3_4 - C_2_4 * B_3_2;
-    const krhpr_lanes t11 = 2.0 * F_0;
-    const krhpr_lanes t12 = 2.0 * F_1;
-    const krhpr_lanes t13 = 2.0 * F_2;
+    const krhpr_lanes t5 = 2.0 * F_0;
+    const krhpr_lanes t6 = 2.0 * F_1;
+    const krhpr_lanes t7 = 2.0 * F_2;
     octic[0] = F_0 * F_0 - G_0 * H_0;
-    octic[1] = F_1 * t11 - G_0 * H_1 - G_1 * H_0;
-    octic[2] = F_1 * F_1 + F_2 * t11 - G_0 * H_2 - G_1 * H_1 - G_2 * H_0;
-    octic[3] = F_3 * t11 + F_2 * t12 - G_0 * H_3 - G_1 * H_2 - G_2 * H_1;
-    octic[4] = F_2 * F_2 + F_4 * t11 + F_3 * t12 - G_0 * H_4 - G_1 * H_3 - G_2 * H_2;
-    octic[5] = F_4 * t12 + F_3 * t13 - G_0 * H_5 - G_1 * H_4 - G_2 * H_3;
-    octic[6] = F_3 * F_3 + F_4 * t13 - G_0 * H_6 - G_1 * H_5 - G_2 * H_4;
+    octic[1] = F_1 * t5 - G_0 * H_1 - G_1 * H_0;
+    octic[2] = F_1 * F_1 + F_2 * t5 - G_0 * H_2 - G_1 * H_1 - G_2 * H_0;
+    octic[3] = F_3 * t5 + F_2 * t6 - G_0 * H_3 - G_1 * H_2 - G_2 * H_1;
+    octic[4] = F_2 * F_2 + F_4 * t5 + F_3 * t6 - G_0 * H_4 - G_1 * H_3 - G_2 * H_2;
+    octic[5] = F_4 * t6 + F_3 * t7 - G_0 * H_5 - G_1 * H_4 - G_2 * H_3;
+    octic[6] = F_3 * F_3 + F_4 * t7 - G_0 * H_6 - G_1 * H_5 - G_2 * H_4;
     octic[7] = F_4 * (2.0 * F_3) - G_1 * H_6 - G_2 * H_5;
     octic[8] = F_4 * F_4 - G_2 * H_6;
 }
 
-/* End point of the (3-CPR) sub-leg at a root of its octic.  Thesis: 2.4.3.  (277 add, 266 multiply, 5
+/* End point of the (3-CPR) sub-leg at a root of its octic.  Thesis: 2.4.3.  (277 add, 268 multiply, 5
  * divide) */
 KRHPR_INLINE void krhpr_subleg_cpr3_at_root_lanes(
     const krhpr_subleg_cpr3_geometry *g, int i, const krhpr_lanes_at root[2], const krhpr_lanes_at theta[3],
@@ -316,7 +310,7 @@ KRHPR_INLINE void krhpr_subleg_cpr3_at_root_lanes(
     const krhpr_lanes p_2_0 = t3 - g_e_3 * t6;
     const krhpr_lanes p_2_1 = t4 - g_e_4 * t6;
     const krhpr_lanes p_2_2 = t5 - g_e_5 * t6;
-    const krhpr_lanes B_2 = p_2_0 * g_k_28 + p_2_1 * g_k_29 + p_2_2 * g_k_30;
+    const krhpr_lanes B_2 = 2.0 * (p_2_0 * g_k_27 + p_2_1 * g_k_28 + p_2_2 * g_k_29);
     const krhpr_lanes t7 = foot_0 - g_g_6;
     const krhpr_lanes t8 = foot_1 - g_g_7;
     const krhpr_lanes t9 = foot_2 - g_g_8;
@@ -324,11 +318,11 @@ KRHPR_INLINE void krhpr_subleg_cpr3_at_root_lanes(
     const krhpr_lanes p_3_0 = t7 - g_e_6 * t10;
     const krhpr_lanes p_3_1 = t8 - g_e_7 * t10;
     const krhpr_lanes p_3_2 = t9 - g_e_8 * t10;
-    const krhpr_lanes B_3 = p_3_0 * g_k_41 + p_3_1 * g_k_42 + p_3_2 * g_k_43;
+    const krhpr_lanes B_3 = 2.0 * (p_3_0 * g_k_40 + p_3_1 * g_k_41 + p_3_2 * g_k_42);
     const krhpr_lanes t11 = theta[2] * theta[2];
     const krhpr_lanes t12 = theta[1] * theta[1];
-    const krhpr_lanes t13 = g_k_27 * (p_3_0 * p_3_0 + p_3_1 * p_3_1 + p_3_2 * p_3_2 - t11) - g_k_40 * (p_2_0 * p_2_0 + p_2_1 * p_2_1 + p_2_2 * p_2_2 - t12);
-    const krhpr_lanes t14 = 1.0 / (g_k_27 * B_3 - B_2 * g_k_40);
+    const krhpr_lanes t13 = g_k_30 * (p_3_0 * p_3_0 + p_3_1 * p_3_1 + p_3_2 * p_3_2 - t11) - g_k_43 * (p_2_0 * p_2_0 + p_2_1 * p_2_1 + p_2_2 * p_2_2 - t12);
+    const krhpr_lanes t14 = 1.0 / (g_k_30 * B_3 - B_2 * g_k_43);
     const krhpr_lanes s_0_0 = foot_0 - g_e_0 * t13 * t14;
     const krhpr_lanes s_0_1 = foot_1 - t14 * (g_e_1 * t13);
     const krhpr_lanes s_0_2 = foot_2 - t14 * (g_e_2 * t13);

@@ -102,7 +102,7 @@ KRHPR_STATIC void krhpr_subleg_delta_forward_angles(const double theta[3], doubl
     angle[2] = theta[2];
 }
 
-/* End point of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (48 add, 65 multiply, 2 divide,
+/* End point of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (48 add, 61 multiply, 2 divide,
  * 1 square root, 1 select) */
 KRHPR_STATIC void krhpr_subleg_delta_forward(
     const krhpr_subleg_delta_geometry *g, int i, const double s_near[3], const double sine[3],
@@ -130,8 +130,8 @@ KRHPR_STATIC void krhpr_subleg_delta_forward(
     const double n_1 = g_12_2 * g_13_0 - g_12_0 * g_13_2;
     const double n_2 = g_12_0 * g_13_1 - g_12_1 * g_13_0;
     const double n2 = n_0 * n_0 + n_1 * n_1 + n_2 * n_2;
-    const double q_2 = 0.5 * (g_12_0 * g_12_0) + 0.5 * (g_12_1 * g_12_1) + 0.5 * (g_12_2 * g_12_2);
-    const double q_3 = 0.5 * (g_13_0 * g_13_0) + 0.5 * (g_13_1 * g_13_1) + 0.5 * (g_13_2 * g_13_2);
+    const double q_2 = (g_12_0 * g_12_0 + g_12_1 * g_12_1 + g_12_2 * g_12_2) * 0.5;
+    const double q_3 = 0.5 * (g_13_0 * g_13_0 + g_13_1 * g_13_1 + g_13_2 * g_13_2);
     const double t4 = 1.0 / n2;
     const double foot_0 = (q_2 * (g_13_1 * n_2 - g_13_2 * n_1) + q_3 * (g_12_2 * n_1 - g_12_1 * n_2)) * t4; /* in the plane of the centres */
     const double foot_1 = t4 * (q_2 * (g_13_2 * n_0 - g_13_0 * n_2) + q_3 * (g_12_0 * n_2 - g_12_2 * n_0));
@@ -155,7 +155,7 @@ KRHPR_STATIC void krhpr_subleg_delta_forward_posture_angles(
     angle[2] = theta[2];
 }
 
-/* End point and posture of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (72 add, 83
+/* End point and posture of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (72 add, 79
  * multiply, 2 divide, 1 square root, 1 select) */
 KRHPR_STATIC void krhpr_subleg_delta_forward_posture(
     const krhpr_subleg_delta_geometry *g, int i, const double s_near[3], const double sine[3],
@@ -193,8 +193,8 @@ KRHPR_STATIC void krhpr_subleg_delta_forward_posture(
     const double n_1 = g_12_2 * g_13_0 - g_12_0 * g_13_2;
     const double n_2 = g_12_0 * g_13_1 - g_12_1 * g_13_0;
     const double n2 = n_0 * n_0 + n_1 * n_1 + n_2 * n_2;
-    const double q_2 = 0.5 * (g_12_0 * g_12_0) + 0.5 * (g_12_1 * g_12_1) + 0.5 * (g_12_2 * g_12_2);
-    const double q_3 = 0.5 * (g_13_0 * g_13_0) + 0.5 * (g_13_1 * g_13_1) + 0.5 * (g_13_2 * g_13_2);
+    const double q_2 = (g_12_0 * g_12_0 + g_12_1 * g_12_1 + g_12_2 * g_12_2) * 0.5;
+    const double q_3 = 0.5 * (g_13_0 * g_13_0 + g_13_1 * g_13_1 + g_13_2 * g_13_2);
     const double t13 = 1.0 / n2;
     const double foot_0 = (q_2 * (g_13_1 * n_2 - g_13_2 * n_1) + q_3 * (g_12_2 * n_1 - g_12_1 * n_2)) * t13; /* in the plane of the centres */
     const double foot_1 = t13 * (q_2 * (g_13_2 * n_0 - g_13_0 * n_2) + q_3 * (g_12_0 * n_2 - g_12_2 * n_0));
@@ -251,7 +251,7 @@ KRHPR_STATIC void krhpr_subleg_delta_forward_all_angles(const double theta[3], d
 }
 
 /* End points of the (Delta) sub-leg in every assembly mode: first the one on the side of the normal; NaN
- * where the loop cannot close.  Thesis: 3.5.  (45 add, 61 multiply, 1 divide, 1 square root) */
+ * where the loop cannot close.  Thesis: 3.5.  (45 add, 57 multiply, 1 divide, 1 square root) */
 KRHPR_STATIC void krhpr_subleg_delta_forward_all(
     const krhpr_subleg_delta_geometry *g, int i, const double sine[3], const double cosine[3],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
@@ -278,8 +278,8 @@ KRHPR_STATIC void krhpr_subleg_delta_forward_all(
     const double n_1 = g_12_2 * g_13_0 - g_12_0 * g_13_2;
     const double n_2 = g_12_0 * g_13_1 - g_12_1 * g_13_0;
     const double n2 = n_0 * n_0 + n_1 * n_1 + n_2 * n_2;
-    const double q_2 = 0.5 * (g_12_0 * g_12_0) + 0.5 * (g_12_1 * g_12_1) + 0.5 * (g_12_2 * g_12_2);
-    const double q_3 = 0.5 * (g_13_0 * g_13_0) + 0.5 * (g_13_1 * g_13_1) + 0.5 * (g_13_2 * g_13_2);
+    const double q_2 = (g_12_0 * g_12_0 + g_12_1 * g_12_1 + g_12_2 * g_12_2) * 0.5;
+    const double q_3 = 0.5 * (g_13_0 * g_13_0 + g_13_1 * g_13_1 + g_13_2 * g_13_2);
     const double t4 = 1.0 / n2;
     const double foot_0 = (q_2 * (g_13_1 * n_2 - g_13_2 * n_1) + q_3 * (g_12_2 * n_1 - g_12_1 * n_2)) * t4; /* in the plane of the centres */
     const double foot_1 = t4 * (q_2 * (g_13_2 * n_0 - g_13_0 * n_2) + q_3 * (g_12_0 * n_2 - g_12_2 * n_0));
@@ -788,16 +788,16 @@ KRHPR_STATIC void krhpr_subleg_delta_passive(
     link[7] = g->e_1[2][i];
     link[8] = 0.0;
     tail_y[0] = w[2] * u[0] - u[1] * q_1_0;
-    tail_y[1] = g->x[0][i] * w[1] - g->x[1][i] * w[0];
-    tail_y[2] = w[5] * u[2] - u[3] * q_2_0;
-    tail_y[3] = g->x[3][i] * w[4] - g->x[4][i] * w[3];
-    tail_y[4] = w[8] * u[4] - u[5] * q_3_0;
+    tail_y[1] = w[5] * u[2] - u[3] * q_2_0;
+    tail_y[2] = w[8] * u[4] - u[5] * q_3_0;
+    tail_y[3] = g->x[0][i] * w[1] - g->x[1][i] * w[0];
+    tail_y[4] = g->x[3][i] * w[4] - g->x[4][i] * w[3];
     tail_y[5] = g->x[6][i] * w[7] - g->x[7][i] * w[6];
     tail_x[0] = u[0] * q_1_0 + w[2] * u[1];
-    tail_x[1] = size_1;
-    tail_x[2] = u[2] * q_2_0 + w[5] * u[3];
-    tail_x[3] = size_2;
-    tail_x[4] = u[4] * q_3_0 + w[8] * u[5];
+    tail_x[1] = u[2] * q_2_0 + w[5] * u[3];
+    tail_x[2] = u[4] * q_3_0 + w[8] * u[5];
+    tail_x[3] = size_1;
+    tail_x[4] = size_2;
     tail_x[5] = size_3;
 }
 

@@ -18,7 +18,7 @@ KRHPR_INLINE void krhpr_subleg_delta_forward_angles_lanes(
     angle[2] = theta[2];
 }
 
-/* End point of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (48 add, 65 multiply, 2 divide,
+/* End point of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (48 add, 61 multiply, 2 divide,
  * 1 square root, 1 select) */
 KRHPR_INLINE void krhpr_subleg_delta_forward_lanes(
     const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes_at s_near[3],
@@ -64,8 +64,8 @@ KRHPR_INLINE void krhpr_subleg_delta_forward_lanes(
     const krhpr_lanes n_1 = g_12_2 * g_13_0 - g_12_0 * g_13_2;
     const krhpr_lanes n_2 = g_12_0 * g_13_1 - g_12_1 * g_13_0;
     const krhpr_lanes n2 = n_0 * n_0 + n_1 * n_1 + n_2 * n_2;
-    const krhpr_lanes q_2 = 0.5 * (g_12_0 * g_12_0) + 0.5 * (g_12_1 * g_12_1) + 0.5 * (g_12_2 * g_12_2);
-    const krhpr_lanes q_3 = 0.5 * (g_13_0 * g_13_0) + 0.5 * (g_13_1 * g_13_1) + 0.5 * (g_13_2 * g_13_2);
+    const krhpr_lanes q_2 = (g_12_0 * g_12_0 + g_12_1 * g_12_1 + g_12_2 * g_12_2) * 0.5;
+    const krhpr_lanes q_3 = 0.5 * (g_13_0 * g_13_0 + g_13_1 * g_13_1 + g_13_2 * g_13_2);
     const krhpr_lanes t4 = 1.0 / n2;
     const krhpr_lanes foot_0 = (q_2 * (g_13_1 * n_2 - g_13_2 * n_1) + q_3 * (g_12_2 * n_1 - g_12_1 * n_2)) * t4; /* in the plane of the centres */
     const krhpr_lanes foot_1 = t4 * (q_2 * (g_13_2 * n_0 - g_13_0 * n_2) + q_3 * (g_12_0 * n_2 - g_12_2 * n_0));
@@ -89,7 +89,7 @@ KRHPR_INLINE void krhpr_subleg_delta_forward_posture_angles_lanes(
     angle[2] = theta[2];
 }
 
-/* End point and posture of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (72 add, 83
+/* End point and posture of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (72 add, 79
  * multiply, 2 divide, 1 square root, 1 select) */
 KRHPR_INLINE void krhpr_subleg_delta_forward_posture_lanes(
     const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes_at s_near[3],
@@ -145,8 +145,8 @@ KRHPR_INLINE void krhpr_subleg_delta_forward_posture_lanes(
     const krhpr_lanes n_1 = g_12_2 * g_13_0 - g_12_0 * g_13_2;
     const krhpr_lanes n_2 = g_12_0 * g_13_1 - g_12_1 * g_13_0;
     const krhpr_lanes n2 = n_0 * n_0 + n_1 * n_1 + n_2 * n_2;
-    const krhpr_lanes q_2 = 0.5 * (g_12_0 * g_12_0) + 0.5 * (g_12_1 * g_12_1) + 0.5 * (g_12_2 * g_12_2);
-    const krhpr_lanes q_3 = 0.5 * (g_13_0 * g_13_0) + 0.5 * (g_13_1 * g_13_1) + 0.5 * (g_13_2 * g_13_2);
+    const krhpr_lanes q_2 = (g_12_0 * g_12_0 + g_12_1 * g_12_1 + g_12_2 * g_12_2) * 0.5;
+    const krhpr_lanes q_3 = 0.5 * (g_13_0 * g_13_0 + g_13_1 * g_13_1 + g_13_2 * g_13_2);
     const krhpr_lanes t13 = 1.0 / n2;
     const krhpr_lanes foot_0 = (q_2 * (g_13_1 * n_2 - g_13_2 * n_1) + q_3 * (g_12_2 * n_1 - g_12_1 * n_2)) * t13; /* in the plane of the centres */
     const krhpr_lanes foot_1 = t13 * (q_2 * (g_13_2 * n_0 - g_13_0 * n_2) + q_3 * (g_12_0 * n_2 - g_12_2 * n_0));
@@ -204,7 +204,7 @@ KRHPR_INLINE void krhpr_subleg_delta_forward_all_angles_lanes(
 }
 
 /* End points of the (Delta) sub-leg in every assembly mode: first the one on the side of the normal; NaN
- * where the loop cannot close.  Thesis: 3.5.  (45 add, 61 multiply, 1 divide, 1 square root) */
+ * where the loop cannot close.  Thesis: 3.5.  (45 add, 57 multiply, 1 divide, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_delta_forward_all_lanes(
     const krhpr_subleg_delta_geometry *g, int i, const krhpr_lanes_at sine[3],
     const krhpr_lanes_at cosine[3], krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_lanes_at *KRHPR_RESTRICT radicand)
@@ -248,8 +248,8 @@ KRHPR_INLINE void krhpr_subleg_delta_forward_all_lanes(
     const krhpr_lanes n_1 = g_12_2 * g_13_0 - g_12_0 * g_13_2;
     const krhpr_lanes n_2 = g_12_0 * g_13_1 - g_12_1 * g_13_0;
     const krhpr_lanes n2 = n_0 * n_0 + n_1 * n_1 + n_2 * n_2;
-    const krhpr_lanes q_2 = 0.5 * (g_12_0 * g_12_0) + 0.5 * (g_12_1 * g_12_1) + 0.5 * (g_12_2 * g_12_2);
-    const krhpr_lanes q_3 = 0.5 * (g_13_0 * g_13_0) + 0.5 * (g_13_1 * g_13_1) + 0.5 * (g_13_2 * g_13_2);
+    const krhpr_lanes q_2 = (g_12_0 * g_12_0 + g_12_1 * g_12_1 + g_12_2 * g_12_2) * 0.5;
+    const krhpr_lanes q_3 = 0.5 * (g_13_0 * g_13_0 + g_13_1 * g_13_1 + g_13_2 * g_13_2);
     const krhpr_lanes t4 = 1.0 / n2;
     const krhpr_lanes foot_0 = (q_2 * (g_13_1 * n_2 - g_13_2 * n_1) + q_3 * (g_12_2 * n_1 - g_12_1 * n_2)) * t4; /* in the plane of the centres */
     const krhpr_lanes foot_1 = t4 * (q_2 * (g_13_2 * n_0 - g_13_0 * n_2) + q_3 * (g_12_0 * n_2 - g_12_2 * n_0));
@@ -877,16 +877,16 @@ KRHPR_INLINE void krhpr_subleg_delta_passive_lanes(
     link[7] = g_e_1_2;
     link[8] = krhpr_all(0.0);
     tail_y[0] = w[2] * u[0] - u[1] * q_1_0;
-    tail_y[1] = g_x_0 * w[1] - g_x_1 * w[0];
-    tail_y[2] = w[5] * u[2] - u[3] * q_2_0;
-    tail_y[3] = g_x_3 * w[4] - g_x_4 * w[3];
-    tail_y[4] = w[8] * u[4] - u[5] * q_3_0;
+    tail_y[1] = w[5] * u[2] - u[3] * q_2_0;
+    tail_y[2] = w[8] * u[4] - u[5] * q_3_0;
+    tail_y[3] = g_x_0 * w[1] - g_x_1 * w[0];
+    tail_y[4] = g_x_3 * w[4] - g_x_4 * w[3];
     tail_y[5] = g_x_6 * w[7] - g_x_7 * w[6];
     tail_x[0] = u[0] * q_1_0 + w[2] * u[1];
-    tail_x[1] = size_1;
-    tail_x[2] = u[2] * q_2_0 + w[5] * u[3];
-    tail_x[3] = size_2;
-    tail_x[4] = u[4] * q_3_0 + w[8] * u[5];
+    tail_x[1] = u[2] * q_2_0 + w[5] * u[3];
+    tail_x[2] = u[4] * q_3_0 + w[8] * u[5];
+    tail_x[3] = size_1;
+    tail_x[4] = size_2;
     tail_x[5] = size_3;
 }
 

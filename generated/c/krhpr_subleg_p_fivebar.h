@@ -26,11 +26,11 @@ typedef struct {
     double e_x[3][KRHPR_PLACES]; /* e_1 x e_t */
     double e_1[3][KRHPR_PLACES]; /* first axis */
     double e_t[3][KRHPR_PLACES]; /* tangential direction */
-    double k[22][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
+    double k[21][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_p_fivebar_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (13 add, 24 multiply, 6 divide, 2 sine
+/* Vectors and sub-expressions that depend on the geometry alone.  (15 add, 24 multiply, 6 divide, 2 sine
  * cosine, 2 select) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_prepare(krhpr_subleg_p_fivebar_geometry *g, int i)
 {
@@ -42,13 +42,14 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_prepare(krhpr_subleg_p_fivebar_geometry
     const double c_0 = g->R_b[i] * e_t_1 - t4;
     const double t5 = g->l_1[i] * t3;
     const double c_1 = g->R_b[i] * e_r_1 - t5;
-    const double k_7 = 1.0 - g->l_5[i] / g->l_6[i];
+    const double k_6 = 1.0 - g->l_5[i] / g->l_6[i];
+    const double k_0 = g->l_3[i] * g->l_3[i];
     const double t6 = g->l_6[i] - g->l_5[i];
     const double t7 = g->l_4[i] - g->l_6[i];
     const double t8 = g->l_4[i] + g->l_6[i];
     const double t9 = g->l_2[i] - g->l_3[i];
     const double t10 = g->l_2[i] + g->l_3[i];
-    const double k_17 = 1.0 / g->l_6[i];
+    const double k_16 = 1.0 / g->l_6[i];
     g->c[0][i] = c_0;
     g->c[1][i] = c_1;
     g->c[2][i] = g->l_1[i] * e_1_2;
@@ -61,28 +62,27 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_prepare(krhpr_subleg_p_fivebar_geometry
     g->e_t[0][i] = -e_r_1;
     g->e_t[1][i] = e_t_1;
     g->e_t[2][i] = 0.0;
-    g->k[0][i] = g->l_3[i] * g->l_3[i];
+    g->k[0][i] = k_0;
     g->k[1][i] = t6 * t6;
-    g->k[2][i] = 1.0 / k_7;
+    g->k[2][i] = 1.0 / k_6;
     g->k[3][i] = t7 * t7;
     g->k[4][i] = t8 * t8;
-    g->k[5][i] = g->l_4[i] * g->l_4[i];
-    g->k[6][i] = g->l_6[i] * g->l_6[i];
-    g->k[7][i] = k_7;
-    g->k[8][i] = t9 * t9;
-    g->k[9][i] = t10 * t10;
-    g->k[10][i] = g->l_2[i] * g->l_2[i];
-    g->k[11][i] = fabs(t9);
-    g->k[12][i] = fabs(t7);
-    g->k[13][i] = 1.0 - k_7;
-    g->k[14][i] = 1.0 / (g->l_3[i] * g->l_6[i]);
-    g->k[15][i] = 1.0 / (g->l_4[i] * g->l_6[i]);
-    g->k[16][i] = 1.0 / (g->l_2[i] * g->l_3[i]);
-    g->k[17][i] = k_17;
-    g->k[18][i] = 1.0 - g->l_5[i] * k_17;
-    g->k[19][i] = t4 + c_0;
-    g->k[20][i] = t5 + c_1;
-    g->k[21][i] = 0.0;
+    g->k[5][i] = g->l_4[i] * g->l_4[i] - g->l_6[i] * g->l_6[i];
+    g->k[6][i] = k_6;
+    g->k[7][i] = t9 * t9;
+    g->k[8][i] = t10 * t10;
+    g->k[9][i] = g->l_2[i] * g->l_2[i] - k_0;
+    g->k[10][i] = fabs(t9);
+    g->k[11][i] = fabs(t7);
+    g->k[12][i] = 1.0 - k_6;
+    g->k[13][i] = 1.0 / (g->l_3[i] * g->l_6[i]);
+    g->k[14][i] = 1.0 / (g->l_4[i] * g->l_6[i]);
+    g->k[15][i] = 1.0 / (g->l_2[i] * g->l_3[i]);
+    g->k[16][i] = k_16;
+    g->k[17][i] = 1.0 - g->l_5[i] * k_16;
+    g->k[18][i] = t4 + c_0;
+    g->k[19][i] = t5 + c_1;
+    g->k[20][i] = 0.0;
 }
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
@@ -218,7 +218,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_forward_all(
 }
 
 /* Actuated joints of the P(RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
- * end point is out of reach.  Thesis: 2.4.2, App. B.  (26 add, 30 multiply, 1 divide, 2 square root, 2
+ * end point is out of reach.  Thesis: 2.4.2, App. B.  (24 add, 30 multiply, 1 divide, 2 square root, 2
  * arctangent, 1 select) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_inverse(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double s[3], const double mode[2],
@@ -232,18 +232,18 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_inverse(
     const double d2 = d_0 * d_0 + d_1 * d_1;
     const double h2 = (d2 - g->k[3][i]) * (g->k[4][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[0] * sqrt(h2); /* 2 a b sin */
-    const double A = d2 + g->k[5][i] - g->k[6][i]; /* 2 a (a + b cos) */
+    const double A = d2 + g->k[5][i]; /* 2 a (a + b cos) */
     const double n = d_0 * A + d_1 * S;
     const double m = d_1 * A - d_0 * S;
     const double t1 = 1.0 / d2;
     const double u_1_0 = n * 0.5 * t1;
     const double u_1_1 = t1 * (m * 0.5);
-    const double p_0 = u_1_0 + g->k[7][i] * (d_0 - u_1_0); /* u_1 + w - o_12 */
-    const double p_1 = u_1_1 + g->k[7][i] * (d_1 - u_1_1);
+    const double p_0 = u_1_0 + g->k[6][i] * (d_0 - u_1_0); /* u_1 + w - o_12 */
+    const double p_1 = u_1_1 + g->k[6][i] * (d_1 - u_1_1);
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
-    const double h2_2 = (d2_2 - g->k[8][i]) * (g->k[9][i] - d2_2); /* 4 a^2 b^2 sin^2 */
+    const double h2_2 = (d2_2 - g->k[7][i]) * (g->k[8][i] - d2_2); /* 4 a^2 b^2 sin^2 */
     const double S_2 = mode[1] * sqrt(h2_2); /* 2 a b sin */
-    const double A_2 = d2_2 + g->k[10][i] - g->k[0][i]; /* 2 a (a + b cos) */
+    const double A_2 = d2_2 + g->k[9][i]; /* 2 a (a + b cos) */
     const double n_2 = p_0 * A_2 + p_1 * S_2;
     const double m_2 = p_1 * A_2 - p_0 * S_2;
     theta[0] = g->e_t[0][i] * arm_0 + g->e_t[1][i] * arm_1;
@@ -253,7 +253,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_inverse(
 }
 
 /* Every working mode of the P(RR-RRR) sub-leg, in the order elbow+/rod+, elbow+/rod-, elbow-/rod+,
- * elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.4.2, App. B.  (43 add, 41 multiply, 1 divide, 3
+ * elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.4.2, App. B.  (40 add, 41 multiply, 1 divide, 3
  * square root, 6 arctangent, 3 select) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_inverse_all(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT theta,
@@ -267,7 +267,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_inverse_all(
     const double d2 = d_0 * d_0 + d_1 * d_1;
     const double h2 = (d2 - g->k[3][i]) * (g->k[4][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = sqrt(h2); /* 2 a b sin */
-    const double A = d2 + g->k[5][i] - g->k[6][i]; /* 2 a (a + b cos) */
+    const double A = d2 + g->k[5][i]; /* 2 a (a + b cos) */
     const double t1 = d_0 * A;
     const double t2 = d_1 * S;
     const double n = t1 + t2;
@@ -278,12 +278,12 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_inverse_all(
     const double t5 = 1.0 / d2;
     const double u_1_0 = n * 0.5 * t5;
     const double u_1_1 = t5 * (m * 0.5);
-    const double p_0 = u_1_0 + g->k[7][i] * (d_0 - u_1_0); /* u_1 + w - o_12 */
-    const double p_1 = u_1_1 + g->k[7][i] * (d_1 - u_1_1);
+    const double p_0 = u_1_0 + g->k[6][i] * (d_0 - u_1_0); /* u_1 + w - o_12 */
+    const double p_1 = u_1_1 + g->k[6][i] * (d_1 - u_1_1);
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
-    const double h2_2 = (d2_2 - g->k[8][i]) * (g->k[9][i] - d2_2); /* 4 a^2 b^2 sin^2 */
+    const double h2_2 = (d2_2 - g->k[7][i]) * (g->k[8][i] - d2_2); /* 4 a^2 b^2 sin^2 */
     const double S_2 = sqrt(h2_2); /* 2 a b sin */
-    const double A_2 = d2_2 + g->k[10][i] - g->k[0][i]; /* 2 a (a + b cos) */
+    const double A_2 = d2_2 + g->k[9][i]; /* 2 a (a + b cos) */
     const double t6 = p_0 * A_2;
     const double t7 = p_1 * S_2;
     const double n_2 = t6 + t7;
@@ -298,12 +298,12 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_inverse_all(
     const double theta_1_a = krhpr_atan2(m_a, n_a);
     const double u_1_0_a = t5 * (0.5 * n_a);
     const double u_1_1_a = t5 * (0.5 * m_a);
-    const double p_0_a = u_1_0_a + g->k[7][i] * (d_0 - u_1_0_a); /* u_1 + w - o_12 */
-    const double p_1_a = u_1_1_a + g->k[7][i] * (d_1 - u_1_1_a);
+    const double p_0_a = u_1_0_a + g->k[6][i] * (d_0 - u_1_0_a); /* u_1 + w - o_12 */
+    const double p_1_a = u_1_1_a + g->k[6][i] * (d_1 - u_1_1_a);
     const double d2_2_a = p_0_a * p_0_a + p_1_a * p_1_a;
-    const double h2_2_a = (d2_2_a - g->k[8][i]) * (g->k[9][i] - d2_2_a); /* 4 a^2 b^2 sin^2 */
+    const double h2_2_a = (d2_2_a - g->k[7][i]) * (g->k[8][i] - d2_2_a); /* 4 a^2 b^2 sin^2 */
     const double S_2_a = sqrt(h2_2_a); /* 2 a b sin */
-    const double A_2_a = g->k[10][i] + d2_2_a - g->k[0][i]; /* 2 a (a + b cos) */
+    const double A_2_a = g->k[9][i] + d2_2_a; /* 2 a (a + b cos) */
     const double t10 = p_0_a * A_2_a;
     const double t11 = p_1_a * S_2_a;
     const double n_2_b = t10 + t11;
@@ -327,7 +327,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_inverse_all(
     *radicand = krhpr_max(krhpr_min(h2, h2_2), krhpr_min(h2, h2_2_a));
 }
 
-/* Distance by which the end point lies outside the reach of the P(RR-RRR) sub-leg.  (25 add, 22 multiply, 1
+/* Distance by which the end point lies outside the reach of the P(RR-RRR) sub-leg.  (24 add, 22 multiply, 1
  * divide, 3 square root, 3 select) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_reach(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double s[3], const double mode[2],
@@ -341,17 +341,17 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_reach(
     const double d2 = d_0 * d_0 + d_1 * d_1;
     const double h2 = (d2 - g->k[3][i]) * (g->k[4][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[0] * sqrt(h2); /* 2 a b sin */
-    const double A = d2 + g->k[5][i] - g->k[6][i]; /* 2 a (a + b cos) */
+    const double A = d2 + g->k[5][i]; /* 2 a (a + b cos) */
     const double n = d_0 * A + d_1 * S;
     const double m = d_1 * A - d_0 * S;
     const double t1 = 1.0 / d2;
     const double u_1_0 = n * 0.5 * t1;
     const double u_1_1 = t1 * (m * 0.5);
-    const double p_0 = u_1_0 + g->k[7][i] * (d_0 - u_1_0); /* u_1 + w - o_12 */
-    const double p_1 = u_1_1 + g->k[7][i] * (d_1 - u_1_1);
+    const double p_0 = u_1_0 + g->k[6][i] * (d_0 - u_1_0); /* u_1 + w - o_12 */
+    const double p_1 = u_1_1 + g->k[6][i] * (d_1 - u_1_1);
     const double reach_2 = sqrt(p_0 * p_0 + p_1 * p_1);
     const double reach_1 = sqrt(d2);
-    const double excess_a = krhpr_max(krhpr_max(reach_2 - g->l_2[i] - g->l_3[i], g->k[11][i] - reach_2), krhpr_max(reach_1 - g->l_4[i] - g->l_6[i], g->k[12][i] - reach_1));
+    const double excess_a = krhpr_max(krhpr_max(reach_2 - g->l_2[i] - g->l_3[i], g->k[10][i] - reach_2), krhpr_max(reach_1 - g->l_4[i] - g->l_6[i], g->k[11][i] - reach_1));
     *excess = excess_a;
 }
 
@@ -387,17 +387,17 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_jacobian(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[7][i];
+    const double t1 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7][i];
+    const double t2 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double t3 = u_2[0] * v_2_1;
     const double t4 = u_2[1] * v_2_0;
     const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[7][i] * b_22;
+    const double t5 = g->k[6][i] * b_22;
     const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const double m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const double m_02 = t6 * (v_1_1 * (t4 - t3));
@@ -412,7 +412,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_jacobian(
     M[6] = 0.0;
     M[7] = g->e_1[2][i] * m_11 + g->e_x[2][i] * m_01;
     M[8] = g->e_1[2][i] * m_12 + g->e_x[2][i] * m_02;
-    *regularity = fabs(delta * g->k[14][i]);
+    *regularity = fabs(delta * g->k[13][i]);
 }
 
 /* Rows of K: N M_i for the P(RR-RRR) sub-leg, where the rows of N are the directions of the platform's
@@ -423,17 +423,17 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_project(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[7][i];
+    const double t1 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7][i];
+    const double t2 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double t3 = u_2[0] * v_2_1;
     const double t4 = u_2[1] * v_2_0;
     const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[7][i] * b_22;
+    const double t5 = g->k[6][i] * b_22;
     const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const double m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const double m_02 = t6 * (v_1_1 * (t4 - t3));
@@ -451,7 +451,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_project(
     K[3] = n_12;
     K[4] = m_01 * n_10 + m_11 * n_11;
     K[5] = m_02 * n_10 + m_12 * n_11;
-    *regularity = fabs(delta * g->k[14][i]);
+    *regularity = fabs(delta * g->k[13][i]);
 }
 
 /* Velocity of the end point of the P(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (19 add, 33 multiply, 1
@@ -463,23 +463,23 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_velocity(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[7][i];
+    const double t1 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7][i];
+    const double t2 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
     const double w_1 = b_22 * theta_dot[1]; /* B theta_dot */
     const double w_2 = b_32 * theta_dot[1] + b_33 * theta_dot[2];
     const double t3 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double v_l_0 = (w_1 * (g->k[7][i] * v_2_1) - v_1_1 * w_2) * t3; /* velocity in the leg's frame */
-    const double v_l_1 = t3 * (v_1_0 * w_2 - w_1 * (g->k[7][i] * v_2_0));
+    const double v_l_0 = (w_1 * (g->k[6][i] * v_2_1) - v_1_1 * w_2) * t3; /* velocity in the leg's frame */
+    const double v_l_1 = t3 * (v_1_0 * w_2 - w_1 * (g->k[6][i] * v_2_0));
     s_dot[0] = g->e_1[0][i] * v_l_1 + g->e_t[0][i] * theta_dot[0] + g->e_x[0][i] * v_l_0;
     s_dot[1] = g->e_1[1][i] * v_l_1 + g->e_t[1][i] * theta_dot[0] + g->e_x[1][i] * v_l_0;
     s_dot[2] = g->e_1[2][i] * v_l_1 + g->e_x[2][i] * v_l_0;
-    *regularity = fabs(delta * g->k[14][i]);
+    *regularity = fabs(delta * g->k[13][i]);
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
@@ -508,16 +508,16 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_bias(
     const double u_2_1 = g->l_2[i] * sine[1];
     const double v_1_0 = d_0 - u_1_0; /* (1.14) */
     const double v_1_1 = d_1 - u_1_1;
-    const double t1 = v_1_0 * g->k[7][i];
+    const double t1 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1_0 + t1 - u_2_0; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7][i];
+    const double t2 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1_1 + t2 - u_2_1; /* (1.15) */
     const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13][i] * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
+    const double b_32 = g->k[12][i] * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
     const double b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
     const double t3 = theta_dot[1] * b_32 + theta_dot[2] * b_33;
-    const double t4 = theta_dot[1] * (g->k[7][i] * b_22);
+    const double t4 = theta_dot[1] * (g->k[6][i] * b_22);
     const double t5 = v_1_0 * t3 - v_2_0 * t4;
     const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const double t7 = g->e_1[0][i] * t5 * t6;
@@ -536,13 +536,13 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_bias(
     const double t17 = g->l_2[i] * (theta_dot[2] * cosine[1]);
     const double t18 = g->e_x[0][i] * s_dot_0 + g->e_x[1][i] * s_dot_1 + g->e_x[2][i] * s_dot_2 + t14;
     const double t19 = g->e_1[0][i] * s_dot_0 + g->e_1[1][i] * s_dot_1 + g->e_1[2][i] * s_dot_2 - t15;
-    const double t20 = g->k[7][i] * t18;
+    const double t20 = g->k[6][i] * t18;
     const double t21 = t16 + (t20 - t14);
-    const double t22 = g->k[7][i] * t19;
+    const double t22 = g->k[6][i] * t19;
     const double t23 = t15 + t22 - t17;
-    const double t24 = theta_dot[1] * (g->k[13][i] * (v_2_0 * t15 + u_1_1 * t21 - (u_1_0 * t23 - v_2_1 * t14)));
+    const double t24 = theta_dot[1] * (g->k[12][i] * (v_2_0 * t15 + u_1_1 * t21 - (u_1_0 * t23 - v_2_1 * t14)));
     const double t25 = t24 + theta_dot[2] * (u_2_0 * t23 - v_2_1 * t16 - (v_2_0 * t17 + u_2_1 * t21));
-    const double t26 = theta_dot[1] * (g->k[7][i] * (u_1_0 * t19 - v_1_1 * t14 - (v_1_0 * t15 + u_1_1 * t18)));
+    const double t26 = theta_dot[1] * (g->k[6][i] * (u_1_0 * t19 - v_1_1 * t14 - (v_1_0 * t15 + u_1_1 * t18)));
     const double t27 = t3 * t18 + v_1_0 * t25 - (t4 * t21 + v_2_0 * t26);
     const double t28 = v_2_1 * t20 + t1 * t23 - (t2 * t21 + v_2_0 * t22);
     const double t29 = t4 * t23 + v_2_1 * t26 - (t3 * t19 + v_1_1 * t25);
@@ -552,7 +552,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_bias(
     bias[0] = t6 * (g->e_1[0][i] * t27 - t7 * t28) + t6 * (g->e_x[0][i] * t29 - t9 * t28);
     bias[1] = t6 * (g->e_1[1][i] * t27 - t10 * t28) + t6 * (g->e_x[1][i] * t29 - t11 * t28);
     bias[2] = t6 * (g->e_1[2][i] * t27 - t12 * t28) + t6 * (g->e_x[2][i] * t29 - t13 * t28);
-    *regularity = fabs(delta * g->k[14][i]);
+    *regularity = fabs(delta * g->k[13][i]);
 }
 
 /* Actuated joint rates of the P(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
@@ -564,21 +564,21 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_rates(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[7][i] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[7][i] - u_2[1];
+    const double v_2_0 = u_1[0] + v_1_0 * g->k[6][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 * g->k[6][i] - u_2[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double v_l_0 = g->e_x[0][i] * s_dot[0] + g->e_x[1][i] * s_dot[1] + g->e_x[2][i] * s_dot[2]; /* velocity in the leg's frame */
     const double v_l_1 = g->e_1[0][i] * s_dot[0] + g->e_1[1][i] * s_dot[1] + g->e_1[2][i] * s_dot[2];
     const double v_l_2 = g->e_t[0][i] * s_dot[0] + g->e_t[1][i] * s_dot[1];
     const double w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1; /* A s_dot */
-    const double w_2 = v_l_0 * (g->k[7][i] * v_2_0) + v_l_1 * (g->k[7][i] * v_2_1);
+    const double w_2 = v_l_0 * (g->k[6][i] * v_2_0) + v_l_1 * (g->k[6][i] * v_2_1);
     const double t1 = 1.0 / b_22;
     theta_dot[0] = v_l_2;
     theta_dot[1] = w_1 * t1;
     theta_dot[2] = (w_2 - t1 * (b_32 * w_1)) / b_33;
-    *regularity = krhpr_min(fabs(b_22 * g->k[15][i]), fabs(b_33 * g->k[16][i]));
+    *regularity = krhpr_min(fabs(b_22 * g->k[14][i]), fabs(b_33 * g->k[15][i]));
 }
 
 /* det M_i of the P(RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.  (9 add,
@@ -589,15 +589,15 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_determinant(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[7][i] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[7][i] - u_2[1];
+    const double v_2_0 = u_1[0] + v_1_0 * g->k[6][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 * g->k[6][i] - u_2[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    *det_M = b_22 * b_33 / (g->k[7][i] * delta);
-    factors[0] = b_22 * g->k[15][i];
-    factors[1] = b_33 * g->k[16][i];
-    factors[2] = delta * g->k[14][i];
+    *det_M = b_22 * b_33 / (g->k[6][i] * delta);
+    factors[0] = b_22 * g->k[14][i];
+    factors[1] = b_33 * g->k[15][i];
+    factors[2] = delta * g->k[13][i];
 }
 
 /* Squares of M_i of the P(RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide count by
@@ -611,17 +611,17 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_gram(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[7][i];
+    const double t1 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7][i];
+    const double t2 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double t3 = u_2[0] * v_2_1;
     const double t4 = u_2[1] * v_2_0;
     const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[7][i] * b_22;
+    const double t5 = g->k[6][i] * b_22;
     const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const double m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const double m_02 = t6 * (v_1_1 * (t4 - t3));
@@ -672,7 +672,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_gram(
     reach[0] = k_00 * k_00 + k_01 * k_01 + k_02 * k_02;
     reach[1] = k_00 * k_10 + k_01 * k_11 + k_02 * k_12;
     reach[2] = k_10 * k_10 + k_11 * k_11 + k_12 * k_12;
-    *regularity = fabs(delta * g->k[14][i]);
+    *regularity = fabs(delta * g->k[13][i]);
 }
 
 /* Passive joints of the P(RR-RRR) sub-leg and the orientation of its last link.  (18 add, 28 multiply) */
@@ -683,10 +683,10 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_passive(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[18][i] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[18][i] - u_2[1];
-    const double dir_0 = v_1_0 * g->k[17][i]; /* direction of the last link in (x, e_1) */
-    const double dir_1 = v_1_1 * g->k[17][i];
+    const double v_2_0 = u_1[0] + v_1_0 * g->k[17][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 * g->k[17][i] - u_2[1];
+    const double dir_0 = v_1_0 * g->k[16][i]; /* direction of the last link in (x, e_1) */
+    const double dir_1 = v_1_1 * g->k[16][i];
     const double along_0 = g->e_x[0][i] * dir_0 + g->e_1[0][i] * dir_1;
     const double along_1 = g->e_x[1][i] * dir_0 + g->e_1[1][i] * dir_1;
     const double along_2 = g->e_x[2][i] * dir_0 + g->e_1[2][i] * dir_1;
@@ -718,11 +718,11 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_points(
     const double origin_0 = s[0] - g->e_x[0][i] * d[0] - g->e_1[0][i] * d[1]; /* c + theta_1 e_t */
     const double origin_1 = s[1] - g->e_x[1][i] * d[0] - g->e_1[1][i] * d[1];
     const double origin_2 = s[2] - g->e_x[2][i] * d[0] - g->e_1[2][i] * d[1];
-    const double p_0 = u_1[0] + g->k[7][i] * (d[0] - u_1[0]); /* u_1 + w */
-    const double p_1 = u_1[1] + g->k[7][i] * (d[1] - u_1[1]);
-    points[0] = g->k[19][i];
-    points[1] = g->k[20][i];
-    points[2] = g->k[21][i];
+    const double p_0 = u_1[0] + g->k[6][i] * (d[0] - u_1[0]); /* u_1 + w */
+    const double p_1 = u_1[1] + g->k[6][i] * (d[1] - u_1[1]);
+    points[0] = g->k[18][i];
+    points[1] = g->k[19][i];
+    points[2] = g->k[20][i];
     points[3] = g->c[0][i];
     points[4] = g->c[1][i];
     points[5] = g->c[2][i];
@@ -752,17 +752,17 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_transmission(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[7][i];
+    const double t1 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7][i];
+    const double t2 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double t3 = u_2[0] * v_2_1;
     const double t4 = u_2[1] * v_2_0;
     const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[7][i] * b_22;
+    const double t5 = g->k[6][i] * b_22;
     const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const double m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const double m_02 = t6 * (v_1_1 * (t4 - t3));
@@ -786,7 +786,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_transmission(
     K_n[6] = n_22;
     K_n[7] = m_01 * n_20 + m_11 * n_21;
     K_n[8] = m_02 * n_20 + m_12 * n_21;
-    *regularity = fabs(delta * g->k[14][i]);
+    *regularity = fabs(delta * g->k[13][i]);
 }
 
 /* J_n of J_n [t, rates of the redundant coordinates, of swivels] = K_n theta_dot.  Thesis: (5.58) to
@@ -921,13 +921,13 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_end_force(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[7][i] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[7][i] - u_2[1];
+    const double v_2_0 = u_1[0] + v_1_0 * g->k[6][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 * g->k[6][i] - u_2[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
-    const double w_2 = g->k[7][i] * v_2_0; /* A s_dot */
-    const double w_2_a = g->k[7][i] * v_2_1;
+    const double w_2 = g->k[6][i] * v_2_0; /* A s_dot */
+    const double w_2_a = g->k[6][i] * v_2_1;
     const double t1 = 1.0 / b_22;
     const double t2 = 1.0 / b_33;
     const double g_l_0 = v_1_0 * actuator_forces[1] * t1 + actuator_forces[2] * (w_2 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
@@ -937,7 +937,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_end_force(
     end_force[0] = end_force_0;
     end_force[1] = end_force_1;
     end_force[2] = g->e_1[2][i] * g_l_1 + g->e_x[2][i] * g_l_0;
-    *regularity = krhpr_min(fabs(b_22 * g->k[15][i]), fabs(b_33 * g->k[16][i]));
+    *regularity = krhpr_min(fabs(b_22 * g->k[14][i]), fabs(b_33 * g->k[15][i]));
 }
 
 #endif

@@ -194,7 +194,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_forward_all_lanes(
 }
 
 /* Actuated joints of the P(RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
- * end point is out of reach.  Thesis: 2.4.2, App. B.  (26 add, 30 multiply, 1 divide, 2 square root, 2
+ * end point is out of reach.  Thesis: 2.4.2, App. B.  (24 add, 30 multiply, 1 divide, 2 square root, 2
  * arctangent, 1 select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_inverse_lanes(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at mode[2],
@@ -211,7 +211,6 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_inverse_lanes(
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
     const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
     const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
-    const krhpr_lanes g_k_0 = krhpr_of_leg(g->k[0], i);
     const krhpr_lanes g_k_3 = krhpr_of_leg(g->k[3], i);
     const krhpr_lanes g_k_4 = krhpr_of_leg(g->k[4], i);
     const krhpr_lanes g_k_5 = krhpr_of_leg(g->k[5], i);
@@ -219,7 +218,6 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_inverse_lanes(
     const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
     const krhpr_lanes g_k_8 = krhpr_of_leg(g->k[8], i);
     const krhpr_lanes g_k_9 = krhpr_of_leg(g->k[9], i);
-    const krhpr_lanes g_k_10 = krhpr_of_leg(g->k[10], i);
     const krhpr_lanes arm_0 = s[0] - g_c_0; /* s - c */
     const krhpr_lanes arm_1 = s[1] - g_c_1;
     const krhpr_lanes arm_2 = s[2] - g_c_2;
@@ -228,18 +226,18 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_inverse_lanes(
     const krhpr_lanes d2 = d_0 * d_0 + d_1 * d_1;
     const krhpr_lanes h2 = (d2 - g_k_3) * (g_k_4 - d2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S = mode[0] * krhpr_lanes_sqrt(h2); /* 2 a b sin */
-    const krhpr_lanes A = d2 + g_k_5 - g_k_6; /* 2 a (a + b cos) */
+    const krhpr_lanes A = d2 + g_k_5; /* 2 a (a + b cos) */
     const krhpr_lanes n = d_0 * A + d_1 * S;
     const krhpr_lanes m = d_1 * A - d_0 * S;
     const krhpr_lanes t1 = 1.0 / d2;
     const krhpr_lanes u_1_0 = n * 0.5 * t1;
     const krhpr_lanes u_1_1 = t1 * (m * 0.5);
-    const krhpr_lanes p_0 = u_1_0 + g_k_7 * (d_0 - u_1_0); /* u_1 + w - o_12 */
-    const krhpr_lanes p_1 = u_1_1 + g_k_7 * (d_1 - u_1_1);
+    const krhpr_lanes p_0 = u_1_0 + g_k_6 * (d_0 - u_1_0); /* u_1 + w - o_12 */
+    const krhpr_lanes p_1 = u_1_1 + g_k_6 * (d_1 - u_1_1);
     const krhpr_lanes d2_2 = p_0 * p_0 + p_1 * p_1;
-    const krhpr_lanes h2_2 = (d2_2 - g_k_8) * (g_k_9 - d2_2); /* 4 a^2 b^2 sin^2 */
+    const krhpr_lanes h2_2 = (d2_2 - g_k_7) * (g_k_8 - d2_2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S_2 = mode[1] * krhpr_lanes_sqrt(h2_2); /* 2 a b sin */
-    const krhpr_lanes A_2 = d2_2 + g_k_10 - g_k_0; /* 2 a (a + b cos) */
+    const krhpr_lanes A_2 = d2_2 + g_k_9; /* 2 a (a + b cos) */
     const krhpr_lanes n_2 = p_0 * A_2 + p_1 * S_2;
     const krhpr_lanes m_2 = p_1 * A_2 - p_0 * S_2;
     theta[0] = g_e_t_0 * arm_0 + g_e_t_1 * arm_1;
@@ -249,7 +247,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_inverse_lanes(
 }
 
 /* Every working mode of the P(RR-RRR) sub-leg, in the order elbow+/rod+, elbow+/rod-, elbow-/rod+,
- * elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.4.2, App. B.  (43 add, 41 multiply, 1 divide, 3
+ * elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.4.2, App. B.  (40 add, 41 multiply, 1 divide, 3
  * square root, 6 arctangent, 3 select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_inverse_all_lanes(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at s[3],
@@ -266,7 +264,6 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_inverse_all_lanes(
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
     const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
     const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
-    const krhpr_lanes g_k_0 = krhpr_of_leg(g->k[0], i);
     const krhpr_lanes g_k_3 = krhpr_of_leg(g->k[3], i);
     const krhpr_lanes g_k_4 = krhpr_of_leg(g->k[4], i);
     const krhpr_lanes g_k_5 = krhpr_of_leg(g->k[5], i);
@@ -274,7 +271,6 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_inverse_all_lanes(
     const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
     const krhpr_lanes g_k_8 = krhpr_of_leg(g->k[8], i);
     const krhpr_lanes g_k_9 = krhpr_of_leg(g->k[9], i);
-    const krhpr_lanes g_k_10 = krhpr_of_leg(g->k[10], i);
     const krhpr_lanes arm_0 = s[0] - g_c_0; /* s - c */
     const krhpr_lanes arm_1 = s[1] - g_c_1;
     const krhpr_lanes arm_2 = s[2] - g_c_2;
@@ -283,7 +279,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_inverse_all_lanes(
     const krhpr_lanes d2 = d_0 * d_0 + d_1 * d_1;
     const krhpr_lanes h2 = (d2 - g_k_3) * (g_k_4 - d2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S = krhpr_lanes_sqrt(h2); /* 2 a b sin */
-    const krhpr_lanes A = d2 + g_k_5 - g_k_6; /* 2 a (a + b cos) */
+    const krhpr_lanes A = d2 + g_k_5; /* 2 a (a + b cos) */
     const krhpr_lanes t1 = d_0 * A;
     const krhpr_lanes t2 = d_1 * S;
     const krhpr_lanes n = t1 + t2;
@@ -294,12 +290,12 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_inverse_all_lanes(
     const krhpr_lanes t5 = 1.0 / d2;
     const krhpr_lanes u_1_0 = n * 0.5 * t5;
     const krhpr_lanes u_1_1 = t5 * (m * 0.5);
-    const krhpr_lanes p_0 = u_1_0 + g_k_7 * (d_0 - u_1_0); /* u_1 + w - o_12 */
-    const krhpr_lanes p_1 = u_1_1 + g_k_7 * (d_1 - u_1_1);
+    const krhpr_lanes p_0 = u_1_0 + g_k_6 * (d_0 - u_1_0); /* u_1 + w - o_12 */
+    const krhpr_lanes p_1 = u_1_1 + g_k_6 * (d_1 - u_1_1);
     const krhpr_lanes d2_2 = p_0 * p_0 + p_1 * p_1;
-    const krhpr_lanes h2_2 = (d2_2 - g_k_8) * (g_k_9 - d2_2); /* 4 a^2 b^2 sin^2 */
+    const krhpr_lanes h2_2 = (d2_2 - g_k_7) * (g_k_8 - d2_2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S_2 = krhpr_lanes_sqrt(h2_2); /* 2 a b sin */
-    const krhpr_lanes A_2 = d2_2 + g_k_10 - g_k_0; /* 2 a (a + b cos) */
+    const krhpr_lanes A_2 = d2_2 + g_k_9; /* 2 a (a + b cos) */
     const krhpr_lanes t6 = p_0 * A_2;
     const krhpr_lanes t7 = p_1 * S_2;
     const krhpr_lanes n_2 = t6 + t7;
@@ -314,12 +310,12 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_inverse_all_lanes(
     const krhpr_lanes theta_1_a = krhpr_lanes_atan2(m_a, n_a);
     const krhpr_lanes u_1_0_a = t5 * (0.5 * n_a);
     const krhpr_lanes u_1_1_a = t5 * (0.5 * m_a);
-    const krhpr_lanes p_0_a = u_1_0_a + g_k_7 * (d_0 - u_1_0_a); /* u_1 + w - o_12 */
-    const krhpr_lanes p_1_a = u_1_1_a + g_k_7 * (d_1 - u_1_1_a);
+    const krhpr_lanes p_0_a = u_1_0_a + g_k_6 * (d_0 - u_1_0_a); /* u_1 + w - o_12 */
+    const krhpr_lanes p_1_a = u_1_1_a + g_k_6 * (d_1 - u_1_1_a);
     const krhpr_lanes d2_2_a = p_0_a * p_0_a + p_1_a * p_1_a;
-    const krhpr_lanes h2_2_a = (d2_2_a - g_k_8) * (g_k_9 - d2_2_a); /* 4 a^2 b^2 sin^2 */
+    const krhpr_lanes h2_2_a = (d2_2_a - g_k_7) * (g_k_8 - d2_2_a); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S_2_a = krhpr_lanes_sqrt(h2_2_a); /* 2 a b sin */
-    const krhpr_lanes A_2_a = g_k_10 + d2_2_a - g_k_0; /* 2 a (a + b cos) */
+    const krhpr_lanes A_2_a = g_k_9 + d2_2_a; /* 2 a (a + b cos) */
     const krhpr_lanes t10 = p_0_a * A_2_a;
     const krhpr_lanes t11 = p_1_a * S_2_a;
     const krhpr_lanes n_2_b = t10 + t11;
@@ -343,7 +339,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_inverse_all_lanes(
     *radicand = krhpr_lanes_max(krhpr_lanes_min(h2, h2_2), krhpr_lanes_min(h2, h2_2_a));
 }
 
-/* Distance by which the end point lies outside the reach of the P(RR-RRR) sub-leg.  (25 add, 22 multiply, 1
+/* Distance by which the end point lies outside the reach of the P(RR-RRR) sub-leg.  (24 add, 22 multiply, 1
  * divide, 3 square root, 3 select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_reach_lanes(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at mode[2],
@@ -366,9 +362,8 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_reach_lanes(
     const krhpr_lanes g_k_4 = krhpr_of_leg(g->k[4], i);
     const krhpr_lanes g_k_5 = krhpr_of_leg(g->k[5], i);
     const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_10 = krhpr_of_leg(g->k[10], i);
     const krhpr_lanes g_k_11 = krhpr_of_leg(g->k[11], i);
-    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes arm_0 = s[0] - g_c_0; /* s - c */
     const krhpr_lanes arm_1 = s[1] - g_c_1;
     const krhpr_lanes arm_2 = s[2] - g_c_2;
@@ -377,17 +372,17 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_reach_lanes(
     const krhpr_lanes d2 = d_0 * d_0 + d_1 * d_1;
     const krhpr_lanes h2 = (d2 - g_k_3) * (g_k_4 - d2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S = mode[0] * krhpr_lanes_sqrt(h2); /* 2 a b sin */
-    const krhpr_lanes A = d2 + g_k_5 - g_k_6; /* 2 a (a + b cos) */
+    const krhpr_lanes A = d2 + g_k_5; /* 2 a (a + b cos) */
     const krhpr_lanes n = d_0 * A + d_1 * S;
     const krhpr_lanes m = d_1 * A - d_0 * S;
     const krhpr_lanes t1 = 1.0 / d2;
     const krhpr_lanes u_1_0 = n * 0.5 * t1;
     const krhpr_lanes u_1_1 = t1 * (m * 0.5);
-    const krhpr_lanes p_0 = u_1_0 + g_k_7 * (d_0 - u_1_0); /* u_1 + w - o_12 */
-    const krhpr_lanes p_1 = u_1_1 + g_k_7 * (d_1 - u_1_1);
+    const krhpr_lanes p_0 = u_1_0 + g_k_6 * (d_0 - u_1_0); /* u_1 + w - o_12 */
+    const krhpr_lanes p_1 = u_1_1 + g_k_6 * (d_1 - u_1_1);
     const krhpr_lanes reach_2 = krhpr_lanes_sqrt(p_0 * p_0 + p_1 * p_1);
     const krhpr_lanes reach_1 = krhpr_lanes_sqrt(d2);
-    const krhpr_lanes excess_a = krhpr_lanes_max(krhpr_lanes_max(reach_2 - g_l_2 - g_l_3, g_k_11 - reach_2), krhpr_lanes_max(reach_1 - g_l_4 - g_l_6, g_k_12 - reach_1));
+    const krhpr_lanes excess_a = krhpr_lanes_max(krhpr_lanes_max(reach_2 - g_l_2 - g_l_3, g_k_10 - reach_2), krhpr_lanes_max(reach_1 - g_l_4 - g_l_6, g_k_11 - reach_1));
     *excess = excess_a;
 }
 
@@ -442,22 +437,22 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_jacobian_lanes(
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
     const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
     const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
-    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes t1 = v_1_0 * g_k_7;
+    const krhpr_lanes t1 = v_1_0 * g_k_6;
     const krhpr_lanes v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_7;
+    const krhpr_lanes t2 = v_1_1 * g_k_6;
     const krhpr_lanes v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_13 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const krhpr_lanes t3 = u_2[0] * v_2_1;
     const krhpr_lanes t4 = u_2[1] * v_2_0;
     const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t5 = g_k_7 * b_22;
+    const krhpr_lanes t5 = g_k_6 * b_22;
     const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const krhpr_lanes m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const krhpr_lanes m_02 = t6 * (v_1_1 * (t4 - t3));
@@ -472,7 +467,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_jacobian_lanes(
     M[6] = krhpr_all(0.0);
     M[7] = g_e_1_2 * m_11 + g_e_x_2 * m_01;
     M[8] = g_e_1_2 * m_12 + g_e_x_2 * m_02;
-    *regularity = krhpr_lanes_fabs(delta * g_k_14);
+    *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
 /* Rows of K: N M_i for the P(RR-RRR) sub-leg, where the rows of N are the directions of the platform's
@@ -490,22 +485,22 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_project_lanes(
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
     const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
     const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
-    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes t1 = v_1_0 * g_k_7;
+    const krhpr_lanes t1 = v_1_0 * g_k_6;
     const krhpr_lanes v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_7;
+    const krhpr_lanes t2 = v_1_1 * g_k_6;
     const krhpr_lanes v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_13 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const krhpr_lanes t3 = u_2[0] * v_2_1;
     const krhpr_lanes t4 = u_2[1] * v_2_0;
     const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t5 = g_k_7 * b_22;
+    const krhpr_lanes t5 = g_k_6 * b_22;
     const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const krhpr_lanes m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const krhpr_lanes m_02 = t6 * (v_1_1 * (t4 - t3));
@@ -523,7 +518,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_project_lanes(
     K[3] = n_12;
     K[4] = m_01 * n_10 + m_11 * n_11;
     K[5] = m_02 * n_10 + m_12 * n_11;
-    *regularity = krhpr_lanes_fabs(delta * g_k_14);
+    *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
 /* Velocity of the end point of the P(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (19 add, 33 multiply, 1
@@ -541,28 +536,28 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_velocity_lanes(
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
     const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
     const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
-    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes t1 = v_1_0 * g_k_7;
+    const krhpr_lanes t1 = v_1_0 * g_k_6;
     const krhpr_lanes v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_7;
+    const krhpr_lanes t2 = v_1_1 * g_k_6;
     const krhpr_lanes v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_13 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
     const krhpr_lanes w_1 = b_22 * theta_dot[1]; /* B theta_dot */
     const krhpr_lanes w_2 = b_32 * theta_dot[1] + b_33 * theta_dot[2];
     const krhpr_lanes t3 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const krhpr_lanes v_l_0 = (w_1 * (g_k_7 * v_2_1) - v_1_1 * w_2) * t3; /* velocity in the leg's frame */
-    const krhpr_lanes v_l_1 = t3 * (v_1_0 * w_2 - w_1 * (g_k_7 * v_2_0));
+    const krhpr_lanes v_l_0 = (w_1 * (g_k_6 * v_2_1) - v_1_1 * w_2) * t3; /* velocity in the leg's frame */
+    const krhpr_lanes v_l_1 = t3 * (v_1_0 * w_2 - w_1 * (g_k_6 * v_2_0));
     s_dot[0] = g_e_1_0 * v_l_1 + g_e_t_0 * theta_dot[0] + g_e_x_0 * v_l_0;
     s_dot[1] = g_e_1_1 * v_l_1 + g_e_t_1 * theta_dot[0] + g_e_x_1 * v_l_0;
     s_dot[2] = g_e_1_2 * v_l_1 + g_e_x_2 * v_l_0;
-    *regularity = krhpr_lanes_fabs(delta * g_k_14);
+    *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
@@ -595,9 +590,9 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_bias_lanes(
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
     const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
     const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
-    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes arm_0 = s[0] - g_c_0; /* s - c */
     const krhpr_lanes arm_1 = s[1] - g_c_1;
     const krhpr_lanes arm_2 = s[2] - g_c_2;
@@ -609,16 +604,16 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_bias_lanes(
     const krhpr_lanes u_2_1 = g_l_2 * sine[1];
     const krhpr_lanes v_1_0 = d_0 - u_1_0; /* (1.14) */
     const krhpr_lanes v_1_1 = d_1 - u_1_1;
-    const krhpr_lanes t1 = v_1_0 * g_k_7;
+    const krhpr_lanes t1 = v_1_0 * g_k_6;
     const krhpr_lanes v_2_0 = u_1_0 + t1 - u_2_0; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_7;
+    const krhpr_lanes t2 = v_1_1 * g_k_6;
     const krhpr_lanes v_2_1 = u_1_1 + t2 - u_2_1; /* (1.15) */
     const krhpr_lanes b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_13 * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
+    const krhpr_lanes b_32 = g_k_12 * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
     const krhpr_lanes b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
     const krhpr_lanes t3 = theta_dot[1] * b_32 + theta_dot[2] * b_33;
-    const krhpr_lanes t4 = theta_dot[1] * (g_k_7 * b_22);
+    const krhpr_lanes t4 = theta_dot[1] * (g_k_6 * b_22);
     const krhpr_lanes t5 = v_1_0 * t3 - v_2_0 * t4;
     const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const krhpr_lanes t7 = g_e_1_0 * t5 * t6;
@@ -637,13 +632,13 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_bias_lanes(
     const krhpr_lanes t17 = g_l_2 * (theta_dot[2] * cosine[1]);
     const krhpr_lanes t18 = g_e_x_0 * s_dot_0 + g_e_x_1 * s_dot_1 + g_e_x_2 * s_dot_2 + t14;
     const krhpr_lanes t19 = g_e_1_0 * s_dot_0 + g_e_1_1 * s_dot_1 + g_e_1_2 * s_dot_2 - t15;
-    const krhpr_lanes t20 = g_k_7 * t18;
+    const krhpr_lanes t20 = g_k_6 * t18;
     const krhpr_lanes t21 = t16 + (t20 - t14);
-    const krhpr_lanes t22 = g_k_7 * t19;
+    const krhpr_lanes t22 = g_k_6 * t19;
     const krhpr_lanes t23 = t15 + t22 - t17;
-    const krhpr_lanes t24 = theta_dot[1] * (g_k_13 * (v_2_0 * t15 + u_1_1 * t21 - (u_1_0 * t23 - v_2_1 * t14)));
+    const krhpr_lanes t24 = theta_dot[1] * (g_k_12 * (v_2_0 * t15 + u_1_1 * t21 - (u_1_0 * t23 - v_2_1 * t14)));
     const krhpr_lanes t25 = t24 + theta_dot[2] * (u_2_0 * t23 - v_2_1 * t16 - (v_2_0 * t17 + u_2_1 * t21));
-    const krhpr_lanes t26 = theta_dot[1] * (g_k_7 * (u_1_0 * t19 - v_1_1 * t14 - (v_1_0 * t15 + u_1_1 * t18)));
+    const krhpr_lanes t26 = theta_dot[1] * (g_k_6 * (u_1_0 * t19 - v_1_1 * t14 - (v_1_0 * t15 + u_1_1 * t18)));
     const krhpr_lanes t27 = t3 * t18 + v_1_0 * t25 - (t4 * t21 + v_2_0 * t26);
     const krhpr_lanes t28 = v_2_1 * t20 + t1 * t23 - (t2 * t21 + v_2_0 * t22);
     const krhpr_lanes t29 = t4 * t23 + v_2_1 * t26 - (t3 * t19 + v_1_1 * t25);
@@ -653,7 +648,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_bias_lanes(
     bias[0] = t6 * (g_e_1_0 * t27 - t7 * t28) + t6 * (g_e_x_0 * t29 - t9 * t28);
     bias[1] = t6 * (g_e_1_1 * t27 - t10 * t28) + t6 * (g_e_x_1 * t29 - t11 * t28);
     bias[2] = t6 * (g_e_1_2 * t27 - t12 * t28) + t6 * (g_e_x_2 * t29 - t13 * t28);
-    *regularity = krhpr_lanes_fabs(delta * g_k_14);
+    *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
 /* Actuated joint rates of the P(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
@@ -671,24 +666,24 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_rates_lanes(
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
     const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
     const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
-    const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
+    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes g_k_15 = krhpr_of_leg(g->k[15], i);
-    const krhpr_lanes g_k_16 = krhpr_of_leg(g->k[16], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_7 - u_2[0]; /* (1.15) */
-    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_7 - u_2[1];
+    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_6 - u_2[0]; /* (1.15) */
+    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_6 - u_2[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_13 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes v_l_0 = g_e_x_0 * s_dot[0] + g_e_x_1 * s_dot[1] + g_e_x_2 * s_dot[2]; /* velocity in the leg's frame */
     const krhpr_lanes v_l_1 = g_e_1_0 * s_dot[0] + g_e_1_1 * s_dot[1] + g_e_1_2 * s_dot[2];
     const krhpr_lanes v_l_2 = g_e_t_0 * s_dot[0] + g_e_t_1 * s_dot[1];
     const krhpr_lanes w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1; /* A s_dot */
-    const krhpr_lanes w_2 = v_l_0 * (g_k_7 * v_2_0) + v_l_1 * (g_k_7 * v_2_1);
+    const krhpr_lanes w_2 = v_l_0 * (g_k_6 * v_2_0) + v_l_1 * (g_k_6 * v_2_1);
     const krhpr_lanes t1 = 1.0 / b_22;
-    const krhpr_lanes regularity_a = krhpr_lanes_min(krhpr_lanes_fabs(b_22 * g_k_15), krhpr_lanes_fabs(b_33 * g_k_16));
+    const krhpr_lanes regularity_a = krhpr_lanes_min(krhpr_lanes_fabs(b_22 * g_k_14), krhpr_lanes_fabs(b_33 * g_k_15));
     theta_dot[0] = v_l_2;
     theta_dot[1] = w_1 * t1;
     theta_dot[2] = (w_2 - t1 * (b_32 * w_1)) / b_33;
@@ -701,21 +696,21 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_determinant_lanes(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
     const krhpr_lanes_at u_2[2], krhpr_lanes_at *KRHPR_RESTRICT det_M, krhpr_lanes_at *KRHPR_RESTRICT factors)
 {
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
     const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes g_k_15 = krhpr_of_leg(g->k[15], i);
-    const krhpr_lanes g_k_16 = krhpr_of_leg(g->k[16], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_7 - u_2[0]; /* (1.15) */
-    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_7 - u_2[1];
+    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_6 - u_2[0]; /* (1.15) */
+    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_6 - u_2[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
     const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    *det_M = b_22 * b_33 / (g_k_7 * delta);
-    factors[0] = b_22 * g_k_15;
-    factors[1] = b_33 * g_k_16;
-    factors[2] = delta * g_k_14;
+    *det_M = b_22 * b_33 / (g_k_6 * delta);
+    factors[0] = b_22 * g_k_14;
+    factors[1] = b_33 * g_k_15;
+    factors[2] = delta * g_k_13;
 }
 
 /* Squares of M_i of the P(RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide count by
@@ -736,22 +731,22 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_gram_lanes(
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
     const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
     const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
-    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes t1 = v_1_0 * g_k_7;
+    const krhpr_lanes t1 = v_1_0 * g_k_6;
     const krhpr_lanes v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_7;
+    const krhpr_lanes t2 = v_1_1 * g_k_6;
     const krhpr_lanes v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_13 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const krhpr_lanes t3 = u_2[0] * v_2_1;
     const krhpr_lanes t4 = u_2[1] * v_2_0;
     const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t5 = g_k_7 * b_22;
+    const krhpr_lanes t5 = g_k_6 * b_22;
     const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const krhpr_lanes m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const krhpr_lanes m_02 = t6 * (v_1_1 * (t4 - t3));
@@ -802,7 +797,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_gram_lanes(
     reach[0] = k_00 * k_00 + k_01 * k_01 + k_02 * k_02;
     reach[1] = k_00 * k_10 + k_01 * k_11 + k_02 * k_12;
     reach[2] = k_10 * k_10 + k_11 * k_11 + k_12 * k_12;
-    *regularity = krhpr_lanes_fabs(delta * g_k_14);
+    *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
 /* Passive joints of the P(RR-RRR) sub-leg and the orientation of its last link.  (18 add, 28 multiply) */
@@ -819,14 +814,14 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_passive_lanes(
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
     const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
     const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
+    const krhpr_lanes g_k_16 = krhpr_of_leg(g->k[16], i);
     const krhpr_lanes g_k_17 = krhpr_of_leg(g->k[17], i);
-    const krhpr_lanes g_k_18 = krhpr_of_leg(g->k[18], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_18 - u_2[0]; /* (1.15) */
-    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_18 - u_2[1];
-    const krhpr_lanes dir_0 = v_1_0 * g_k_17; /* direction of the last link in (x, e_1) */
-    const krhpr_lanes dir_1 = v_1_1 * g_k_17;
+    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_17 - u_2[0]; /* (1.15) */
+    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_17 - u_2[1];
+    const krhpr_lanes dir_0 = v_1_0 * g_k_16; /* direction of the last link in (x, e_1) */
+    const krhpr_lanes dir_1 = v_1_1 * g_k_16;
     const krhpr_lanes along_0 = g_e_x_0 * dir_0 + g_e_1_0 * dir_1;
     const krhpr_lanes along_1 = g_e_x_1 * dir_0 + g_e_1_1 * dir_1;
     const krhpr_lanes along_2 = g_e_x_2 * dir_0 + g_e_1_2 * dir_1;
@@ -864,18 +859,18 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_points_lanes(
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_18 = krhpr_of_leg(g->k[18], i);
     const krhpr_lanes g_k_19 = krhpr_of_leg(g->k[19], i);
     const krhpr_lanes g_k_20 = krhpr_of_leg(g->k[20], i);
-    const krhpr_lanes g_k_21 = krhpr_of_leg(g->k[21], i);
     const krhpr_lanes origin_0 = s[0] - g_e_x_0 * d[0] - g_e_1_0 * d[1]; /* c + theta_1 e_t */
     const krhpr_lanes origin_1 = s[1] - g_e_x_1 * d[0] - g_e_1_1 * d[1];
     const krhpr_lanes origin_2 = s[2] - g_e_x_2 * d[0] - g_e_1_2 * d[1];
-    const krhpr_lanes p_0 = u_1[0] + g_k_7 * (d[0] - u_1[0]); /* u_1 + w */
-    const krhpr_lanes p_1 = u_1[1] + g_k_7 * (d[1] - u_1[1]);
-    points[0] = g_k_19;
-    points[1] = g_k_20;
-    points[2] = g_k_21;
+    const krhpr_lanes p_0 = u_1[0] + g_k_6 * (d[0] - u_1[0]); /* u_1 + w */
+    const krhpr_lanes p_1 = u_1[1] + g_k_6 * (d[1] - u_1[1]);
+    points[0] = g_k_18;
+    points[1] = g_k_19;
+    points[2] = g_k_20;
     points[3] = g_c_0;
     points[4] = g_c_1;
     points[5] = g_c_2;
@@ -911,22 +906,22 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_transmission_lanes(
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
     const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
     const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
-    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes t1 = v_1_0 * g_k_7;
+    const krhpr_lanes t1 = v_1_0 * g_k_6;
     const krhpr_lanes v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_7;
+    const krhpr_lanes t2 = v_1_1 * g_k_6;
     const krhpr_lanes v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_13 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const krhpr_lanes t3 = u_2[0] * v_2_1;
     const krhpr_lanes t4 = u_2[1] * v_2_0;
     const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t5 = g_k_7 * b_22;
+    const krhpr_lanes t5 = g_k_6 * b_22;
     const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const krhpr_lanes m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const krhpr_lanes m_02 = t6 * (v_1_1 * (t4 - t3));
@@ -950,7 +945,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_transmission_lanes(
     K_n[6] = n_22;
     K_n[7] = m_01 * n_20 + m_11 * n_21;
     K_n[8] = m_02 * n_20 + m_12 * n_21;
-    *regularity = krhpr_lanes_fabs(delta * g_k_14);
+    *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
 /* J_n of J_n [t, rates of the redundant coordinates, of swivels] = K_n theta_dot.  Thesis: (5.58) to
@@ -1091,24 +1086,24 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_end_force_lanes(
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
     const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
     const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
-    const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
+    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes g_k_15 = krhpr_of_leg(g->k[15], i);
-    const krhpr_lanes g_k_16 = krhpr_of_leg(g->k[16], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_7 - u_2[0]; /* (1.15) */
-    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_7 - u_2[1];
+    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_6 - u_2[0]; /* (1.15) */
+    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_6 - u_2[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_13 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
-    const krhpr_lanes w_2 = g_k_7 * v_2_0; /* A s_dot */
-    const krhpr_lanes w_2_a = g_k_7 * v_2_1;
+    const krhpr_lanes w_2 = g_k_6 * v_2_0; /* A s_dot */
+    const krhpr_lanes w_2_a = g_k_6 * v_2_1;
     const krhpr_lanes t1 = 1.0 / b_22;
     const krhpr_lanes t2 = 1.0 / b_33;
     const krhpr_lanes g_l_0 = v_1_0 * actuator_forces[1] * t1 + actuator_forces[2] * (w_2 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
     const krhpr_lanes g_l_1 = t1 * (v_1_1 * actuator_forces[1]) + t2 * (actuator_forces[2] * (w_2_a - t1 * (v_1_1 * b_32)));
-    const krhpr_lanes regularity_a = krhpr_lanes_min(krhpr_lanes_fabs(b_22 * g_k_15), krhpr_lanes_fabs(b_33 * g_k_16));
+    const krhpr_lanes regularity_a = krhpr_lanes_min(krhpr_lanes_fabs(b_22 * g_k_14), krhpr_lanes_fabs(b_33 * g_k_15));
     end_force[0] = g_e_t_0 * actuator_forces[0] + g_e_1_0 * g_l_1 + g_e_x_0 * g_l_0;
     end_force[1] = g_e_t_1 * actuator_forces[0] + g_e_1_1 * g_l_1 + g_e_x_1 * g_l_0;
     end_force[2] = g_e_1_2 * g_l_1 + g_e_x_2 * g_l_0;

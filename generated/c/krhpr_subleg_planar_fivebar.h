@@ -26,7 +26,7 @@ typedef struct {
 } krhpr_subleg_planar_fivebar_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (8 add, 17 multiply, 4 divide, 1 sine
+/* Vectors and sub-expressions that depend on the geometry alone.  (10 add, 17 multiply, 4 divide, 1 sine
  * cosine, 2 select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_prepare(krhpr_subleg_planar_fivebar_geometry *g, int i)
 {
@@ -36,6 +36,8 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_prepare(krhpr_subleg_planar_fiveba
     const double apart_1 = g->l_0[i] * e_r_0;
     const double o_0 = g->R_b[i] * e_r_0 + t1 * 0.5;
     const double o_1 = g->R_b[i] * e_r_1 - apart_1 * 0.5;
+    const double k_0 = g->l_3[i] * g->l_3[i];
+    const double k_1 = g->l_6[i] * g->l_6[i];
     const double t2 = g->l_4[i] - g->l_6[i];
     const double t3 = g->l_4[i] + g->l_6[i];
     const double t4 = g->l_2[i] - g->l_3[i];
@@ -44,14 +46,14 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_prepare(krhpr_subleg_planar_fiveba
     g->o[1][i] = o_1;
     g->o_12[0][i] = apart_0;
     g->o_12[1][i] = apart_1;
-    g->k[0][i] = g->l_3[i] * g->l_3[i];
-    g->k[1][i] = g->l_6[i] * g->l_6[i];
+    g->k[0][i] = k_0;
+    g->k[1][i] = k_1;
     g->k[2][i] = t2 * t2;
     g->k[3][i] = t3 * t3;
-    g->k[4][i] = g->l_4[i] * g->l_4[i];
+    g->k[4][i] = g->l_4[i] * g->l_4[i] - k_1;
     g->k[5][i] = t4 * t4;
     g->k[6][i] = t5 * t5;
-    g->k[7][i] = g->l_2[i] * g->l_2[i];
+    g->k[7][i] = g->l_2[i] * g->l_2[i] - k_0;
     g->k[8][i] = fabs(t4);
     g->k[9][i] = fabs(t2);
     g->k[10][i] = 1.0 / (g->l_3[i] * g->l_6[i]);
@@ -190,7 +192,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_forward_all(
 }
 
 /* Actuated joints of the (RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
- * end point is out of reach.  Thesis: 2.2.3, 2.5.  (18 add, 16 multiply, 2 square root, 1 select) */
+ * end point is out of reach.  Thesis: 2.2.3, 2.5.  (16 add, 16 multiply, 2 square root, 1 select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_inverse(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const double s[2], const double mode[2],
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
@@ -200,7 +202,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_inverse(
     const double d2 = d_0 * d_0 + d_1 * d_1;
     const double h2 = (d2 - g->k[2][i]) * (g->k[3][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[0] * sqrt(h2); /* 2 a b sin */
-    const double A = d2 + g->k[4][i] - g->k[1][i]; /* 2 a (a + b cos) */
+    const double A = d2 + g->k[4][i]; /* 2 a (a + b cos) */
     const double n = d_0 * A + d_1 * S;
     const double m = d_1 * A - d_0 * S;
     const double p_0 = d_0 - g->o_12[0][i]; /* u_1 + w - o_12 */
@@ -208,7 +210,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_inverse(
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
     const double h2_2 = (d2_2 - g->k[5][i]) * (g->k[6][i] - d2_2); /* 4 a^2 b^2 sin^2 */
     const double S_2 = mode[1] * sqrt(h2_2); /* 2 a b sin */
-    const double A_2 = d2_2 + g->k[7][i] - g->k[0][i]; /* 2 a (a + b cos) */
+    const double A_2 = d2_2 + g->k[7][i]; /* 2 a (a + b cos) */
     const double n_2 = p_0 * A_2 + p_1 * S_2;
     const double m_2 = p_1 * A_2 - p_0 * S_2;
     *radicand = krhpr_min(h2, h2_2);
@@ -219,7 +221,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_inverse(
 }
 
 /* Every working mode of the (RR-RRR) sub-leg, in the order elbow+/rod+, elbow+/rod-, elbow-/rod+,
- * elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.2.3, 2.5.  (22 add, 14 multiply, 2 square root,
+ * elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.2.3, 2.5.  (20 add, 14 multiply, 2 square root,
  * 1 select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_inverse_all(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT radicand,
@@ -230,7 +232,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_inverse_all(
     const double d2 = d_0 * d_0 + d_1 * d_1;
     const double h2 = (d2 - g->k[2][i]) * (g->k[3][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = sqrt(h2); /* 2 a b sin */
-    const double A = d2 + g->k[4][i] - g->k[1][i]; /* 2 a (a + b cos) */
+    const double A = d2 + g->k[4][i]; /* 2 a (a + b cos) */
     const double t1 = d_0 * A;
     const double t2 = d_1 * S;
     const double n = t1 + t2;
@@ -242,7 +244,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_inverse_all(
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
     const double h2_2 = (d2_2 - g->k[5][i]) * (g->k[6][i] - d2_2); /* 4 a^2 b^2 sin^2 */
     const double S_2 = sqrt(h2_2); /* 2 a b sin */
-    const double A_2 = d2_2 + g->k[7][i] - g->k[0][i]; /* 2 a (a + b cos) */
+    const double A_2 = d2_2 + g->k[7][i]; /* 2 a (a + b cos) */
     const double t5 = p_0 * A_2;
     const double t6 = p_1 * S_2;
     const double n_2 = t5 + t6;
@@ -255,13 +257,13 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_inverse_all(
     const double m_a = t3 + t4;
     *radicand = krhpr_min(h2, h2_2);
     tail_y[0] = m;
-    tail_y[1] = m_2;
-    tail_y[2] = m_2_a;
-    tail_y[3] = m_a;
+    tail_y[1] = m_a;
+    tail_y[2] = m_2;
+    tail_y[3] = m_2_a;
     tail_x[0] = n;
-    tail_x[1] = n_2;
-    tail_x[2] = n_2_a;
-    tail_x[3] = n_a;
+    tail_x[1] = n_a;
+    tail_x[2] = n_2;
+    tail_x[3] = n_2_a;
 }
 
 /* Distance by which the end point lies outside the reach of the (RR-RRR) sub-leg.  (12 add, 4 multiply, 2

@@ -24,11 +24,11 @@ typedef struct {
     double l_6[KRHPR_PLACES]; /* part of the distal link from crank u_1 to S_i (m) */
     double o[2][KRHPR_PLACES]; /* first base joint */
     double o_12[2][KRHPR_PLACES]; /* from the first base joint to the second */
-    double k[21][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
+    double k[20][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_planar_fivebar_coupler_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (12 add, 19 multiply, 6 divide, 1 sine
+/* Vectors and sub-expressions that depend on the geometry alone.  (14 add, 19 multiply, 6 divide, 1 sine
  * cosine, 2 select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_prepare(
     krhpr_subleg_planar_fivebar_coupler_geometry *g, int i)
@@ -39,38 +39,38 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_prepare(
     const double apart_1 = g->l_0[i] * e_r_0;
     const double o_0 = g->R_b[i] * e_r_0 + t1 * 0.5;
     const double o_1 = g->R_b[i] * e_r_1 - apart_1 * 0.5;
-    const double k_7 = 1.0 - g->l_5[i] / g->l_6[i];
+    const double k_6 = 1.0 - g->l_5[i] / g->l_6[i];
+    const double k_0 = g->l_3[i] * g->l_3[i];
     const double t2 = g->l_6[i] - g->l_5[i];
     const double t3 = g->l_4[i] - g->l_6[i];
     const double t4 = g->l_4[i] + g->l_6[i];
     const double t5 = g->l_2[i] - g->l_3[i];
     const double t6 = g->l_2[i] + g->l_3[i];
-    const double k_17 = 1.0 / g->l_6[i];
+    const double k_16 = 1.0 / g->l_6[i];
     g->o[0][i] = o_0;
     g->o[1][i] = o_1;
     g->o_12[0][i] = apart_0;
     g->o_12[1][i] = apart_1;
-    g->k[0][i] = g->l_3[i] * g->l_3[i];
+    g->k[0][i] = k_0;
     g->k[1][i] = t2 * t2;
-    g->k[2][i] = 1.0 / k_7;
+    g->k[2][i] = 1.0 / k_6;
     g->k[3][i] = t3 * t3;
     g->k[4][i] = t4 * t4;
-    g->k[5][i] = g->l_4[i] * g->l_4[i];
-    g->k[6][i] = g->l_6[i] * g->l_6[i];
-    g->k[7][i] = k_7;
-    g->k[8][i] = t5 * t5;
-    g->k[9][i] = t6 * t6;
-    g->k[10][i] = g->l_2[i] * g->l_2[i];
-    g->k[11][i] = fabs(t5);
-    g->k[12][i] = fabs(t3);
-    g->k[13][i] = 1.0 - k_7;
-    g->k[14][i] = 1.0 / (g->l_3[i] * g->l_6[i]);
-    g->k[15][i] = 1.0 / (g->l_4[i] * g->l_6[i]);
-    g->k[16][i] = 1.0 / (g->l_2[i] * g->l_3[i]);
-    g->k[17][i] = k_17;
-    g->k[18][i] = 1.0 - g->l_5[i] * k_17;
-    g->k[19][i] = o_0 - t1;
-    g->k[20][i] = apart_1 + o_1;
+    g->k[5][i] = g->l_4[i] * g->l_4[i] - g->l_6[i] * g->l_6[i];
+    g->k[6][i] = k_6;
+    g->k[7][i] = t5 * t5;
+    g->k[8][i] = t6 * t6;
+    g->k[9][i] = g->l_2[i] * g->l_2[i] - k_0;
+    g->k[10][i] = fabs(t5);
+    g->k[11][i] = fabs(t3);
+    g->k[12][i] = 1.0 - k_6;
+    g->k[13][i] = 1.0 / (g->l_3[i] * g->l_6[i]);
+    g->k[14][i] = 1.0 / (g->l_4[i] * g->l_6[i]);
+    g->k[15][i] = 1.0 / (g->l_2[i] * g->l_3[i]);
+    g->k[16][i] = k_16;
+    g->k[17][i] = 1.0 - g->l_5[i] * k_16;
+    g->k[18][i] = o_0 - t1;
+    g->k[19][i] = apart_1 + o_1;
 }
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
@@ -201,7 +201,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_forward_all(
 }
 
 /* Actuated joints of the (RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
- * end point is out of reach.  Thesis: 2.2.3, 2.5.  (22 add, 22 multiply, 1 divide, 2 square root, 1 select) */
+ * end point is out of reach.  Thesis: 2.2.3, 2.5.  (20 add, 22 multiply, 1 divide, 2 square root, 1 select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_inverse(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double s[2], const double mode[2],
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
@@ -211,18 +211,18 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_inverse(
     const double d2 = d_0 * d_0 + d_1 * d_1;
     const double h2 = (d2 - g->k[3][i]) * (g->k[4][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[0] * sqrt(h2); /* 2 a b sin */
-    const double A = d2 + g->k[5][i] - g->k[6][i]; /* 2 a (a + b cos) */
+    const double A = d2 + g->k[5][i]; /* 2 a (a + b cos) */
     const double n = d_0 * A + d_1 * S;
     const double m = d_1 * A - d_0 * S;
     const double t1 = 1.0 / d2;
     const double u_1_0 = n * 0.5 * t1;
     const double u_1_1 = t1 * (m * 0.5);
-    const double p_0 = u_1_0 + g->k[7][i] * (d_0 - u_1_0) - g->o_12[0][i]; /* u_1 + w - o_12 */
-    const double p_1 = u_1_1 + g->k[7][i] * (d_1 - u_1_1) - g->o_12[1][i];
+    const double p_0 = u_1_0 + g->k[6][i] * (d_0 - u_1_0) - g->o_12[0][i]; /* u_1 + w - o_12 */
+    const double p_1 = u_1_1 + g->k[6][i] * (d_1 - u_1_1) - g->o_12[1][i];
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
-    const double h2_2 = (d2_2 - g->k[8][i]) * (g->k[9][i] - d2_2); /* 4 a^2 b^2 sin^2 */
+    const double h2_2 = (d2_2 - g->k[7][i]) * (g->k[8][i] - d2_2); /* 4 a^2 b^2 sin^2 */
     const double S_2 = mode[1] * sqrt(h2_2); /* 2 a b sin */
-    const double A_2 = d2_2 + g->k[10][i] - g->k[0][i]; /* 2 a (a + b cos) */
+    const double A_2 = d2_2 + g->k[9][i]; /* 2 a (a + b cos) */
     const double n_2 = p_0 * A_2 + p_1 * S_2;
     const double m_2 = p_1 * A_2 - p_0 * S_2;
     *radicand = krhpr_min(h2, h2_2);
@@ -233,7 +233,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_inverse(
 }
 
 /* Every working mode of the (RR-RRR) sub-leg, in the order elbow+/rod+, elbow+/rod-, elbow-/rod+,
- * elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.2.3, 2.5.  (41 add, 33 multiply, 1 divide, 3
+ * elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.2.3, 2.5.  (38 add, 33 multiply, 1 divide, 3
  * square root, 3 select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_inverse_all(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double s[2],
@@ -244,7 +244,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_inverse_all(
     const double d2 = d_0 * d_0 + d_1 * d_1;
     const double h2 = (d2 - g->k[3][i]) * (g->k[4][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = sqrt(h2); /* 2 a b sin */
-    const double A = d2 + g->k[5][i] - g->k[6][i]; /* 2 a (a + b cos) */
+    const double A = d2 + g->k[5][i]; /* 2 a (a + b cos) */
     const double t1 = d_0 * A;
     const double t2 = d_1 * S;
     const double n = t1 + t2;
@@ -254,12 +254,12 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_inverse_all(
     const double t5 = 1.0 / d2;
     const double u_1_0 = n * 0.5 * t5;
     const double u_1_1 = t5 * (m * 0.5);
-    const double p_0 = u_1_0 + g->k[7][i] * (d_0 - u_1_0) - g->o_12[0][i]; /* u_1 + w - o_12 */
-    const double p_1 = u_1_1 + g->k[7][i] * (d_1 - u_1_1) - g->o_12[1][i];
+    const double p_0 = u_1_0 + g->k[6][i] * (d_0 - u_1_0) - g->o_12[0][i]; /* u_1 + w - o_12 */
+    const double p_1 = u_1_1 + g->k[6][i] * (d_1 - u_1_1) - g->o_12[1][i];
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
-    const double h2_2 = (d2_2 - g->k[8][i]) * (g->k[9][i] - d2_2); /* 4 a^2 b^2 sin^2 */
+    const double h2_2 = (d2_2 - g->k[7][i]) * (g->k[8][i] - d2_2); /* 4 a^2 b^2 sin^2 */
     const double S_2 = sqrt(h2_2); /* 2 a b sin */
-    const double A_2 = d2_2 + g->k[10][i] - g->k[0][i]; /* 2 a (a + b cos) */
+    const double A_2 = d2_2 + g->k[9][i]; /* 2 a (a + b cos) */
     const double t6 = p_0 * A_2;
     const double t7 = p_1 * S_2;
     const double n_2 = t6 + t7;
@@ -272,12 +272,12 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_inverse_all(
     const double m_a = t3 + t4;
     const double u_1_0_a = t5 * (0.5 * n_a);
     const double u_1_1_a = t5 * (0.5 * m_a);
-    const double p_0_a = u_1_0_a + g->k[7][i] * (d_0 - u_1_0_a) - g->o_12[0][i]; /* u_1 + w - o_12 */
-    const double p_1_a = u_1_1_a + g->k[7][i] * (d_1 - u_1_1_a) - g->o_12[1][i];
+    const double p_0_a = u_1_0_a + g->k[6][i] * (d_0 - u_1_0_a) - g->o_12[0][i]; /* u_1 + w - o_12 */
+    const double p_1_a = u_1_1_a + g->k[6][i] * (d_1 - u_1_1_a) - g->o_12[1][i];
     const double d2_2_a = p_0_a * p_0_a + p_1_a * p_1_a;
-    const double h2_2_a = (d2_2_a - g->k[8][i]) * (g->k[9][i] - d2_2_a); /* 4 a^2 b^2 sin^2 */
+    const double h2_2_a = (d2_2_a - g->k[7][i]) * (g->k[8][i] - d2_2_a); /* 4 a^2 b^2 sin^2 */
     const double S_2_a = sqrt(h2_2_a); /* 2 a b sin */
-    const double A_2_a = g->k[10][i] + d2_2_a - g->k[0][i]; /* 2 a (a + b cos) */
+    const double A_2_a = g->k[9][i] + d2_2_a; /* 2 a (a + b cos) */
     const double t10 = p_0_a * A_2_a;
     const double t11 = p_1_a * S_2_a;
     const double n_2_b = t10 + t11;
@@ -288,20 +288,20 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_inverse_all(
     const double m_2_c = t12 + t13;
     *radicand = krhpr_max(krhpr_min(h2, h2_2), krhpr_min(h2, h2_2_a));
     tail_y[0] = m;
-    tail_y[1] = m_2;
-    tail_y[2] = m_2_a;
-    tail_y[3] = m_a;
+    tail_y[1] = m_a;
+    tail_y[2] = m_2;
+    tail_y[3] = m_2_a;
     tail_y[4] = m_2_b;
     tail_y[5] = m_2_c;
     tail_x[0] = n;
-    tail_x[1] = n_2;
-    tail_x[2] = n_2_a;
-    tail_x[3] = n_a;
+    tail_x[1] = n_a;
+    tail_x[2] = n_2;
+    tail_x[3] = n_2_a;
     tail_x[4] = n_2_b;
     tail_x[5] = n_2_c;
 }
 
-/* Distance by which the end point lies outside the reach of the (RR-RRR) sub-leg.  (22 add, 16 multiply, 1
+/* Distance by which the end point lies outside the reach of the (RR-RRR) sub-leg.  (21 add, 16 multiply, 1
  * divide, 3 square root, 3 select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_reach(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double s[2], const double mode[2],
@@ -312,17 +312,17 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_reach(
     const double d2 = d_0 * d_0 + d_1 * d_1;
     const double h2 = (d2 - g->k[3][i]) * (g->k[4][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[0] * sqrt(h2); /* 2 a b sin */
-    const double A = d2 + g->k[5][i] - g->k[6][i]; /* 2 a (a + b cos) */
+    const double A = d2 + g->k[5][i]; /* 2 a (a + b cos) */
     const double n = d_0 * A + d_1 * S;
     const double m = d_1 * A - d_0 * S;
     const double t1 = 1.0 / d2;
     const double u_1_0 = n * 0.5 * t1;
     const double u_1_1 = t1 * (m * 0.5);
-    const double p_0 = u_1_0 + g->k[7][i] * (d_0 - u_1_0) - g->o_12[0][i]; /* u_1 + w - o_12 */
-    const double p_1 = u_1_1 + g->k[7][i] * (d_1 - u_1_1) - g->o_12[1][i];
+    const double p_0 = u_1_0 + g->k[6][i] * (d_0 - u_1_0) - g->o_12[0][i]; /* u_1 + w - o_12 */
+    const double p_1 = u_1_1 + g->k[6][i] * (d_1 - u_1_1) - g->o_12[1][i];
     const double reach_2 = sqrt(p_0 * p_0 + p_1 * p_1);
     const double reach_1 = sqrt(d2);
-    const double excess_a = krhpr_max(krhpr_max(reach_2 - g->l_2[i] - g->l_3[i], g->k[11][i] - reach_2), krhpr_max(reach_1 - g->l_4[i] - g->l_6[i], g->k[12][i] - reach_1));
+    const double excess_a = krhpr_max(krhpr_max(reach_2 - g->l_2[i] - g->l_3[i], g->k[10][i] - reach_2), krhpr_max(reach_1 - g->l_4[i] - g->l_6[i], g->k[11][i] - reach_1));
     *excess = excess_a;
 }
 
@@ -356,17 +356,17 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_jacobian(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[7][i];
+    const double t1 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0] + t1 - g->o_12[0][i] - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7][i];
+    const double t2 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1] + t2 - g->o_12[1][i] - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double t3 = u_2[0] * v_2_1;
     const double t4 = u_2[1] * v_2_0;
     const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[7][i] * b_22;
+    const double t5 = g->k[6][i] * b_22;
     const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const double m_00 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const double m_01 = t6 * (v_1_1 * (t4 - t3));
@@ -376,7 +376,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_jacobian(
     M[1] = m_01;
     M[2] = m_10;
     M[3] = m_11;
-    *regularity = fabs(delta * g->k[14][i]);
+    *regularity = fabs(delta * g->k[13][i]);
 }
 
 /* Rows of K: N M_i for the (RR-RRR) sub-leg, where the rows of N are the directions of the platform's
@@ -387,17 +387,17 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_project(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[7][i];
+    const double t1 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0] + t1 - g->o_12[0][i] - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7][i];
+    const double t2 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1] + t2 - g->o_12[1][i] - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double t3 = u_2[0] * v_2_1;
     const double t4 = u_2[1] * v_2_0;
     const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[7][i] * b_22;
+    const double t5 = g->k[6][i] * b_22;
     const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const double m_00 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const double m_01 = t6 * (v_1_1 * (t4 - t3));
@@ -405,7 +405,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_project(
     const double m_11 = t6 * (v_1_0 * b_33);
     K[0] = N[0] * m_00 + N[1] * m_10;
     K[1] = N[0] * m_01 + N[1] * m_11;
-    *regularity = fabs(delta * g->k[14][i]);
+    *regularity = fabs(delta * g->k[13][i]);
 }
 
 /* Velocity of the end point of the (RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (16 add, 25 multiply, 1
@@ -417,22 +417,22 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_velocity(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[7][i];
+    const double t1 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0] + t1 - g->o_12[0][i] - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7][i];
+    const double t2 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1] + t2 - g->o_12[1][i] - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
     const double w_0 = b_22 * theta_dot[0]; /* B theta_dot */
     const double w_1 = b_32 * theta_dot[0] + b_33 * theta_dot[1];
     const double t3 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double v_l_0 = (w_0 * (g->k[7][i] * v_2_1) - v_1_1 * w_1) * t3; /* velocity in the leg's frame */
-    const double v_l_1 = t3 * (v_1_0 * w_1 - w_0 * (g->k[7][i] * v_2_0));
+    const double v_l_0 = (w_0 * (g->k[6][i] * v_2_1) - v_1_1 * w_1) * t3; /* velocity in the leg's frame */
+    const double v_l_1 = t3 * (v_1_0 * w_1 - w_0 * (g->k[6][i] * v_2_0));
     s_dot[0] = v_l_0;
     s_dot[1] = v_l_1;
-    *regularity = fabs(delta * g->k[14][i]);
+    *regularity = fabs(delta * g->k[13][i]);
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
@@ -459,15 +459,15 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_bias(
     const double u_2_1 = g->l_2[i] * sine[1];
     const double v_1_0 = d_0 - u_1_0; /* (1.14) */
     const double v_1_1 = d_1 - u_1_1;
-    const double t1 = v_1_0 * g->k[7][i];
+    const double t1 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1_0 + t1 - g->o_12[0][i] - u_2_0; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7][i];
+    const double t2 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1_1 + t2 - g->o_12[1][i] - u_2_1; /* (1.15) */
     const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13][i] * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
+    const double b_32 = g->k[12][i] * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
     const double b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t3 = theta_dot[0] * (g->k[7][i] * b_22);
+    const double t3 = theta_dot[0] * (g->k[6][i] * b_22);
     const double t4 = theta_dot[0] * b_32 + theta_dot[1] * b_33;
     const double t5 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const double s_dot_0 = (v_2_1 * t3 - v_1_1 * t4) * t5;
@@ -478,19 +478,19 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_bias(
     const double t9 = g->l_2[i] * (theta_dot[1] * cosine[1]);
     const double t10 = s_dot_0 + t6;
     const double t11 = s_dot_1 - t7;
-    const double t12 = g->k[7][i] * t10;
+    const double t12 = g->k[6][i] * t10;
     const double t13 = t8 + (t12 - t6);
-    const double t14 = g->k[7][i] * t11;
+    const double t14 = g->k[6][i] * t11;
     const double t15 = t7 + t14 - t9;
-    const double t16 = theta_dot[0] * (g->k[7][i] * (u_1_0 * t11 - v_1_1 * t6 - (v_1_0 * t7 + u_1_1 * t10)));
-    const double t17 = theta_dot[0] * (g->k[13][i] * (v_2_0 * t7 + u_1_1 * t13 - (u_1_0 * t15 - v_2_1 * t6)));
+    const double t16 = theta_dot[0] * (g->k[6][i] * (u_1_0 * t11 - v_1_1 * t6 - (v_1_0 * t7 + u_1_1 * t10)));
+    const double t17 = theta_dot[0] * (g->k[12][i] * (v_2_0 * t7 + u_1_1 * t13 - (u_1_0 * t15 - v_2_1 * t6)));
     const double t18 = t17 + theta_dot[1] * (u_2_0 * t15 - v_2_1 * t8 - (v_2_0 * t9 + u_2_1 * t13));
     const double t19 = v_2_1 * t12 + t1 * t15 - (t2 * t13 + v_2_0 * t14);
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
     bias[0] = t5 * (t3 * t15 + v_2_1 * t16 - (t4 * t11 + v_1_1 * t18) - s_dot_0 * t19);
     bias[1] = t5 * (t4 * t10 + v_1_0 * t18 - (t3 * t13 + v_2_0 * t16) - s_dot_1 * t19);
-    *regularity = fabs(delta * g->k[14][i]);
+    *regularity = fabs(delta * g->k[13][i]);
 }
 
 /* Actuated joint rates of the (RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
@@ -502,17 +502,17 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_rates(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[7][i] - g->o_12[0][i] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[7][i] - g->o_12[1][i] - u_2[1];
+    const double v_2_0 = u_1[0] + v_1_0 * g->k[6][i] - g->o_12[0][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 * g->k[6][i] - g->o_12[1][i] - u_2[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double w_0 = v_1_0 * s_dot[0] + v_1_1 * s_dot[1]; /* A s_dot */
-    const double w_1 = v_2_0 * (g->k[7][i] * s_dot[0]) + v_2_1 * (g->k[7][i] * s_dot[1]);
+    const double w_1 = v_2_0 * (g->k[6][i] * s_dot[0]) + v_2_1 * (g->k[6][i] * s_dot[1]);
     const double t1 = 1.0 / b_22;
     theta_dot[0] = w_0 * t1;
     theta_dot[1] = (w_1 - t1 * (b_32 * w_0)) / b_33;
-    *regularity = krhpr_min(fabs(b_22 * g->k[15][i]), fabs(b_33 * g->k[16][i]));
+    *regularity = krhpr_min(fabs(b_22 * g->k[14][i]), fabs(b_33 * g->k[15][i]));
 }
 
 /* det M_i of the (RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.  (11 add,
@@ -523,15 +523,15 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_determinant(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[7][i] - g->o_12[0][i] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[7][i] - g->o_12[1][i] - u_2[1];
+    const double v_2_0 = u_1[0] + v_1_0 * g->k[6][i] - g->o_12[0][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 * g->k[6][i] - g->o_12[1][i] - u_2[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    *det_M = b_22 * b_33 / (g->k[7][i] * delta);
-    factors[0] = b_22 * g->k[15][i];
-    factors[1] = b_33 * g->k[16][i];
-    factors[2] = delta * g->k[14][i];
+    *det_M = b_22 * b_33 / (g->k[6][i] * delta);
+    factors[0] = b_22 * g->k[14][i];
+    factors[1] = b_33 * g->k[15][i];
+    factors[2] = delta * g->k[13][i];
 }
 
 /* Squares of M_i of the (RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide count by
@@ -544,17 +544,17 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_gram(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[7][i];
+    const double t1 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0] + t1 - g->o_12[0][i] - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7][i];
+    const double t2 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1] + t2 - g->o_12[1][i] - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double t3 = u_2[0] * v_2_1;
     const double t4 = u_2[1] * v_2_0;
     const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[7][i] * b_22;
+    const double t5 = g->k[6][i] * b_22;
     const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const double m_00 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const double m_01 = t6 * (v_1_1 * (t4 - t3));
@@ -577,7 +577,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_gram(
     cofactors[3] = g_00;
     *square = det_M * det_M;
     reach[0] = k_00 * k_00 + k_01 * k_01;
-    *regularity = fabs(delta * g->k[14][i]);
+    *regularity = fabs(delta * g->k[13][i]);
 }
 
 /* Passive joints of the (RR-RRR) sub-leg and the orientation of its last link.  (14 add, 16 multiply) */
@@ -588,10 +588,10 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_passive(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[18][i] - g->o_12[0][i] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[18][i] - g->o_12[1][i] - u_2[1];
-    link[0] = v_1_0 * g->k[17][i];
-    link[1] = v_1_1 * g->k[17][i];
+    const double v_2_0 = u_1[0] + v_1_0 * g->k[17][i] - g->o_12[0][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 * g->k[17][i] - g->o_12[1][i] - u_2[1];
+    link[0] = v_1_0 * g->k[16][i];
+    link[1] = v_1_1 * g->k[16][i];
     tail_y[0] = u_1[0] * v_1_1 - u_1[1] * v_1_0;
     tail_y[1] = u_2[0] * v_2_1 - u_2[1] * v_2_0;
     tail_y[2] = v_1_1 * v_2_0 - v_1_0 * v_2_1;
@@ -605,16 +605,16 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_points(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double s[2], double *KRHPR_RESTRICT points)
 {
-    const double p_0 = u_1[0] + g->k[7][i] * (d[0] - u_1[0]);
-    const double p_1 = u_1[1] + g->k[7][i] * (d[1] - u_1[1]);
+    const double p_0 = u_1[0] + g->k[6][i] * (d[0] - u_1[0]);
+    const double p_1 = u_1[1] + g->k[6][i] * (d[1] - u_1[1]);
     points[0] = g->o[0][i];
     points[1] = g->o[1][i];
-    points[2] = g->k[19][i];
-    points[3] = g->k[20][i];
+    points[2] = g->k[18][i];
+    points[3] = g->k[19][i];
     points[4] = g->o[0][i] + u_1[0];
     points[5] = g->o[1][i] + u_1[1];
-    points[6] = u_2[0] + g->k[19][i];
-    points[7] = u_2[1] + g->k[20][i];
+    points[6] = u_2[0] + g->k[18][i];
+    points[7] = u_2[1] + g->k[19][i];
     points[8] = g->o[0][i] + p_0;
     points[9] = g->o[1][i] + p_1;
     points[10] = s[0];
@@ -630,17 +630,17 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_transmission(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[7][i];
+    const double t1 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0] + t1 - g->o_12[0][i] - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7][i];
+    const double t2 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1] + t2 - g->o_12[1][i] - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double t3 = u_2[0] * v_2_1;
     const double t4 = u_2[1] * v_2_0;
     const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[7][i] * b_22;
+    const double t5 = g->k[6][i] * b_22;
     const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const double m_00 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const double m_01 = t6 * (v_1_1 * (t4 - t3));
@@ -650,7 +650,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_transmission(
     K_n[1] = N[0] * m_01 + N[1] * m_11;
     K_n[2] = along[0] * m_00 + along[1] * m_10;
     K_n[3] = along[0] * m_01 + along[1] * m_11;
-    *regularity = fabs(delta * g->k[14][i]);
+    *regularity = fabs(delta * g->k[13][i]);
 }
 
 /* J_n of J_n [t, rates of the redundant coordinates, of swivels] = K_n theta_dot.  Thesis: (5.58) to
@@ -725,20 +725,20 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_end_force(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[7][i] - g->o_12[0][i] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[7][i] - g->o_12[1][i] - u_2[1];
+    const double v_2_0 = u_1[0] + v_1_0 * g->k[6][i] - g->o_12[0][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 * g->k[6][i] - g->o_12[1][i] - u_2[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
-    const double w_1 = g->k[7][i] * v_2_0; /* A s_dot */
-    const double w_1_a = g->k[7][i] * v_2_1;
+    const double w_1 = g->k[6][i] * v_2_0; /* A s_dot */
+    const double w_1_a = g->k[6][i] * v_2_1;
     const double t1 = 1.0 / b_22;
     const double t2 = 1.0 / b_33;
     const double g_l_0 = v_1_0 * actuator_forces[0] * t1 + actuator_forces[1] * (w_1 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
     const double g_l_1 = t1 * (v_1_1 * actuator_forces[0]) + t2 * (actuator_forces[1] * (w_1_a - t1 * (v_1_1 * b_32)));
     end_force[0] = g_l_0;
     end_force[1] = g_l_1;
-    *regularity = krhpr_min(fabs(b_22 * g->k[15][i]), fabs(b_33 * g->k[16][i]));
+    *regularity = krhpr_min(fabs(b_22 * g->k[14][i]), fabs(b_33 * g->k[15][i]));
 }
 
 #endif

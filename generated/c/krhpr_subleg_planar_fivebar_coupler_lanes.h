@@ -166,7 +166,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_forward_all_lanes(
 }
 
 /* Actuated joints of the (RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
- * end point is out of reach.  Thesis: 2.2.3, 2.5.  (22 add, 22 multiply, 1 divide, 2 square root, 1 select) */
+ * end point is out of reach.  Thesis: 2.2.3, 2.5.  (20 add, 22 multiply, 1 divide, 2 square root, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_inverse_lanes(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at s[2],
     const krhpr_lanes_at mode[2], krhpr_lanes_at *KRHPR_RESTRICT radicand,
@@ -176,7 +176,6 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_inverse_lanes(
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
-    const krhpr_lanes g_k_0 = krhpr_of_leg(g->k[0], i);
     const krhpr_lanes g_k_3 = krhpr_of_leg(g->k[3], i);
     const krhpr_lanes g_k_4 = krhpr_of_leg(g->k[4], i);
     const krhpr_lanes g_k_5 = krhpr_of_leg(g->k[5], i);
@@ -184,24 +183,23 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_inverse_lanes(
     const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
     const krhpr_lanes g_k_8 = krhpr_of_leg(g->k[8], i);
     const krhpr_lanes g_k_9 = krhpr_of_leg(g->k[9], i);
-    const krhpr_lanes g_k_10 = krhpr_of_leg(g->k[10], i);
     const krhpr_lanes d_0 = s[0] - g_o_0; /* r - o */
     const krhpr_lanes d_1 = s[1] - g_o_1;
     const krhpr_lanes d2 = d_0 * d_0 + d_1 * d_1;
     const krhpr_lanes h2 = (d2 - g_k_3) * (g_k_4 - d2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S = mode[0] * krhpr_lanes_sqrt(h2); /* 2 a b sin */
-    const krhpr_lanes A = d2 + g_k_5 - g_k_6; /* 2 a (a + b cos) */
+    const krhpr_lanes A = d2 + g_k_5; /* 2 a (a + b cos) */
     const krhpr_lanes n = d_0 * A + d_1 * S;
     const krhpr_lanes m = d_1 * A - d_0 * S;
     const krhpr_lanes t1 = 1.0 / d2;
     const krhpr_lanes u_1_0 = n * 0.5 * t1;
     const krhpr_lanes u_1_1 = t1 * (m * 0.5);
-    const krhpr_lanes p_0 = u_1_0 + g_k_7 * (d_0 - u_1_0) - g_o_12_0; /* u_1 + w - o_12 */
-    const krhpr_lanes p_1 = u_1_1 + g_k_7 * (d_1 - u_1_1) - g_o_12_1;
+    const krhpr_lanes p_0 = u_1_0 + g_k_6 * (d_0 - u_1_0) - g_o_12_0; /* u_1 + w - o_12 */
+    const krhpr_lanes p_1 = u_1_1 + g_k_6 * (d_1 - u_1_1) - g_o_12_1;
     const krhpr_lanes d2_2 = p_0 * p_0 + p_1 * p_1;
-    const krhpr_lanes h2_2 = (d2_2 - g_k_8) * (g_k_9 - d2_2); /* 4 a^2 b^2 sin^2 */
+    const krhpr_lanes h2_2 = (d2_2 - g_k_7) * (g_k_8 - d2_2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S_2 = mode[1] * krhpr_lanes_sqrt(h2_2); /* 2 a b sin */
-    const krhpr_lanes A_2 = d2_2 + g_k_10 - g_k_0; /* 2 a (a + b cos) */
+    const krhpr_lanes A_2 = d2_2 + g_k_9; /* 2 a (a + b cos) */
     const krhpr_lanes n_2 = p_0 * A_2 + p_1 * S_2;
     const krhpr_lanes m_2 = p_1 * A_2 - p_0 * S_2;
     *radicand = krhpr_lanes_min(h2, h2_2);
@@ -212,7 +210,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_inverse_lanes(
 }
 
 /* Every working mode of the (RR-RRR) sub-leg, in the order elbow+/rod+, elbow+/rod-, elbow-/rod+,
- * elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.2.3, 2.5.  (41 add, 33 multiply, 1 divide, 3
+ * elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.2.3, 2.5.  (38 add, 33 multiply, 1 divide, 3
  * square root, 3 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_inverse_all_lanes(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at s[2],
@@ -223,7 +221,6 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_inverse_all_lanes(
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
-    const krhpr_lanes g_k_0 = krhpr_of_leg(g->k[0], i);
     const krhpr_lanes g_k_3 = krhpr_of_leg(g->k[3], i);
     const krhpr_lanes g_k_4 = krhpr_of_leg(g->k[4], i);
     const krhpr_lanes g_k_5 = krhpr_of_leg(g->k[5], i);
@@ -231,13 +228,12 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_inverse_all_lanes(
     const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
     const krhpr_lanes g_k_8 = krhpr_of_leg(g->k[8], i);
     const krhpr_lanes g_k_9 = krhpr_of_leg(g->k[9], i);
-    const krhpr_lanes g_k_10 = krhpr_of_leg(g->k[10], i);
     const krhpr_lanes d_0 = s[0] - g_o_0; /* r - o */
     const krhpr_lanes d_1 = s[1] - g_o_1;
     const krhpr_lanes d2 = d_0 * d_0 + d_1 * d_1;
     const krhpr_lanes h2 = (d2 - g_k_3) * (g_k_4 - d2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S = krhpr_lanes_sqrt(h2); /* 2 a b sin */
-    const krhpr_lanes A = d2 + g_k_5 - g_k_6; /* 2 a (a + b cos) */
+    const krhpr_lanes A = d2 + g_k_5; /* 2 a (a + b cos) */
     const krhpr_lanes t1 = d_0 * A;
     const krhpr_lanes t2 = d_1 * S;
     const krhpr_lanes n = t1 + t2;
@@ -247,12 +243,12 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_inverse_all_lanes(
     const krhpr_lanes t5 = 1.0 / d2;
     const krhpr_lanes u_1_0 = n * 0.5 * t5;
     const krhpr_lanes u_1_1 = t5 * (m * 0.5);
-    const krhpr_lanes p_0 = u_1_0 + g_k_7 * (d_0 - u_1_0) - g_o_12_0; /* u_1 + w - o_12 */
-    const krhpr_lanes p_1 = u_1_1 + g_k_7 * (d_1 - u_1_1) - g_o_12_1;
+    const krhpr_lanes p_0 = u_1_0 + g_k_6 * (d_0 - u_1_0) - g_o_12_0; /* u_1 + w - o_12 */
+    const krhpr_lanes p_1 = u_1_1 + g_k_6 * (d_1 - u_1_1) - g_o_12_1;
     const krhpr_lanes d2_2 = p_0 * p_0 + p_1 * p_1;
-    const krhpr_lanes h2_2 = (d2_2 - g_k_8) * (g_k_9 - d2_2); /* 4 a^2 b^2 sin^2 */
+    const krhpr_lanes h2_2 = (d2_2 - g_k_7) * (g_k_8 - d2_2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S_2 = krhpr_lanes_sqrt(h2_2); /* 2 a b sin */
-    const krhpr_lanes A_2 = d2_2 + g_k_10 - g_k_0; /* 2 a (a + b cos) */
+    const krhpr_lanes A_2 = d2_2 + g_k_9; /* 2 a (a + b cos) */
     const krhpr_lanes t6 = p_0 * A_2;
     const krhpr_lanes t7 = p_1 * S_2;
     const krhpr_lanes n_2 = t6 + t7;
@@ -265,12 +261,12 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_inverse_all_lanes(
     const krhpr_lanes m_a = t3 + t4;
     const krhpr_lanes u_1_0_a = t5 * (0.5 * n_a);
     const krhpr_lanes u_1_1_a = t5 * (0.5 * m_a);
-    const krhpr_lanes p_0_a = u_1_0_a + g_k_7 * (d_0 - u_1_0_a) - g_o_12_0; /* u_1 + w - o_12 */
-    const krhpr_lanes p_1_a = u_1_1_a + g_k_7 * (d_1 - u_1_1_a) - g_o_12_1;
+    const krhpr_lanes p_0_a = u_1_0_a + g_k_6 * (d_0 - u_1_0_a) - g_o_12_0; /* u_1 + w - o_12 */
+    const krhpr_lanes p_1_a = u_1_1_a + g_k_6 * (d_1 - u_1_1_a) - g_o_12_1;
     const krhpr_lanes d2_2_a = p_0_a * p_0_a + p_1_a * p_1_a;
-    const krhpr_lanes h2_2_a = (d2_2_a - g_k_8) * (g_k_9 - d2_2_a); /* 4 a^2 b^2 sin^2 */
+    const krhpr_lanes h2_2_a = (d2_2_a - g_k_7) * (g_k_8 - d2_2_a); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S_2_a = krhpr_lanes_sqrt(h2_2_a); /* 2 a b sin */
-    const krhpr_lanes A_2_a = g_k_10 + d2_2_a - g_k_0; /* 2 a (a + b cos) */
+    const krhpr_lanes A_2_a = g_k_9 + d2_2_a; /* 2 a (a + b cos) */
     const krhpr_lanes t10 = p_0_a * A_2_a;
     const krhpr_lanes t11 = p_1_a * S_2_a;
     const krhpr_lanes n_2_b = t10 + t11;
@@ -281,20 +277,20 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_inverse_all_lanes(
     const krhpr_lanes m_2_c = t12 + t13;
     *radicand = krhpr_lanes_max(krhpr_lanes_min(h2, h2_2), krhpr_lanes_min(h2, h2_2_a));
     tail_y[0] = m;
-    tail_y[1] = m_2;
-    tail_y[2] = m_2_a;
-    tail_y[3] = m_a;
+    tail_y[1] = m_a;
+    tail_y[2] = m_2;
+    tail_y[3] = m_2_a;
     tail_y[4] = m_2_b;
     tail_y[5] = m_2_c;
     tail_x[0] = n;
-    tail_x[1] = n_2;
-    tail_x[2] = n_2_a;
-    tail_x[3] = n_a;
+    tail_x[1] = n_a;
+    tail_x[2] = n_2;
+    tail_x[3] = n_2_a;
     tail_x[4] = n_2_b;
     tail_x[5] = n_2_c;
 }
 
-/* Distance by which the end point lies outside the reach of the (RR-RRR) sub-leg.  (22 add, 16 multiply, 1
+/* Distance by which the end point lies outside the reach of the (RR-RRR) sub-leg.  (21 add, 16 multiply, 1
  * divide, 3 square root, 3 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_reach_lanes(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at s[2],
@@ -312,25 +308,24 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_reach_lanes(
     const krhpr_lanes g_k_4 = krhpr_of_leg(g->k[4], i);
     const krhpr_lanes g_k_5 = krhpr_of_leg(g->k[5], i);
     const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_10 = krhpr_of_leg(g->k[10], i);
     const krhpr_lanes g_k_11 = krhpr_of_leg(g->k[11], i);
-    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes d_0 = s[0] - g_o_0; /* r - o */
     const krhpr_lanes d_1 = s[1] - g_o_1;
     const krhpr_lanes d2 = d_0 * d_0 + d_1 * d_1;
     const krhpr_lanes h2 = (d2 - g_k_3) * (g_k_4 - d2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S = mode[0] * krhpr_lanes_sqrt(h2); /* 2 a b sin */
-    const krhpr_lanes A = d2 + g_k_5 - g_k_6; /* 2 a (a + b cos) */
+    const krhpr_lanes A = d2 + g_k_5; /* 2 a (a + b cos) */
     const krhpr_lanes n = d_0 * A + d_1 * S;
     const krhpr_lanes m = d_1 * A - d_0 * S;
     const krhpr_lanes t1 = 1.0 / d2;
     const krhpr_lanes u_1_0 = n * 0.5 * t1;
     const krhpr_lanes u_1_1 = t1 * (m * 0.5);
-    const krhpr_lanes p_0 = u_1_0 + g_k_7 * (d_0 - u_1_0) - g_o_12_0; /* u_1 + w - o_12 */
-    const krhpr_lanes p_1 = u_1_1 + g_k_7 * (d_1 - u_1_1) - g_o_12_1;
+    const krhpr_lanes p_0 = u_1_0 + g_k_6 * (d_0 - u_1_0) - g_o_12_0; /* u_1 + w - o_12 */
+    const krhpr_lanes p_1 = u_1_1 + g_k_6 * (d_1 - u_1_1) - g_o_12_1;
     const krhpr_lanes reach_2 = krhpr_lanes_sqrt(p_0 * p_0 + p_1 * p_1);
     const krhpr_lanes reach_1 = krhpr_lanes_sqrt(d2);
-    const krhpr_lanes excess_a = krhpr_lanes_max(krhpr_lanes_max(reach_2 - g_l_2 - g_l_3, g_k_11 - reach_2), krhpr_lanes_max(reach_1 - g_l_4 - g_l_6, g_k_12 - reach_1));
+    const krhpr_lanes excess_a = krhpr_lanes_max(krhpr_lanes_max(reach_2 - g_l_2 - g_l_3, g_k_10 - reach_2), krhpr_lanes_max(reach_1 - g_l_4 - g_l_6, g_k_11 - reach_1));
     *excess = excess_a;
 }
 
@@ -370,22 +365,22 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_jacobian_lanes(
 {
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
-    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes t1 = v_1_0 * g_k_7;
+    const krhpr_lanes t1 = v_1_0 * g_k_6;
     const krhpr_lanes v_2_0 = u_1[0] + t1 - g_o_12_0 - u_2[0]; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_7;
+    const krhpr_lanes t2 = v_1_1 * g_k_6;
     const krhpr_lanes v_2_1 = u_1[1] + t2 - g_o_12_1 - u_2[1]; /* (1.15) */
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_13 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const krhpr_lanes t3 = u_2[0] * v_2_1;
     const krhpr_lanes t4 = u_2[1] * v_2_0;
     const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t5 = g_k_7 * b_22;
+    const krhpr_lanes t5 = g_k_6 * b_22;
     const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const krhpr_lanes m_00 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const krhpr_lanes m_01 = t6 * (v_1_1 * (t4 - t3));
@@ -395,7 +390,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_jacobian_lanes(
     M[1] = m_01;
     M[2] = m_10;
     M[3] = m_11;
-    *regularity = krhpr_lanes_fabs(delta * g_k_14);
+    *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
 /* Rows of K: N M_i for the (RR-RRR) sub-leg, where the rows of N are the directions of the platform's
@@ -407,22 +402,22 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_project_lanes(
 {
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
-    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes t1 = v_1_0 * g_k_7;
+    const krhpr_lanes t1 = v_1_0 * g_k_6;
     const krhpr_lanes v_2_0 = u_1[0] + t1 - g_o_12_0 - u_2[0]; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_7;
+    const krhpr_lanes t2 = v_1_1 * g_k_6;
     const krhpr_lanes v_2_1 = u_1[1] + t2 - g_o_12_1 - u_2[1]; /* (1.15) */
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_13 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const krhpr_lanes t3 = u_2[0] * v_2_1;
     const krhpr_lanes t4 = u_2[1] * v_2_0;
     const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t5 = g_k_7 * b_22;
+    const krhpr_lanes t5 = g_k_6 * b_22;
     const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const krhpr_lanes m_00 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const krhpr_lanes m_01 = t6 * (v_1_1 * (t4 - t3));
@@ -430,7 +425,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_project_lanes(
     const krhpr_lanes m_11 = t6 * (v_1_0 * b_33);
     K[0] = N[0] * m_00 + N[1] * m_10;
     K[1] = N[0] * m_01 + N[1] * m_11;
-    *regularity = krhpr_lanes_fabs(delta * g_k_14);
+    *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
 /* Velocity of the end point of the (RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (16 add, 25 multiply, 1
@@ -442,27 +437,27 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_velocity_lanes(
 {
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
-    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes t1 = v_1_0 * g_k_7;
+    const krhpr_lanes t1 = v_1_0 * g_k_6;
     const krhpr_lanes v_2_0 = u_1[0] + t1 - g_o_12_0 - u_2[0]; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_7;
+    const krhpr_lanes t2 = v_1_1 * g_k_6;
     const krhpr_lanes v_2_1 = u_1[1] + t2 - g_o_12_1 - u_2[1]; /* (1.15) */
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_13 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
     const krhpr_lanes w_0 = b_22 * theta_dot[0]; /* B theta_dot */
     const krhpr_lanes w_1 = b_32 * theta_dot[0] + b_33 * theta_dot[1];
     const krhpr_lanes t3 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const krhpr_lanes v_l_0 = (w_0 * (g_k_7 * v_2_1) - v_1_1 * w_1) * t3; /* velocity in the leg's frame */
-    const krhpr_lanes v_l_1 = t3 * (v_1_0 * w_1 - w_0 * (g_k_7 * v_2_0));
+    const krhpr_lanes v_l_0 = (w_0 * (g_k_6 * v_2_1) - v_1_1 * w_1) * t3; /* velocity in the leg's frame */
+    const krhpr_lanes v_l_1 = t3 * (v_1_0 * w_1 - w_0 * (g_k_6 * v_2_0));
     s_dot[0] = v_l_0;
     s_dot[1] = v_l_1;
-    *regularity = krhpr_lanes_fabs(delta * g_k_14);
+    *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
@@ -488,9 +483,9 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_bias_lanes(
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
-    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes d_0 = s[0] - g_o_0; /* r - o */
     const krhpr_lanes d_1 = s[1] - g_o_1;
     const krhpr_lanes u_1_0 = g_l_4 * cosine[0]; /* crank u_1 */
@@ -499,15 +494,15 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_bias_lanes(
     const krhpr_lanes u_2_1 = g_l_2 * sine[1];
     const krhpr_lanes v_1_0 = d_0 - u_1_0; /* (1.14) */
     const krhpr_lanes v_1_1 = d_1 - u_1_1;
-    const krhpr_lanes t1 = v_1_0 * g_k_7;
+    const krhpr_lanes t1 = v_1_0 * g_k_6;
     const krhpr_lanes v_2_0 = u_1_0 + t1 - g_o_12_0 - u_2_0; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_7;
+    const krhpr_lanes t2 = v_1_1 * g_k_6;
     const krhpr_lanes v_2_1 = u_1_1 + t2 - g_o_12_1 - u_2_1; /* (1.15) */
     const krhpr_lanes b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_13 * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
+    const krhpr_lanes b_32 = g_k_12 * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
     const krhpr_lanes b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t3 = theta_dot[0] * (g_k_7 * b_22);
+    const krhpr_lanes t3 = theta_dot[0] * (g_k_6 * b_22);
     const krhpr_lanes t4 = theta_dot[0] * b_32 + theta_dot[1] * b_33;
     const krhpr_lanes t5 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const krhpr_lanes s_dot_0 = (v_2_1 * t3 - v_1_1 * t4) * t5;
@@ -518,19 +513,19 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_bias_lanes(
     const krhpr_lanes t9 = g_l_2 * (theta_dot[1] * cosine[1]);
     const krhpr_lanes t10 = s_dot_0 + t6;
     const krhpr_lanes t11 = s_dot_1 - t7;
-    const krhpr_lanes t12 = g_k_7 * t10;
+    const krhpr_lanes t12 = g_k_6 * t10;
     const krhpr_lanes t13 = t8 + (t12 - t6);
-    const krhpr_lanes t14 = g_k_7 * t11;
+    const krhpr_lanes t14 = g_k_6 * t11;
     const krhpr_lanes t15 = t7 + t14 - t9;
-    const krhpr_lanes t16 = theta_dot[0] * (g_k_7 * (u_1_0 * t11 - v_1_1 * t6 - (v_1_0 * t7 + u_1_1 * t10)));
-    const krhpr_lanes t17 = theta_dot[0] * (g_k_13 * (v_2_0 * t7 + u_1_1 * t13 - (u_1_0 * t15 - v_2_1 * t6)));
+    const krhpr_lanes t16 = theta_dot[0] * (g_k_6 * (u_1_0 * t11 - v_1_1 * t6 - (v_1_0 * t7 + u_1_1 * t10)));
+    const krhpr_lanes t17 = theta_dot[0] * (g_k_12 * (v_2_0 * t7 + u_1_1 * t13 - (u_1_0 * t15 - v_2_1 * t6)));
     const krhpr_lanes t18 = t17 + theta_dot[1] * (u_2_0 * t15 - v_2_1 * t8 - (v_2_0 * t9 + u_2_1 * t13));
     const krhpr_lanes t19 = v_2_1 * t12 + t1 * t15 - (t2 * t13 + v_2_0 * t14);
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
     bias[0] = t5 * (t3 * t15 + v_2_1 * t16 - (t4 * t11 + v_1_1 * t18) - s_dot_0 * t19);
     bias[1] = t5 * (t4 * t10 + v_1_0 * t18 - (t3 * t13 + v_2_0 * t16) - s_dot_1 * t19);
-    *regularity = krhpr_lanes_fabs(delta * g_k_14);
+    *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
 /* Actuated joint rates of the (RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
@@ -542,21 +537,21 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_rates_lanes(
 {
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
-    const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
+    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes g_k_15 = krhpr_of_leg(g->k[15], i);
-    const krhpr_lanes g_k_16 = krhpr_of_leg(g->k[16], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_7 - g_o_12_0 - u_2[0]; /* (1.15) */
-    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_7 - g_o_12_1 - u_2[1];
+    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_6 - g_o_12_0 - u_2[0]; /* (1.15) */
+    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_6 - g_o_12_1 - u_2[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_13 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes w_0 = v_1_0 * s_dot[0] + v_1_1 * s_dot[1]; /* A s_dot */
-    const krhpr_lanes w_1 = v_2_0 * (g_k_7 * s_dot[0]) + v_2_1 * (g_k_7 * s_dot[1]);
+    const krhpr_lanes w_1 = v_2_0 * (g_k_6 * s_dot[0]) + v_2_1 * (g_k_6 * s_dot[1]);
     const krhpr_lanes t1 = 1.0 / b_22;
-    const krhpr_lanes regularity_a = krhpr_lanes_min(krhpr_lanes_fabs(b_22 * g_k_15), krhpr_lanes_fabs(b_33 * g_k_16));
+    const krhpr_lanes regularity_a = krhpr_lanes_min(krhpr_lanes_fabs(b_22 * g_k_14), krhpr_lanes_fabs(b_33 * g_k_15));
     theta_dot[0] = w_0 * t1;
     theta_dot[1] = (w_1 - t1 * (b_32 * w_0)) / b_33;
     *regularity = regularity_a;
@@ -571,21 +566,21 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_determinant_lanes(
 {
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
     const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes g_k_15 = krhpr_of_leg(g->k[15], i);
-    const krhpr_lanes g_k_16 = krhpr_of_leg(g->k[16], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_7 - g_o_12_0 - u_2[0]; /* (1.15) */
-    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_7 - g_o_12_1 - u_2[1];
+    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_6 - g_o_12_0 - u_2[0]; /* (1.15) */
+    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_6 - g_o_12_1 - u_2[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
     const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    *det_M = b_22 * b_33 / (g_k_7 * delta);
-    factors[0] = b_22 * g_k_15;
-    factors[1] = b_33 * g_k_16;
-    factors[2] = delta * g_k_14;
+    *det_M = b_22 * b_33 / (g_k_6 * delta);
+    factors[0] = b_22 * g_k_14;
+    factors[1] = b_33 * g_k_15;
+    factors[2] = delta * g_k_13;
 }
 
 /* Squares of M_i of the (RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide count by
@@ -600,22 +595,22 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_gram_lanes(
 {
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
-    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes t1 = v_1_0 * g_k_7;
+    const krhpr_lanes t1 = v_1_0 * g_k_6;
     const krhpr_lanes v_2_0 = u_1[0] + t1 - g_o_12_0 - u_2[0]; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_7;
+    const krhpr_lanes t2 = v_1_1 * g_k_6;
     const krhpr_lanes v_2_1 = u_1[1] + t2 - g_o_12_1 - u_2[1]; /* (1.15) */
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_13 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const krhpr_lanes t3 = u_2[0] * v_2_1;
     const krhpr_lanes t4 = u_2[1] * v_2_0;
     const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t5 = g_k_7 * b_22;
+    const krhpr_lanes t5 = g_k_6 * b_22;
     const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const krhpr_lanes m_00 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const krhpr_lanes m_01 = t6 * (v_1_1 * (t4 - t3));
@@ -638,7 +633,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_gram_lanes(
     cofactors[3] = g_00;
     *square = det_M * det_M;
     reach[0] = k_00 * k_00 + k_01 * k_01;
-    *regularity = krhpr_lanes_fabs(delta * g_k_14);
+    *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
 /* Passive joints of the (RR-RRR) sub-leg and the orientation of its last link.  (14 add, 16 multiply) */
@@ -649,14 +644,14 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_passive_lanes(
 {
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
+    const krhpr_lanes g_k_16 = krhpr_of_leg(g->k[16], i);
     const krhpr_lanes g_k_17 = krhpr_of_leg(g->k[17], i);
-    const krhpr_lanes g_k_18 = krhpr_of_leg(g->k[18], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_18 - g_o_12_0 - u_2[0]; /* (1.15) */
-    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_18 - g_o_12_1 - u_2[1];
-    link[0] = v_1_0 * g_k_17;
-    link[1] = v_1_1 * g_k_17;
+    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_17 - g_o_12_0 - u_2[0]; /* (1.15) */
+    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_17 - g_o_12_1 - u_2[1];
+    link[0] = v_1_0 * g_k_16;
+    link[1] = v_1_1 * g_k_16;
     tail_y[0] = u_1[0] * v_1_1 - u_1[1] * v_1_0;
     tail_y[1] = u_2[0] * v_2_1 - u_2[1] * v_2_0;
     tail_y[2] = v_1_1 * v_2_0 - v_1_0 * v_2_1;
@@ -673,19 +668,19 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_points_lanes(
 {
     const krhpr_lanes g_o_0 = krhpr_of_leg(g->o[0], i);
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_18 = krhpr_of_leg(g->k[18], i);
     const krhpr_lanes g_k_19 = krhpr_of_leg(g->k[19], i);
-    const krhpr_lanes g_k_20 = krhpr_of_leg(g->k[20], i);
-    const krhpr_lanes p_0 = u_1[0] + g_k_7 * (d[0] - u_1[0]); /* u_1 + w */
-    const krhpr_lanes p_1 = u_1[1] + g_k_7 * (d[1] - u_1[1]);
+    const krhpr_lanes p_0 = u_1[0] + g_k_6 * (d[0] - u_1[0]); /* u_1 + w */
+    const krhpr_lanes p_1 = u_1[1] + g_k_6 * (d[1] - u_1[1]);
     points[0] = g_o_0;
     points[1] = g_o_1;
-    points[2] = g_k_19;
-    points[3] = g_k_20;
+    points[2] = g_k_18;
+    points[3] = g_k_19;
     points[4] = g_o_0 + u_1[0];
     points[5] = g_o_1 + u_1[1];
-    points[6] = u_2[0] + g_k_19;
-    points[7] = u_2[1] + g_k_20;
+    points[6] = u_2[0] + g_k_18;
+    points[7] = u_2[1] + g_k_19;
     points[8] = g_o_0 + p_0;
     points[9] = g_o_1 + p_1;
     points[10] = s[0];
@@ -702,22 +697,22 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_transmission_lanes(
 {
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
-    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes t1 = v_1_0 * g_k_7;
+    const krhpr_lanes t1 = v_1_0 * g_k_6;
     const krhpr_lanes v_2_0 = u_1[0] + t1 - g_o_12_0 - u_2[0]; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_7;
+    const krhpr_lanes t2 = v_1_1 * g_k_6;
     const krhpr_lanes v_2_1 = u_1[1] + t2 - g_o_12_1 - u_2[1]; /* (1.15) */
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_13 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const krhpr_lanes t3 = u_2[0] * v_2_1;
     const krhpr_lanes t4 = u_2[1] * v_2_0;
     const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t5 = g_k_7 * b_22;
+    const krhpr_lanes t5 = g_k_6 * b_22;
     const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const krhpr_lanes m_00 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const krhpr_lanes m_01 = t6 * (v_1_1 * (t4 - t3));
@@ -727,7 +722,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_transmission_lanes(
     K_n[1] = N[0] * m_01 + N[1] * m_11;
     K_n[2] = along[0] * m_00 + along[1] * m_10;
     K_n[3] = along[0] * m_01 + along[1] * m_11;
-    *regularity = krhpr_lanes_fabs(delta * g_k_14);
+    *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
 /* J_n of J_n [t, rates of the redundant coordinates, of swivels] = K_n theta_dot.  Thesis: (5.58) to
@@ -802,24 +797,24 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_end_force_lanes(
 {
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
-    const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
+    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes g_k_15 = krhpr_of_leg(g->k[15], i);
-    const krhpr_lanes g_k_16 = krhpr_of_leg(g->k[16], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_7 - g_o_12_0 - u_2[0]; /* (1.15) */
-    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_7 - g_o_12_1 - u_2[1];
+    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_6 - g_o_12_0 - u_2[0]; /* (1.15) */
+    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_6 - g_o_12_1 - u_2[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_13 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
-    const krhpr_lanes w_1 = g_k_7 * v_2_0; /* A s_dot */
-    const krhpr_lanes w_1_a = g_k_7 * v_2_1;
+    const krhpr_lanes w_1 = g_k_6 * v_2_0; /* A s_dot */
+    const krhpr_lanes w_1_a = g_k_6 * v_2_1;
     const krhpr_lanes t1 = 1.0 / b_22;
     const krhpr_lanes t2 = 1.0 / b_33;
     const krhpr_lanes g_l_0 = v_1_0 * actuator_forces[0] * t1 + actuator_forces[1] * (w_1 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
     const krhpr_lanes g_l_1 = t1 * (v_1_1 * actuator_forces[0]) + t2 * (actuator_forces[1] * (w_1_a - t1 * (v_1_1 * b_32)));
-    const krhpr_lanes regularity_a = krhpr_lanes_min(krhpr_lanes_fabs(b_22 * g_k_15), krhpr_lanes_fabs(b_33 * g_k_16));
+    const krhpr_lanes regularity_a = krhpr_lanes_min(krhpr_lanes_fabs(b_22 * g_k_14), krhpr_lanes_fabs(b_33 * g_k_15));
     end_force[0] = g_l_0;
     end_force[1] = g_l_1;
     *regularity = regularity_a;

@@ -163,7 +163,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_forward_all_lanes(
 }
 
 /* Actuated joints of the (RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
- * end point is out of reach.  Thesis: 2.2.3, 2.5.  (18 add, 16 multiply, 2 square root, 1 select) */
+ * end point is out of reach.  Thesis: 2.2.3, 2.5.  (16 add, 16 multiply, 2 square root, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_inverse_lanes(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes_at s[2],
     const krhpr_lanes_at mode[2], krhpr_lanes_at *KRHPR_RESTRICT radicand,
@@ -173,8 +173,6 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_inverse_lanes(
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
-    const krhpr_lanes g_k_0 = krhpr_of_leg(g->k[0], i);
-    const krhpr_lanes g_k_1 = krhpr_of_leg(g->k[1], i);
     const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes g_k_3 = krhpr_of_leg(g->k[3], i);
     const krhpr_lanes g_k_4 = krhpr_of_leg(g->k[4], i);
@@ -186,7 +184,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_inverse_lanes(
     const krhpr_lanes d2 = d_0 * d_0 + d_1 * d_1;
     const krhpr_lanes h2 = (d2 - g_k_2) * (g_k_3 - d2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S = mode[0] * krhpr_lanes_sqrt(h2); /* 2 a b sin */
-    const krhpr_lanes A = d2 + g_k_4 - g_k_1; /* 2 a (a + b cos) */
+    const krhpr_lanes A = d2 + g_k_4; /* 2 a (a + b cos) */
     const krhpr_lanes n = d_0 * A + d_1 * S;
     const krhpr_lanes m = d_1 * A - d_0 * S;
     const krhpr_lanes p_0 = d_0 - g_o_12_0; /* u_1 + w - o_12 */
@@ -194,7 +192,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_inverse_lanes(
     const krhpr_lanes d2_2 = p_0 * p_0 + p_1 * p_1;
     const krhpr_lanes h2_2 = (d2_2 - g_k_5) * (g_k_6 - d2_2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S_2 = mode[1] * krhpr_lanes_sqrt(h2_2); /* 2 a b sin */
-    const krhpr_lanes A_2 = d2_2 + g_k_7 - g_k_0; /* 2 a (a + b cos) */
+    const krhpr_lanes A_2 = d2_2 + g_k_7; /* 2 a (a + b cos) */
     const krhpr_lanes n_2 = p_0 * A_2 + p_1 * S_2;
     const krhpr_lanes m_2 = p_1 * A_2 - p_0 * S_2;
     *radicand = krhpr_lanes_min(h2, h2_2);
@@ -205,7 +203,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_inverse_lanes(
 }
 
 /* Every working mode of the (RR-RRR) sub-leg, in the order elbow+/rod+, elbow+/rod-, elbow-/rod+,
- * elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.2.3, 2.5.  (22 add, 14 multiply, 2 square root,
+ * elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.2.3, 2.5.  (20 add, 14 multiply, 2 square root,
  * 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_inverse_all_lanes(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes_at s[2],
@@ -216,8 +214,6 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_inverse_all_lanes(
     const krhpr_lanes g_o_1 = krhpr_of_leg(g->o[1], i);
     const krhpr_lanes g_o_12_0 = krhpr_of_leg(g->o_12[0], i);
     const krhpr_lanes g_o_12_1 = krhpr_of_leg(g->o_12[1], i);
-    const krhpr_lanes g_k_0 = krhpr_of_leg(g->k[0], i);
-    const krhpr_lanes g_k_1 = krhpr_of_leg(g->k[1], i);
     const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes g_k_3 = krhpr_of_leg(g->k[3], i);
     const krhpr_lanes g_k_4 = krhpr_of_leg(g->k[4], i);
@@ -229,7 +225,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_inverse_all_lanes(
     const krhpr_lanes d2 = d_0 * d_0 + d_1 * d_1;
     const krhpr_lanes h2 = (d2 - g_k_2) * (g_k_3 - d2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S = krhpr_lanes_sqrt(h2); /* 2 a b sin */
-    const krhpr_lanes A = d2 + g_k_4 - g_k_1; /* 2 a (a + b cos) */
+    const krhpr_lanes A = d2 + g_k_4; /* 2 a (a + b cos) */
     const krhpr_lanes t1 = d_0 * A;
     const krhpr_lanes t2 = d_1 * S;
     const krhpr_lanes n = t1 + t2;
@@ -241,7 +237,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_inverse_all_lanes(
     const krhpr_lanes d2_2 = p_0 * p_0 + p_1 * p_1;
     const krhpr_lanes h2_2 = (d2_2 - g_k_5) * (g_k_6 - d2_2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S_2 = krhpr_lanes_sqrt(h2_2); /* 2 a b sin */
-    const krhpr_lanes A_2 = d2_2 + g_k_7 - g_k_0; /* 2 a (a + b cos) */
+    const krhpr_lanes A_2 = d2_2 + g_k_7; /* 2 a (a + b cos) */
     const krhpr_lanes t5 = p_0 * A_2;
     const krhpr_lanes t6 = p_1 * S_2;
     const krhpr_lanes n_2 = t5 + t6;
@@ -254,13 +250,13 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_inverse_all_lanes(
     const krhpr_lanes m_a = t3 + t4;
     *radicand = krhpr_lanes_min(h2, h2_2);
     tail_y[0] = m;
-    tail_y[1] = m_2;
-    tail_y[2] = m_2_a;
-    tail_y[3] = m_a;
+    tail_y[1] = m_a;
+    tail_y[2] = m_2;
+    tail_y[3] = m_2_a;
     tail_x[0] = n;
-    tail_x[1] = n_2;
-    tail_x[2] = n_2_a;
-    tail_x[3] = n_a;
+    tail_x[1] = n_a;
+    tail_x[2] = n_2;
+    tail_x[3] = n_2_a;
 }
 
 /* Distance by which the end point lies outside the reach of the (RR-RRR) sub-leg.  (12 add, 4 multiply, 2

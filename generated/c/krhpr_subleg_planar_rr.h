@@ -22,19 +22,21 @@ typedef struct {
 } krhpr_subleg_planar_rr_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (2 add, 7 multiply, 2 divide, 1 sine
+/* Vectors and sub-expressions that depend on the geometry alone.  (4 add, 7 multiply, 2 divide, 1 sine
  * cosine, 1 select) */
 KRHPR_STATIC void krhpr_subleg_planar_rr_prepare(krhpr_subleg_planar_rr_geometry *g, int i)
 {
     double e_r_1, e_r_0; krhpr_sincos(g->azimuth[i], &e_r_1, &e_r_0);
     const double t1 = g->l_1[i] - g->l_2[i];
     const double t2 = g->l_1[i] + g->l_2[i];
+    const double t3 = g->l_1[i] * g->l_1[i];
+    const double t4 = g->l_2[i] * g->l_2[i];
     g->o[0][i] = g->R_b[i] * e_r_0;
     g->o[1][i] = g->R_b[i] * e_r_1;
     g->k[0][i] = t1 * t1;
     g->k[1][i] = t2 * t2;
-    g->k[2][i] = g->l_1[i] * g->l_1[i];
-    g->k[3][i] = g->l_2[i] * g->l_2[i];
+    g->k[2][i] = t3 + t4;
+    g->k[3][i] = t3 - t4;
     g->k[4][i] = fabs(t1);
     g->k[5][i] = 1.0 / (g->l_1[i] * g->l_2[i]);
     g->k[6][i] = 1.0 / g->l_2[i];
@@ -86,7 +88,7 @@ KRHPR_STATIC void krhpr_subleg_planar_rr_forward_posture(
 }
 
 /* Actuated joints of the RR sub-leg in one working mode.  The mode is given by signs; NaN where the end
- * point is out of reach.  Thesis: 2.2.1, 2.5.  (11 add, 8 multiply, 1 square root) */
+ * point is out of reach.  Thesis: 2.2.1, 2.5.  (9 add, 8 multiply, 1 square root) */
 KRHPR_STATIC void krhpr_subleg_planar_rr_inverse(
     const krhpr_subleg_planar_rr_geometry *g, int i, const double s[2], const double mode[1],
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
@@ -96,19 +98,19 @@ KRHPR_STATIC void krhpr_subleg_planar_rr_inverse(
     const double d2 = d_0 * d_0 + d_1 * d_1;
     const double h2 = (d2 - g->k[0][i]) * (g->k[1][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[0] * sqrt(h2); /* 2 a b sin */
-    const double C = d2 - g->k[2][i] - g->k[3][i]; /* 2 a b cos */
-    const double A = d2 + g->k[2][i] - g->k[3][i]; /* 2 a (a + b cos) */
+    const double C = d2 - g->k[2][i]; /* 2 a b cos */
+    const double A = d2 + g->k[3][i]; /* 2 a (a + b cos) */
     const double n = d_0 * A + d_1 * S;
     const double m = d_1 * A - d_0 * S;
     *radicand = h2;
-    tail_y[0] = m;
-    tail_y[1] = S;
-    tail_x[0] = n;
-    tail_x[1] = C;
+    tail_y[0] = S;
+    tail_y[1] = m;
+    tail_x[0] = C;
+    tail_x[1] = n;
 }
 
 /* Every working mode of the RR sub-leg, in the order elbow+, elbow-; NaN where a mode does not exist.
- * Thesis: 2.2.1, 2.5.  (13 add, 7 multiply, 1 square root) */
+ * Thesis: 2.2.1, 2.5.  (11 add, 7 multiply, 1 square root) */
 KRHPR_STATIC void krhpr_subleg_planar_rr_inverse_all(
     const krhpr_subleg_planar_rr_geometry *g, int i, const double s[2], double *KRHPR_RESTRICT radicand,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
@@ -118,8 +120,8 @@ KRHPR_STATIC void krhpr_subleg_planar_rr_inverse_all(
     const double d2 = d_0 * d_0 + d_1 * d_1;
     const double h2 = (d2 - g->k[0][i]) * (g->k[1][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = sqrt(h2); /* 2 a b sin */
-    const double C = d2 - g->k[2][i] - g->k[3][i]; /* 2 a b cos */
-    const double A = d2 + g->k[2][i] - g->k[3][i]; /* 2 a (a + b cos) */
+    const double C = d2 - g->k[2][i]; /* 2 a b cos */
+    const double A = d2 + g->k[3][i]; /* 2 a (a + b cos) */
     const double t1 = d_0 * A;
     const double t2 = d_1 * S;
     const double n = t1 + t2;
@@ -130,14 +132,14 @@ KRHPR_STATIC void krhpr_subleg_planar_rr_inverse_all(
     const double n_a = t1 - t2;
     const double m_a = t3 + t4;
     *radicand = h2;
-    tail_y[0] = m;
-    tail_y[1] = S;
-    tail_y[2] = m_a;
-    tail_y[3] = S_a;
-    tail_x[0] = n;
+    tail_y[0] = S;
+    tail_y[1] = S_a;
+    tail_y[2] = m;
+    tail_y[3] = m_a;
+    tail_x[0] = C;
     tail_x[1] = C;
-    tail_x[2] = n_a;
-    tail_x[3] = C;
+    tail_x[2] = n;
+    tail_x[3] = n_a;
 }
 
 /* Distance by which the end point lies outside the reach of the RR sub-leg.  (6 add, 2 multiply, 1 square

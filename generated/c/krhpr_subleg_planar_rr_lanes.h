@@ -65,7 +65,7 @@ KRHPR_INLINE void krhpr_subleg_planar_rr_forward_posture_lanes(
 }
 
 /* Actuated joints of the RR sub-leg in one working mode.  The mode is given by signs; NaN where the end
- * point is out of reach.  Thesis: 2.2.1, 2.5.  (11 add, 8 multiply, 1 square root) */
+ * point is out of reach.  Thesis: 2.2.1, 2.5.  (9 add, 8 multiply, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_planar_rr_inverse_lanes(
     const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes_at s[2], const krhpr_lanes_at mode[1],
     krhpr_lanes_at *KRHPR_RESTRICT radicand, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
@@ -82,19 +82,19 @@ KRHPR_INLINE void krhpr_subleg_planar_rr_inverse_lanes(
     const krhpr_lanes d2 = d_0 * d_0 + d_1 * d_1;
     const krhpr_lanes h2 = (d2 - g_k_0) * (g_k_1 - d2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S = mode[0] * krhpr_lanes_sqrt(h2); /* 2 a b sin */
-    const krhpr_lanes C = d2 - g_k_2 - g_k_3; /* 2 a b cos */
-    const krhpr_lanes A = d2 + g_k_2 - g_k_3; /* 2 a (a + b cos) */
+    const krhpr_lanes C = d2 - g_k_2; /* 2 a b cos */
+    const krhpr_lanes A = d2 + g_k_3; /* 2 a (a + b cos) */
     const krhpr_lanes n = d_0 * A + d_1 * S;
     const krhpr_lanes m = d_1 * A - d_0 * S;
     *radicand = h2;
-    tail_y[0] = m;
-    tail_y[1] = S;
-    tail_x[0] = n;
-    tail_x[1] = C;
+    tail_y[0] = S;
+    tail_y[1] = m;
+    tail_x[0] = C;
+    tail_x[1] = n;
 }
 
 /* Every working mode of the RR sub-leg, in the order elbow+, elbow-; NaN where a mode does not exist.
- * Thesis: 2.2.1, 2.5.  (13 add, 7 multiply, 1 square root) */
+ * Thesis: 2.2.1, 2.5.  (11 add, 7 multiply, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_planar_rr_inverse_all_lanes(
     const krhpr_subleg_planar_rr_geometry *g, int i, const krhpr_lanes_at s[2],
     krhpr_lanes_at *KRHPR_RESTRICT radicand, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
@@ -111,8 +111,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rr_inverse_all_lanes(
     const krhpr_lanes d2 = d_0 * d_0 + d_1 * d_1;
     const krhpr_lanes h2 = (d2 - g_k_0) * (g_k_1 - d2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S = krhpr_lanes_sqrt(h2); /* 2 a b sin */
-    const krhpr_lanes C = d2 - g_k_2 - g_k_3; /* 2 a b cos */
-    const krhpr_lanes A = d2 + g_k_2 - g_k_3; /* 2 a (a + b cos) */
+    const krhpr_lanes C = d2 - g_k_2; /* 2 a b cos */
+    const krhpr_lanes A = d2 + g_k_3; /* 2 a (a + b cos) */
     const krhpr_lanes t1 = d_0 * A;
     const krhpr_lanes t2 = d_1 * S;
     const krhpr_lanes n = t1 + t2;
@@ -123,14 +123,14 @@ KRHPR_INLINE void krhpr_subleg_planar_rr_inverse_all_lanes(
     const krhpr_lanes n_a = t1 - t2;
     const krhpr_lanes m_a = t3 + t4;
     *radicand = h2;
-    tail_y[0] = m;
-    tail_y[1] = S;
-    tail_y[2] = m_a;
-    tail_y[3] = S_a;
-    tail_x[0] = n;
+    tail_y[0] = S;
+    tail_y[1] = S_a;
+    tail_y[2] = m;
+    tail_y[3] = m_a;
+    tail_x[0] = C;
     tail_x[1] = C;
-    tail_x[2] = n_a;
-    tail_x[3] = C;
+    tail_x[2] = n;
+    tail_x[3] = n_a;
 }
 
 /* Distance by which the end point lies outside the reach of the RR sub-leg.  (6 add, 2 multiply, 1 square

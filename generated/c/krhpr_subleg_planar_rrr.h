@@ -23,19 +23,21 @@ typedef struct {
 } krhpr_subleg_planar_rrr_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (2 add, 7 multiply, 2 divide, 1 sine
+/* Vectors and sub-expressions that depend on the geometry alone.  (4 add, 7 multiply, 2 divide, 1 sine
  * cosine, 1 select) */
 KRHPR_STATIC void krhpr_subleg_planar_rrr_prepare(krhpr_subleg_planar_rrr_geometry *g, int i)
 {
     double e_r_1, e_r_0; krhpr_sincos(g->azimuth[i], &e_r_1, &e_r_0);
     const double t1 = g->l_1[i] - g->l_2[i];
     const double t2 = g->l_1[i] + g->l_2[i];
+    const double t3 = g->l_1[i] * g->l_1[i];
+    const double t4 = g->l_2[i] * g->l_2[i];
     g->o[0][i] = g->R_b[i] * e_r_0;
     g->o[1][i] = g->R_b[i] * e_r_1;
     g->k[0][i] = t1 * t1;
     g->k[1][i] = t2 * t2;
-    g->k[2][i] = g->l_1[i] * g->l_1[i];
-    g->k[3][i] = g->l_2[i] * g->l_2[i];
+    g->k[2][i] = t3 + t4;
+    g->k[3][i] = t3 - t4;
     g->k[4][i] = fabs(t1);
     g->k[5][i] = 1.0 / (g->l_1[i] * g->l_2[i]);
     g->k[6][i] = 1.0 / g->l_3[i];
@@ -104,7 +106,7 @@ KRHPR_STATIC void krhpr_subleg_planar_rrr_inverse_angles(double swivel, double *
 }
 
 /* Actuated joints of the RRR sub-leg in one working mode.  The mode is given by signs; NaN where the end
- * point is out of reach.  Thesis: 2.2.3, 2.5.  (17 add, 18 multiply, 1 divide, 1 square root) */
+ * point is out of reach.  Thesis: 2.2.3, 2.5.  (15 add, 18 multiply, 1 divide, 1 square root) */
 KRHPR_STATIC void krhpr_subleg_planar_rrr_inverse(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const double s[2], const double mode[1],
     const double sine[1], const double cosine[1], double *KRHPR_RESTRICT radicand,
@@ -115,19 +117,19 @@ KRHPR_STATIC void krhpr_subleg_planar_rrr_inverse(
     const double d2 = w_0 * w_0 + w_1 * w_1;
     const double h2 = (d2 - g->k[0][i]) * (g->k[1][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[0] * sqrt(h2); /* 2 a b sin */
-    const double C = d2 - g->k[2][i] - g->k[3][i]; /* 2 a b cos */
-    const double A = d2 + g->k[2][i] - g->k[3][i]; /* 2 a (a + b cos) */
+    const double C = d2 - g->k[2][i]; /* 2 a b cos */
+    const double A = d2 + g->k[3][i]; /* 2 a (a + b cos) */
     const double n = w_0 * A + w_1 * S;
     const double m = w_1 * A - w_0 * S;
     const double t1 = 1.0 / d2;
     const double u_2_0 = w_0 - n * 0.5 * t1;
     const double u_2_1 = w_1 - t1 * (m * 0.5);
     *radicand = h2;
-    tail_y[0] = m;
-    tail_y[1] = S;
+    tail_y[0] = S;
+    tail_y[1] = m;
     tail_y[2] = sine[0] * u_2_0 - cosine[0] * u_2_1;
-    tail_x[0] = n;
-    tail_x[1] = C;
+    tail_x[0] = C;
+    tail_x[1] = n;
     tail_x[2] = cosine[0] * u_2_0 + sine[0] * u_2_1;
 }
 
@@ -138,7 +140,7 @@ KRHPR_STATIC void krhpr_subleg_planar_rrr_inverse_all_angles(double swivel, doub
 }
 
 /* Every working mode of the RRR sub-leg, in the order elbow+, elbow-; NaN where a mode does not exist.
- * Thesis: 2.2.3, 2.5.  (23 add, 25 multiply, 1 divide, 1 square root) */
+ * Thesis: 2.2.3, 2.5.  (21 add, 25 multiply, 1 divide, 1 square root) */
 KRHPR_STATIC void krhpr_subleg_planar_rrr_inverse_all(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const double s[2], const double sine[1],
     const double cosine[1], double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y,
@@ -149,8 +151,8 @@ KRHPR_STATIC void krhpr_subleg_planar_rrr_inverse_all(
     const double d2 = w_0 * w_0 + w_1 * w_1;
     const double h2 = (d2 - g->k[0][i]) * (g->k[1][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = sqrt(h2); /* 2 a b sin */
-    const double C = d2 - g->k[2][i] - g->k[3][i]; /* 2 a b cos */
-    const double A = d2 + g->k[2][i] - g->k[3][i]; /* 2 a (a + b cos) */
+    const double C = d2 - g->k[2][i]; /* 2 a b cos */
+    const double A = d2 + g->k[3][i]; /* 2 a (a + b cos) */
     const double t1 = w_0 * A;
     const double t2 = w_1 * S;
     const double n = t1 + t2;
@@ -166,17 +168,17 @@ KRHPR_STATIC void krhpr_subleg_planar_rrr_inverse_all(
     const double u_2_0_a = w_0 - t5 * (0.5 * n_a);
     const double u_2_1_a = w_1 - t5 * (0.5 * m_a);
     *radicand = h2;
-    tail_y[0] = m;
-    tail_y[1] = S;
-    tail_y[2] = sine[0] * u_2_0 - cosine[0] * u_2_1;
+    tail_y[0] = S;
+    tail_y[1] = S_a;
+    tail_y[2] = m;
     tail_y[3] = m_a;
-    tail_y[4] = S_a;
+    tail_y[4] = sine[0] * u_2_0 - cosine[0] * u_2_1;
     tail_y[5] = sine[0] * u_2_0_a - cosine[0] * u_2_1_a;
-    tail_x[0] = n;
+    tail_x[0] = C;
     tail_x[1] = C;
-    tail_x[2] = cosine[0] * u_2_0 + sine[0] * u_2_1;
+    tail_x[2] = n;
     tail_x[3] = n_a;
-    tail_x[4] = C;
+    tail_x[4] = cosine[0] * u_2_0 + sine[0] * u_2_1;
     tail_x[5] = cosine[0] * u_2_0_a + sine[0] * u_2_1_a;
 }
 

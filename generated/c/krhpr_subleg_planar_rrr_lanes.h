@@ -84,7 +84,7 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_inverse_angles_lanes(
 }
 
 /* Actuated joints of the RRR sub-leg in one working mode.  The mode is given by signs; NaN where the end
- * point is out of reach.  Thesis: 2.2.3, 2.5.  (17 add, 18 multiply, 1 divide, 1 square root) */
+ * point is out of reach.  Thesis: 2.2.3, 2.5.  (15 add, 18 multiply, 1 divide, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_inverse_lanes(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes_at s[2],
     const krhpr_lanes_at mode[1], const krhpr_lanes_at sine[1], const krhpr_lanes_at cosine[1],
@@ -103,19 +103,19 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_inverse_lanes(
     const krhpr_lanes d2 = w_0 * w_0 + w_1 * w_1;
     const krhpr_lanes h2 = (d2 - g_k_0) * (g_k_1 - d2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S = mode[0] * krhpr_lanes_sqrt(h2); /* 2 a b sin */
-    const krhpr_lanes C = d2 - g_k_2 - g_k_3; /* 2 a b cos */
-    const krhpr_lanes A = d2 + g_k_2 - g_k_3; /* 2 a (a + b cos) */
+    const krhpr_lanes C = d2 - g_k_2; /* 2 a b cos */
+    const krhpr_lanes A = d2 + g_k_3; /* 2 a (a + b cos) */
     const krhpr_lanes n = w_0 * A + w_1 * S;
     const krhpr_lanes m = w_1 * A - w_0 * S;
     const krhpr_lanes t1 = 1.0 / d2;
     const krhpr_lanes u_2_0 = w_0 - n * 0.5 * t1;
     const krhpr_lanes u_2_1 = w_1 - t1 * (m * 0.5);
     *radicand = h2;
-    tail_y[0] = m;
-    tail_y[1] = S;
+    tail_y[0] = S;
+    tail_y[1] = m;
     tail_y[2] = sine[0] * u_2_0 - cosine[0] * u_2_1;
-    tail_x[0] = n;
-    tail_x[1] = C;
+    tail_x[0] = C;
+    tail_x[1] = n;
     tail_x[2] = cosine[0] * u_2_0 + sine[0] * u_2_1;
 }
 
@@ -127,7 +127,7 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_inverse_all_angles_lanes(
 }
 
 /* Every working mode of the RRR sub-leg, in the order elbow+, elbow-; NaN where a mode does not exist.
- * Thesis: 2.2.3, 2.5.  (23 add, 25 multiply, 1 divide, 1 square root) */
+ * Thesis: 2.2.3, 2.5.  (21 add, 25 multiply, 1 divide, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_planar_rrr_inverse_all_lanes(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_lanes_at s[2],
     const krhpr_lanes_at sine[1], const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT radicand,
@@ -145,8 +145,8 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_inverse_all_lanes(
     const krhpr_lanes d2 = w_0 * w_0 + w_1 * w_1;
     const krhpr_lanes h2 = (d2 - g_k_0) * (g_k_1 - d2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S = krhpr_lanes_sqrt(h2); /* 2 a b sin */
-    const krhpr_lanes C = d2 - g_k_2 - g_k_3; /* 2 a b cos */
-    const krhpr_lanes A = d2 + g_k_2 - g_k_3; /* 2 a (a + b cos) */
+    const krhpr_lanes C = d2 - g_k_2; /* 2 a b cos */
+    const krhpr_lanes A = d2 + g_k_3; /* 2 a (a + b cos) */
     const krhpr_lanes t1 = w_0 * A;
     const krhpr_lanes t2 = w_1 * S;
     const krhpr_lanes n = t1 + t2;
@@ -162,17 +162,17 @@ KRHPR_INLINE void krhpr_subleg_planar_rrr_inverse_all_lanes(
     const krhpr_lanes u_2_0_a = w_0 - t5 * (0.5 * n_a);
     const krhpr_lanes u_2_1_a = w_1 - t5 * (0.5 * m_a);
     *radicand = h2;
-    tail_y[0] = m;
-    tail_y[1] = S;
-    tail_y[2] = sine[0] * u_2_0 - cosine[0] * u_2_1;
+    tail_y[0] = S;
+    tail_y[1] = S_a;
+    tail_y[2] = m;
     tail_y[3] = m_a;
-    tail_y[4] = S_a;
+    tail_y[4] = sine[0] * u_2_0 - cosine[0] * u_2_1;
     tail_y[5] = sine[0] * u_2_0_a - cosine[0] * u_2_1_a;
-    tail_x[0] = n;
+    tail_x[0] = C;
     tail_x[1] = C;
-    tail_x[2] = cosine[0] * u_2_0 + sine[0] * u_2_1;
+    tail_x[2] = n;
     tail_x[3] = n_a;
-    tail_x[4] = C;
+    tail_x[4] = cosine[0] * u_2_0 + sine[0] * u_2_1;
     tail_x[5] = cosine[0] * u_2_0_a + sine[0] * u_2_1_a;
 }
 

@@ -27,7 +27,7 @@ typedef struct {
 } krhpr_subleg_prr_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (7 add, 16 multiply, 2 divide, 2 sine
+/* Vectors and sub-expressions that depend on the geometry alone.  (9 add, 16 multiply, 2 divide, 2 sine
  * cosine, 1 select) */
 KRHPR_STATIC void krhpr_subleg_prr_prepare(krhpr_subleg_prr_geometry *g, int i)
 {
@@ -41,6 +41,8 @@ KRHPR_STATIC void krhpr_subleg_prr_prepare(krhpr_subleg_prr_geometry *g, int i)
     const double c_1 = g->R_b[i] * e_r_1 - t5;
     const double t6 = g->l_2[i] - g->l_3[i];
     const double t7 = g->l_2[i] + g->l_3[i];
+    const double t8 = g->l_2[i] * g->l_2[i];
+    const double t9 = g->l_3[i] * g->l_3[i];
     g->c[0][i] = c_0;
     g->c[1][i] = c_1;
     g->c[2][i] = g->l_1[i] * e_1_2;
@@ -55,8 +57,8 @@ KRHPR_STATIC void krhpr_subleg_prr_prepare(krhpr_subleg_prr_geometry *g, int i)
     g->e_t[2][i] = 0.0;
     g->k[0][i] = t6 * t6;
     g->k[1][i] = t7 * t7;
-    g->k[2][i] = g->l_2[i] * g->l_2[i];
-    g->k[3][i] = g->l_3[i] * g->l_3[i];
+    g->k[2][i] = t8 + t9;
+    g->k[3][i] = t8 - t9;
     g->k[4][i] = fabs(t6);
     g->k[5][i] = 1.0 / (g->l_2[i] * g->l_3[i]);
     g->k[6][i] = 1.0 / g->l_3[i];
@@ -112,7 +114,7 @@ KRHPR_STATIC void krhpr_subleg_prr_forward_posture(
 }
 
 /* Actuated joints of the PRR sub-leg in one working mode.  The mode is given by signs; NaN where the end
- * point is out of reach.  Thesis: 2.4.1, 2.5.  (17 add, 16 multiply, 1 square root, 2 arctangent) */
+ * point is out of reach.  Thesis: 2.4.1, 2.5.  (15 add, 16 multiply, 1 square root, 2 arctangent) */
 KRHPR_STATIC void krhpr_subleg_prr_inverse(
     const krhpr_subleg_prr_geometry *g, int i, const double s[3], const double mode[1],
     double *KRHPR_RESTRICT theta, double *KRHPR_RESTRICT radicand)
@@ -125,8 +127,8 @@ KRHPR_STATIC void krhpr_subleg_prr_inverse(
     const double d2 = d_0 * d_0 + d_1 * d_1;
     const double h2 = (d2 - g->k[0][i]) * (g->k[1][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[0] * sqrt(h2); /* 2 a b sin */
-    const double C = d2 - g->k[2][i] - g->k[3][i]; /* 2 a b cos */
-    const double A = d2 + g->k[2][i] - g->k[3][i]; /* 2 a (a + b cos) */
+    const double C = d2 - g->k[2][i]; /* 2 a b cos */
+    const double A = d2 + g->k[3][i]; /* 2 a (a + b cos) */
     const double n = d_0 * A + d_1 * S;
     const double m = d_1 * A - d_0 * S;
     theta[0] = g->e_t[0][i] * arm_0 + g->e_t[1][i] * arm_1;
@@ -136,7 +138,7 @@ KRHPR_STATIC void krhpr_subleg_prr_inverse(
 }
 
 /* Every working mode of the PRR sub-leg, in the order elbow+, elbow-; NaN where a mode does not exist.
- * Thesis: 2.4.1, 2.5.  (19 add, 15 multiply, 1 square root, 4 arctangent) */
+ * Thesis: 2.4.1, 2.5.  (17 add, 15 multiply, 1 square root, 4 arctangent) */
 KRHPR_STATIC void krhpr_subleg_prr_inverse_all(
     const krhpr_subleg_prr_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
@@ -149,8 +151,8 @@ KRHPR_STATIC void krhpr_subleg_prr_inverse_all(
     const double d2 = d_0 * d_0 + d_1 * d_1;
     const double h2 = (d2 - g->k[0][i]) * (g->k[1][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = sqrt(h2); /* 2 a b sin */
-    const double C = d2 - g->k[2][i] - g->k[3][i]; /* 2 a b cos */
-    const double A = d2 + g->k[2][i] - g->k[3][i]; /* 2 a (a + b cos) */
+    const double C = d2 - g->k[2][i]; /* 2 a b cos */
+    const double A = d2 + g->k[3][i]; /* 2 a (a + b cos) */
     const double t1 = d_0 * A;
     const double t2 = d_1 * S;
     const double n = t1 + t2;

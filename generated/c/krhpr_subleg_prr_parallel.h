@@ -29,7 +29,7 @@ typedef struct {
 } krhpr_subleg_prr_parallel_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (7 add, 16 multiply, 2 divide, 3 sine
+/* Vectors and sub-expressions that depend on the geometry alone.  (9 add, 16 multiply, 2 divide, 3 sine
  * cosine, 1 select) */
 KRHPR_STATIC void krhpr_subleg_prr_parallel_prepare(krhpr_subleg_prr_parallel_geometry *g, int i)
 {
@@ -44,6 +44,8 @@ KRHPR_STATIC void krhpr_subleg_prr_parallel_prepare(krhpr_subleg_prr_parallel_ge
     const double c_1 = g->R_b[i] * e_b_1 + t4;
     const double t5 = g->l_2[i] - g->l_3[i];
     const double t6 = g->l_2[i] + g->l_3[i];
+    const double t7 = g->l_2[i] * g->l_2[i];
+    const double t8 = g->l_3[i] * g->l_3[i];
     g->c[0][i] = c_0;
     g->c[1][i] = c_1;
     g->c[2][i] = g->l_1[i] * e_1_2;
@@ -58,8 +60,8 @@ KRHPR_STATIC void krhpr_subleg_prr_parallel_prepare(krhpr_subleg_prr_parallel_ge
     g->e_t[2][i] = 0.0;
     g->k[0][i] = t5 * t5;
     g->k[1][i] = t6 * t6;
-    g->k[2][i] = g->l_2[i] * g->l_2[i];
-    g->k[3][i] = g->l_3[i] * g->l_3[i];
+    g->k[2][i] = t7 + t8;
+    g->k[3][i] = t7 - t8;
     g->k[4][i] = fabs(t5);
     g->k[5][i] = 1.0 / (g->l_2[i] * g->l_3[i]);
     g->k[6][i] = 1.0 / g->l_3[i];
@@ -117,7 +119,7 @@ KRHPR_STATIC void krhpr_subleg_prr_parallel_forward_posture(
 }
 
 /* Actuated joints of the PRR sub-leg in one working mode.  The mode is given by signs; NaN where the end
- * point is out of reach.  Thesis: 2.4.1, 2.5.  (17 add, 16 multiply, 1 square root, 2 arctangent) */
+ * point is out of reach.  Thesis: 2.4.1, 2.5.  (15 add, 16 multiply, 1 square root, 2 arctangent) */
 KRHPR_STATIC void krhpr_subleg_prr_parallel_inverse(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const double s[3], const double mode[1],
     double *KRHPR_RESTRICT theta, double *KRHPR_RESTRICT radicand)
@@ -130,8 +132,8 @@ KRHPR_STATIC void krhpr_subleg_prr_parallel_inverse(
     const double d2 = d_0 * d_0 + d_1 * d_1;
     const double h2 = (d2 - g->k[0][i]) * (g->k[1][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[0] * sqrt(h2); /* 2 a b sin */
-    const double C = d2 - g->k[2][i] - g->k[3][i]; /* 2 a b cos */
-    const double A = d2 + g->k[2][i] - g->k[3][i]; /* 2 a (a + b cos) */
+    const double C = d2 - g->k[2][i]; /* 2 a b cos */
+    const double A = d2 + g->k[3][i]; /* 2 a (a + b cos) */
     const double n = d_0 * A + d_1 * S;
     const double m = d_1 * A - d_0 * S;
     theta[0] = g->e_t[0][i] * arm_0 + g->e_t[1][i] * arm_1;
@@ -141,7 +143,7 @@ KRHPR_STATIC void krhpr_subleg_prr_parallel_inverse(
 }
 
 /* Every working mode of the PRR sub-leg, in the order elbow+, elbow-; NaN where a mode does not exist.
- * Thesis: 2.4.1, 2.5.  (19 add, 15 multiply, 1 square root, 4 arctangent) */
+ * Thesis: 2.4.1, 2.5.  (17 add, 15 multiply, 1 square root, 4 arctangent) */
 KRHPR_STATIC void krhpr_subleg_prr_parallel_inverse_all(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT theta,
     double *KRHPR_RESTRICT radicand)
@@ -154,8 +156,8 @@ KRHPR_STATIC void krhpr_subleg_prr_parallel_inverse_all(
     const double d2 = d_0 * d_0 + d_1 * d_1;
     const double h2 = (d2 - g->k[0][i]) * (g->k[1][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = sqrt(h2); /* 2 a b sin */
-    const double C = d2 - g->k[2][i] - g->k[3][i]; /* 2 a b cos */
-    const double A = d2 + g->k[2][i] - g->k[3][i]; /* 2 a (a + b cos) */
+    const double C = d2 - g->k[2][i]; /* 2 a b cos */
+    const double A = d2 + g->k[3][i]; /* 2 a (a + b cos) */
     const double t1 = d_0 * A;
     const double t2 = d_1 * S;
     const double n = t1 + t2;

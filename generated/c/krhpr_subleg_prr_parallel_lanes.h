@@ -85,7 +85,7 @@ KRHPR_INLINE void krhpr_subleg_prr_parallel_forward_posture_lanes(
 }
 
 /* Actuated joints of the PRR sub-leg in one working mode.  The mode is given by signs; NaN where the end
- * point is out of reach.  Thesis: 2.4.1, 2.5.  (17 add, 16 multiply, 1 square root, 2 arctangent) */
+ * point is out of reach.  Thesis: 2.4.1, 2.5.  (15 add, 16 multiply, 1 square root, 2 arctangent) */
 KRHPR_INLINE void krhpr_subleg_prr_parallel_inverse_lanes(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_lanes_at s[3],
     const krhpr_lanes_at mode[1], krhpr_lanes_at *KRHPR_RESTRICT theta,
@@ -114,8 +114,8 @@ KRHPR_INLINE void krhpr_subleg_prr_parallel_inverse_lanes(
     const krhpr_lanes d2 = d_0 * d_0 + d_1 * d_1;
     const krhpr_lanes h2 = (d2 - g_k_0) * (g_k_1 - d2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S = mode[0] * krhpr_lanes_sqrt(h2); /* 2 a b sin */
-    const krhpr_lanes C = d2 - g_k_2 - g_k_3; /* 2 a b cos */
-    const krhpr_lanes A = d2 + g_k_2 - g_k_3; /* 2 a (a + b cos) */
+    const krhpr_lanes C = d2 - g_k_2; /* 2 a b cos */
+    const krhpr_lanes A = d2 + g_k_3; /* 2 a (a + b cos) */
     const krhpr_lanes n = d_0 * A + d_1 * S;
     const krhpr_lanes m = d_1 * A - d_0 * S;
     theta[0] = g_e_t_0 * arm_0 + g_e_t_1 * arm_1;
@@ -125,7 +125,7 @@ KRHPR_INLINE void krhpr_subleg_prr_parallel_inverse_lanes(
 }
 
 /* Every working mode of the PRR sub-leg, in the order elbow+, elbow-; NaN where a mode does not exist.
- * Thesis: 2.4.1, 2.5.  (19 add, 15 multiply, 1 square root, 4 arctangent) */
+ * Thesis: 2.4.1, 2.5.  (17 add, 15 multiply, 1 square root, 4 arctangent) */
 KRHPR_INLINE void krhpr_subleg_prr_parallel_inverse_all_lanes(
     const krhpr_subleg_prr_parallel_geometry *g, int i, const krhpr_lanes_at s[3],
     krhpr_lanes_at *KRHPR_RESTRICT theta, krhpr_lanes_at *KRHPR_RESTRICT radicand)
@@ -153,8 +153,8 @@ KRHPR_INLINE void krhpr_subleg_prr_parallel_inverse_all_lanes(
     const krhpr_lanes d2 = d_0 * d_0 + d_1 * d_1;
     const krhpr_lanes h2 = (d2 - g_k_0) * (g_k_1 - d2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S = krhpr_lanes_sqrt(h2); /* 2 a b sin */
-    const krhpr_lanes C = d2 - g_k_2 - g_k_3; /* 2 a b cos */
-    const krhpr_lanes A = d2 + g_k_2 - g_k_3; /* 2 a (a + b cos) */
+    const krhpr_lanes C = d2 - g_k_2; /* 2 a b cos */
+    const krhpr_lanes A = d2 + g_k_3; /* 2 a (a + b cos) */
     const krhpr_lanes t1 = d_0 * A;
     const krhpr_lanes t2 = d_1 * S;
     const krhpr_lanes n = t1 + t2;

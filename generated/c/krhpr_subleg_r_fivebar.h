@@ -27,11 +27,11 @@ typedef struct {
     double e_x[3][KRHPR_PLACES]; /* e_1 x e_t */
     double e_1[3][KRHPR_PLACES]; /* first axis */
     double e_t[3][KRHPR_PLACES]; /* tangential direction */
-    double k[23][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
+    double k[22][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_r_fivebar_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (13 add, 24 multiply, 7 divide, 2 sine
+/* Vectors and sub-expressions that depend on the geometry alone.  (15 add, 24 multiply, 7 divide, 2 sine
  * cosine, 2 select) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_prepare(krhpr_subleg_r_fivebar_geometry *g, int i)
 {
@@ -43,13 +43,14 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_prepare(krhpr_subleg_r_fivebar_geometry
     const double c_0 = g->R_b[i] * e_t_1 - t4;
     const double t5 = g->l_1[i] * t3;
     const double c_1 = g->R_b[i] * e_r_1 - t5;
-    const double k_7 = 1.0 - g->l_5[i] / g->l_6[i];
+    const double k_6 = 1.0 - g->l_5[i] / g->l_6[i];
+    const double k_0 = g->l_3[i] * g->l_3[i];
     const double t6 = g->l_6[i] - g->l_5[i];
     const double t7 = g->l_4[i] - g->l_6[i];
     const double t8 = g->l_4[i] + g->l_6[i];
     const double t9 = g->l_2[i] - g->l_3[i];
     const double t10 = g->l_2[i] + g->l_3[i];
-    const double k_18 = 1.0 / g->l_6[i];
+    const double k_17 = 1.0 / g->l_6[i];
     g->c[0][i] = c_0;
     g->c[1][i] = c_1;
     g->c[2][i] = g->l_1[i] * e_1_2;
@@ -62,29 +63,28 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_prepare(krhpr_subleg_r_fivebar_geometry
     g->e_t[0][i] = -e_r_1;
     g->e_t[1][i] = e_t_1;
     g->e_t[2][i] = 0.0;
-    g->k[0][i] = g->l_3[i] * g->l_3[i];
+    g->k[0][i] = k_0;
     g->k[1][i] = t6 * t6;
-    g->k[2][i] = 1.0 / k_7;
+    g->k[2][i] = 1.0 / k_6;
     g->k[3][i] = t7 * t7;
     g->k[4][i] = t8 * t8;
-    g->k[5][i] = g->l_4[i] * g->l_4[i];
-    g->k[6][i] = g->l_6[i] * g->l_6[i];
-    g->k[7][i] = k_7;
-    g->k[8][i] = t9 * t9;
-    g->k[9][i] = t10 * t10;
-    g->k[10][i] = g->l_2[i] * g->l_2[i];
-    g->k[11][i] = fabs(t9);
-    g->k[12][i] = fabs(t7);
-    g->k[13][i] = 1.0 - k_7;
-    g->k[14][i] = 1.0 / (g->l_3[i] * g->l_6[i]);
-    g->k[15][i] = 1.0 / t8;
-    g->k[16][i] = 1.0 / (g->l_4[i] * g->l_6[i]);
-    g->k[17][i] = 1.0 / (g->l_2[i] * g->l_3[i]);
-    g->k[18][i] = k_18;
-    g->k[19][i] = 1.0 - g->l_5[i] * k_18;
-    g->k[20][i] = t4 + c_0;
-    g->k[21][i] = t5 + c_1;
-    g->k[22][i] = 0.0;
+    g->k[5][i] = g->l_4[i] * g->l_4[i] - g->l_6[i] * g->l_6[i];
+    g->k[6][i] = k_6;
+    g->k[7][i] = t9 * t9;
+    g->k[8][i] = t10 * t10;
+    g->k[9][i] = g->l_2[i] * g->l_2[i] - k_0;
+    g->k[10][i] = fabs(t9);
+    g->k[11][i] = fabs(t7);
+    g->k[12][i] = 1.0 - k_6;
+    g->k[13][i] = 1.0 / (g->l_3[i] * g->l_6[i]);
+    g->k[14][i] = 1.0 / t8;
+    g->k[15][i] = 1.0 / (g->l_4[i] * g->l_6[i]);
+    g->k[16][i] = 1.0 / (g->l_2[i] * g->l_3[i]);
+    g->k[17][i] = k_17;
+    g->k[18][i] = 1.0 - g->l_5[i] * k_17;
+    g->k[19][i] = t4 + c_0;
+    g->k[20][i] = t5 + c_1;
+    g->k[21][i] = 0.0;
 }
 
 /* Angles whose sines and cosines `forward` reads.  (no operations) */
@@ -237,7 +237,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_forward_all(
 }
 
 /* Actuated joints of the R(RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
- * end point is out of reach.  Thesis: App. B.  (27 add, 34 multiply, 1 divide, 3 square root, 1 select) */
+ * end point is out of reach.  Thesis: App. B.  (25 add, 34 multiply, 1 divide, 3 square root, 1 select) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double s[3], const double mode[3],
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
@@ -253,18 +253,18 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse(
     const double d2 = r2 + y * y;
     const double h2 = (d2 - g->k[3][i]) * (g->k[4][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[1] * sqrt(h2); /* 2 a b sin */
-    const double A = d2 + g->k[5][i] - g->k[6][i]; /* 2 a (a + b cos) */
+    const double A = d2 + g->k[5][i]; /* 2 a (a + b cos) */
     const double n = r * A + y * S;
     const double m = y * A - r * S;
     const double t1 = 1.0 / d2;
     const double u_1_0 = n * 0.5 * t1;
     const double u_1_1 = t1 * (m * 0.5);
-    const double p_0 = u_1_0 + g->k[7][i] * (r - u_1_0); /* u_1 + w - o_12 */
-    const double p_1 = u_1_1 + g->k[7][i] * (y - u_1_1);
+    const double p_0 = u_1_0 + g->k[6][i] * (r - u_1_0); /* u_1 + w - o_12 */
+    const double p_1 = u_1_1 + g->k[6][i] * (y - u_1_1);
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
-    const double h2_2 = (d2_2 - g->k[8][i]) * (g->k[9][i] - d2_2); /* 4 a^2 b^2 sin^2 */
+    const double h2_2 = (d2_2 - g->k[7][i]) * (g->k[8][i] - d2_2); /* 4 a^2 b^2 sin^2 */
     const double S_2 = mode[2] * sqrt(h2_2); /* 2 a b sin */
-    const double A_2 = d2_2 + g->k[10][i] - g->k[0][i]; /* 2 a (a + b cos) */
+    const double A_2 = d2_2 + g->k[9][i]; /* 2 a (a + b cos) */
     const double n_2 = p_0 * A_2 + p_1 * S_2;
     const double m_2 = p_1 * A_2 - p_0 * S_2;
     *radicand = krhpr_min(h2, h2_2);
@@ -278,7 +278,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse(
 
 /* Every working mode of the R(RR-RRR) sub-leg, in the order front/elbow+/rod+, front/elbow+/rod-,
  * front/elbow-/rod+, front/elbow-/rod-, back/elbow+/rod+, back/elbow+/rod-, back/elbow-/rod+,
- * back/elbow-/rod-; NaN where a mode does not exist.  Thesis: App. B.  (67 add, 58 multiply, 1 divide, 6
+ * back/elbow-/rod-; NaN where a mode does not exist.  Thesis: App. B.  (62 add, 58 multiply, 1 divide, 6
  * square root, 7 select) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_all(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT radicand,
@@ -295,7 +295,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_all(
     const double d2 = r2 + y * y;
     const double h2 = (d2 - g->k[3][i]) * (g->k[4][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = sqrt(h2); /* 2 a b sin */
-    const double A = d2 + g->k[5][i] - g->k[6][i]; /* 2 a (a + b cos) */
+    const double A = d2 + g->k[5][i]; /* 2 a (a + b cos) */
     const double t1 = r * A;
     const double t2 = y * S;
     const double n = t1 + t2;
@@ -305,13 +305,13 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_all(
     const double t5 = 1.0 / d2;
     const double u_1_0 = n * 0.5 * t5;
     const double u_1_1 = t5 * (m * 0.5);
-    const double p_0 = u_1_0 + g->k[7][i] * (r - u_1_0); /* u_1 + w - o_12 */
-    const double p_1 = u_1_1 + g->k[7][i] * (y - u_1_1);
+    const double p_0 = u_1_0 + g->k[6][i] * (r - u_1_0); /* u_1 + w - o_12 */
+    const double p_1 = u_1_1 + g->k[6][i] * (y - u_1_1);
     const double t6 = p_1 * p_1;
     const double d2_2 = p_0 * p_0 + t6;
-    const double h2_2 = (d2_2 - g->k[8][i]) * (g->k[9][i] - d2_2); /* 4 a^2 b^2 sin^2 */
+    const double h2_2 = (d2_2 - g->k[7][i]) * (g->k[8][i] - d2_2); /* 4 a^2 b^2 sin^2 */
     const double S_2 = sqrt(h2_2); /* 2 a b sin */
-    const double A_2 = d2_2 + g->k[10][i] - g->k[0][i]; /* 2 a (a + b cos) */
+    const double A_2 = d2_2 + g->k[9][i]; /* 2 a (a + b cos) */
     const double t7 = p_0 * A_2;
     const double t8 = p_1 * S_2;
     const double n_2 = t7 + t8;
@@ -324,13 +324,13 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_all(
     const double m_a = t3 + t4;
     const double u_1_0_a = t5 * (0.5 * n_a);
     const double u_1_1_a = t5 * (0.5 * m_a);
-    const double p_0_a = u_1_0_a + g->k[7][i] * (r - u_1_0_a); /* u_1 + w - o_12 */
-    const double p_1_a = u_1_1_a + g->k[7][i] * (y - u_1_1_a);
+    const double p_0_a = u_1_0_a + g->k[6][i] * (r - u_1_0_a); /* u_1 + w - o_12 */
+    const double p_1_a = u_1_1_a + g->k[6][i] * (y - u_1_1_a);
     const double t11 = p_1_a * p_1_a;
     const double d2_2_a = p_0_a * p_0_a + t11;
-    const double h2_2_a = (d2_2_a - g->k[8][i]) * (g->k[9][i] - d2_2_a); /* 4 a^2 b^2 sin^2 */
+    const double h2_2_a = (d2_2_a - g->k[7][i]) * (g->k[8][i] - d2_2_a); /* 4 a^2 b^2 sin^2 */
     const double S_2_a = sqrt(h2_2_a); /* 2 a b sin */
-    const double A_2_a = g->k[10][i] + d2_2_a - g->k[0][i]; /* 2 a (a + b cos) */
+    const double A_2_a = g->k[9][i] + d2_2_a; /* 2 a (a + b cos) */
     const double t12 = p_0_a * A_2_a;
     const double t13 = p_1_a * S_2_a;
     const double n_2_b = t12 + t13;
@@ -341,11 +341,11 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_all(
     const double m_2_c = t14 + t15;
     const double n_b = t2 - t1;
     const double u_1_0_b = t5 * (0.5 * n_b);
-    const double p_0_b = u_1_0_b - g->k[7][i] * (r + u_1_0_b); /* u_1 + w - o_12 */
+    const double p_0_b = u_1_0_b - g->k[6][i] * (r + u_1_0_b); /* u_1 + w - o_12 */
     const double d2_2_b = t11 + p_0_b * p_0_b;
-    const double h2_2_b = (d2_2_b - g->k[8][i]) * (g->k[9][i] - d2_2_b); /* 4 a^2 b^2 sin^2 */
+    const double h2_2_b = (d2_2_b - g->k[7][i]) * (g->k[8][i] - d2_2_b); /* 4 a^2 b^2 sin^2 */
     const double S_2_b = sqrt(h2_2_b); /* 2 a b sin */
-    const double A_2_b = g->k[10][i] + d2_2_b - g->k[0][i]; /* 2 a (a + b cos) */
+    const double A_2_b = g->k[9][i] + d2_2_b; /* 2 a (a + b cos) */
     const double t16 = p_0_b * A_2_b;
     const double t17 = p_1_a * S_2_b;
     const double n_2_d = t16 + t17;
@@ -355,11 +355,11 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_all(
     const double n_2_e = t16 - t17;
     const double m_2_e = t18 + t19;
     const double n_c = -n;
-    const double p_0_c = g->k[7][i] * (u_1_0 - r) - u_1_0; /* u_1 + w - o_12 */
+    const double p_0_c = g->k[6][i] * (u_1_0 - r) - u_1_0; /* u_1 + w - o_12 */
     const double d2_2_c = t6 + p_0_c * p_0_c;
-    const double h2_2_c = (d2_2_c - g->k[8][i]) * (g->k[9][i] - d2_2_c); /* 4 a^2 b^2 sin^2 */
+    const double h2_2_c = (d2_2_c - g->k[7][i]) * (g->k[8][i] - d2_2_c); /* 4 a^2 b^2 sin^2 */
     const double S_2_c = sqrt(h2_2_c); /* 2 a b sin */
-    const double A_2_c = g->k[10][i] + d2_2_c - g->k[0][i]; /* 2 a (a + b cos) */
+    const double A_2_c = g->k[9][i] + d2_2_c; /* 2 a (a + b cos) */
     const double t20 = p_0_c * A_2_c;
     const double t21 = p_1 * S_2_c;
     const double n_2_f = t20 + t21;
@@ -371,36 +371,36 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_all(
     const double t24 = krhpr_max(krhpr_max(krhpr_min(h2, h2_2), krhpr_min(h2, h2_2_a)), krhpr_min(h2, h2_2_b));
     *radicand = krhpr_max(t24, krhpr_min(h2, h2_2_c));
     tail_y[0] = -d_t;
-    tail_y[1] = m;
-    tail_y[2] = m_2;
-    tail_y[3] = m_2_a;
+    tail_y[1] = d_t;
+    tail_y[2] = m;
+    tail_y[3] = m_a;
     tail_y[4] = m_a;
-    tail_y[5] = m_2_b;
-    tail_y[6] = m_2_c;
-    tail_y[7] = d_t;
-    tail_y[8] = m_a;
-    tail_y[9] = m_2_d;
-    tail_y[10] = m_2_e;
-    tail_y[11] = m;
+    tail_y[5] = m;
+    tail_y[6] = m_2;
+    tail_y[7] = m_2_a;
+    tail_y[8] = m_2_b;
+    tail_y[9] = m_2_c;
+    tail_y[10] = m_2_d;
+    tail_y[11] = m_2_e;
     tail_y[12] = m_2_f;
     tail_y[13] = m_2_g;
     tail_x[0] = d_x;
-    tail_x[1] = n;
-    tail_x[2] = n_2;
-    tail_x[3] = n_2_a;
-    tail_x[4] = n_a;
-    tail_x[5] = n_2_b;
-    tail_x[6] = n_2_c;
-    tail_x[7] = -d_x;
-    tail_x[8] = n_b;
-    tail_x[9] = n_2_d;
-    tail_x[10] = n_2_e;
-    tail_x[11] = n_c;
+    tail_x[1] = -d_x;
+    tail_x[2] = n;
+    tail_x[3] = n_a;
+    tail_x[4] = n_b;
+    tail_x[5] = n_c;
+    tail_x[6] = n_2;
+    tail_x[7] = n_2_a;
+    tail_x[8] = n_2_b;
+    tail_x[9] = n_2_c;
+    tail_x[10] = n_2_d;
+    tail_x[11] = n_2_e;
     tail_x[12] = n_2_f;
     tail_x[13] = n_2_g;
 }
 
-/* Distance by which the end point lies outside the reach of the R(RR-RRR) sub-leg.  (27 add, 26 multiply, 1
+/* Distance by which the end point lies outside the reach of the R(RR-RRR) sub-leg.  (26 add, 26 multiply, 1
  * divide, 4 square root, 3 select) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_reach(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double s[3], const double mode[3],
@@ -417,17 +417,17 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_reach(
     const double d2 = r2 + y * y;
     const double h2 = (d2 - g->k[3][i]) * (g->k[4][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[1] * sqrt(h2); /* 2 a b sin */
-    const double A = d2 + g->k[5][i] - g->k[6][i]; /* 2 a (a + b cos) */
+    const double A = d2 + g->k[5][i]; /* 2 a (a + b cos) */
     const double n = r * A + y * S;
     const double m = y * A - r * S;
     const double t1 = 1.0 / d2;
     const double u_1_0 = n * 0.5 * t1;
     const double u_1_1 = t1 * (m * 0.5);
-    const double p_0 = u_1_0 + g->k[7][i] * (r - u_1_0); /* u_1 + w - o_12 */
-    const double p_1 = u_1_1 + g->k[7][i] * (y - u_1_1);
+    const double p_0 = u_1_0 + g->k[6][i] * (r - u_1_0); /* u_1 + w - o_12 */
+    const double p_1 = u_1_1 + g->k[6][i] * (y - u_1_1);
     const double reach_2 = sqrt(p_0 * p_0 + p_1 * p_1);
     const double reach_1 = sqrt(d2);
-    const double excess_a = krhpr_max(krhpr_max(reach_2 - g->l_2[i] - g->l_3[i], g->k[11][i] - reach_2), krhpr_max(reach_1 - g->l_4[i] - g->l_6[i], g->k[12][i] - reach_1));
+    const double excess_a = krhpr_max(krhpr_max(reach_2 - g->l_2[i] - g->l_3[i], g->k[10][i] - reach_2), krhpr_max(reach_1 - g->l_4[i] - g->l_6[i], g->k[11][i] - reach_1));
     *excess = excess_a;
 }
 
@@ -475,17 +475,17 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_jacobian(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[7][i];
+    const double t1 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7][i];
+    const double t2 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double t3 = u_2[0] * v_2_1;
     const double t4 = u_2[1] * v_2_0;
     const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[7][i] * b_22;
+    const double t5 = g->k[6][i] * b_22;
     const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const double m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const double m_02 = t6 * (v_1_1 * (t4 - t3));
@@ -500,7 +500,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_jacobian(
     M[6] = -e_2[2] * d[0];
     M[7] = g->e_1[2][i] * m_11 + x[2] * m_01;
     M[8] = g->e_1[2][i] * m_12 + x[2] * m_02;
-    *regularity = fabs(delta * g->k[14][i]);
+    *regularity = fabs(delta * g->k[13][i]);
 }
 
 /* Rows of K: N M_i for the R(RR-RRR) sub-leg, where the rows of N are the directions of the platform's
@@ -512,17 +512,17 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_project(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[7][i];
+    const double t1 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7][i];
+    const double t2 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double t3 = u_2[0] * v_2_1;
     const double t4 = u_2[1] * v_2_0;
     const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[7][i] * b_22;
+    const double t5 = g->k[6][i] * b_22;
     const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const double m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const double m_02 = t6 * (v_1_1 * (t4 - t3));
@@ -540,7 +540,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_project(
     K[3] = -d[0] * n_12;
     K[4] = m_01 * n_10 + m_11 * n_11;
     K[5] = m_02 * n_10 + m_12 * n_11;
-    *regularity = fabs(delta * g->k[14][i]);
+    *regularity = fabs(delta * g->k[13][i]);
 }
 
 /* Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (20 add, 35 multiply, 1
@@ -552,24 +552,24 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_velocity(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[7][i];
+    const double t1 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7][i];
+    const double t2 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
     const double t3 = d[0] * theta_dot[0];
     const double w_1 = b_22 * theta_dot[1]; /* B theta_dot */
     const double w_2 = b_32 * theta_dot[1] + b_33 * theta_dot[2];
     const double t4 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double v_l_0 = (w_1 * (g->k[7][i] * v_2_1) - v_1_1 * w_2) * t4; /* velocity in the leg's frame */
-    const double v_l_1 = t4 * (v_1_0 * w_2 - w_1 * (g->k[7][i] * v_2_0));
+    const double v_l_0 = (w_1 * (g->k[6][i] * v_2_1) - v_1_1 * w_2) * t4; /* velocity in the leg's frame */
+    const double v_l_1 = t4 * (v_1_0 * w_2 - w_1 * (g->k[6][i] * v_2_0));
     s_dot[0] = g->e_1[0][i] * v_l_1 - e_2[0] * t3 + x[0] * v_l_0;
     s_dot[1] = g->e_1[1][i] * v_l_1 - e_2[1] * t3 + x[1] * v_l_0;
     s_dot[2] = g->e_1[2][i] * v_l_1 - e_2[2] * t3 + x[2] * v_l_0;
-    *regularity = fabs(delta * g->k[14][i]);
+    *regularity = fabs(delta * g->k[13][i]);
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
@@ -605,16 +605,16 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_bias(
     const double u_2_1 = g->l_2[i] * sine[2];
     const double v_1_0 = d_0 - u_1_0; /* (1.14) */
     const double v_1_1 = d_1 - u_1_1;
-    const double t1 = v_1_0 * g->k[7][i];
+    const double t1 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1_0 + t1 - u_2_0; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7][i];
+    const double t2 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1_1 + t2 - u_2_1; /* (1.15) */
     const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13][i] * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
+    const double b_32 = g->k[12][i] * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
     const double b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
     const double t3 = theta_dot[1] * b_32 + theta_dot[2] * b_33;
-    const double t4 = theta_dot[1] * (g->k[7][i] * b_22);
+    const double t4 = theta_dot[1] * (g->k[6][i] * b_22);
     const double t5 = v_1_0 * t3 - v_2_0 * t4;
     const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const double t7 = g->e_1[0][i] * t5 * t6;
@@ -639,13 +639,13 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_bias(
     const double t23 = g->l_2[i] * (theta_dot[2] * cosine[2]);
     const double t24 = t19 + t20;
     const double t25 = g->e_1[0][i] * s_dot_0 + g->e_1[1][i] * s_dot_1 + g->e_1[2][i] * s_dot_2 - t21;
-    const double t26 = g->k[7][i] * t24;
+    const double t26 = g->k[6][i] * t24;
     const double t27 = t22 + (t26 - t20);
-    const double t28 = g->k[7][i] * t25;
+    const double t28 = g->k[6][i] * t25;
     const double t29 = t21 + t28 - t23;
-    const double t30 = theta_dot[1] * (g->k[13][i] * (v_2_0 * t21 + u_1_1 * t27 - (u_1_0 * t29 - v_2_1 * t20)));
+    const double t30 = theta_dot[1] * (g->k[12][i] * (v_2_0 * t21 + u_1_1 * t27 - (u_1_0 * t29 - v_2_1 * t20)));
     const double t31 = t30 + theta_dot[2] * (u_2_0 * t29 - v_2_1 * t22 - (v_2_0 * t23 + u_2_1 * t27));
-    const double t32 = theta_dot[1] * (g->k[7][i] * (u_1_0 * t25 - v_1_1 * t20 - (v_1_0 * t21 + u_1_1 * t24)));
+    const double t32 = theta_dot[1] * (g->k[6][i] * (u_1_0 * t25 - v_1_1 * t20 - (v_1_0 * t21 + u_1_1 * t24)));
     const double t33 = t3 * t24 + v_1_0 * t31 - (t4 * t27 + v_2_0 * t32);
     const double t34 = v_2_1 * t26 + t1 * t29 - (t2 * t27 + v_2_0 * t28);
     const double t35 = t4 * t29 + v_2_1 * t32 - (t3 * t25 + v_1_1 * t31);
@@ -659,7 +659,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_bias(
     bias[0] = bias_0;
     bias[1] = bias_1;
     bias[2] = t37 - theta_dot[0] * (d_0 * (g->e_x[2][i] * t15) + e_2_2 * t19);
-    *regularity = fabs(delta * g->k[14][i]);
+    *regularity = fabs(delta * g->k[13][i]);
 }
 
 /* Actuated joint rates of the R(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
@@ -671,18 +671,18 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_rates(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[7][i] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[7][i] - u_2[1];
+    const double v_2_0 = u_1[0] + v_1_0 * g->k[6][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 * g->k[6][i] - u_2[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double v_l_0 = x[0] * s_dot[0] + x[1] * s_dot[1] + x[2] * s_dot[2]; /* velocity in the leg's frame */
     const double v_l_1 = g->e_1[0][i] * s_dot[0] + g->e_1[1][i] * s_dot[1] + g->e_1[2][i] * s_dot[2];
     const double v_l_2 = e_2[0] * s_dot[0] + e_2[1] * s_dot[1] + e_2[2] * s_dot[2];
     const double w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1; /* A s_dot */
-    const double w_2 = v_l_0 * (g->k[7][i] * v_2_0) + v_l_1 * (g->k[7][i] * v_2_1);
+    const double w_2 = v_l_0 * (g->k[6][i] * v_2_0) + v_l_1 * (g->k[6][i] * v_2_1);
     const double t1 = 1.0 / b_22;
-    const double regularity_a = krhpr_min(krhpr_min(fabs(d[0] * g->k[15][i]), fabs(b_22 * g->k[16][i])), fabs(b_33 * g->k[17][i]));
+    const double regularity_a = krhpr_min(krhpr_min(fabs(d[0] * g->k[14][i]), fabs(b_22 * g->k[15][i])), fabs(b_33 * g->k[16][i]));
     theta_dot[0] = -v_l_2 / d[0];
     theta_dot[1] = w_1 * t1;
     theta_dot[2] = (w_2 - t1 * (b_32 * w_1)) / b_33;
@@ -697,18 +697,18 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_determinant(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[7][i] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[7][i] - u_2[1];
+    const double v_2_0 = u_1[0] + v_1_0 * g->k[6][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 * g->k[6][i] - u_2[1];
     const double t1 = u_1[0] * v_1_1;
     const double t2 = u_1[1] * v_1_0;
     const double b_22 = t1 - t2; /* v_1^T (e_2 x u_1) */
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    *det_M = d[0] * (b_33 * (t2 - t1)) / (g->k[7][i] * delta);
-    factors[0] = d[0] * g->k[15][i];
-    factors[1] = b_22 * g->k[16][i];
-    factors[2] = b_33 * g->k[17][i];
-    factors[3] = delta * g->k[14][i];
+    *det_M = d[0] * (b_33 * (t2 - t1)) / (g->k[6][i] * delta);
+    factors[0] = d[0] * g->k[14][i];
+    factors[1] = b_22 * g->k[15][i];
+    factors[2] = b_33 * g->k[16][i];
+    factors[3] = delta * g->k[13][i];
 }
 
 /* Squares of M_i of the R(RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide count by
@@ -722,17 +722,17 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_gram(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[7][i];
+    const double t1 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7][i];
+    const double t2 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double t3 = u_2[0] * v_2_1;
     const double t4 = u_2[1] * v_2_0;
     const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[7][i] * b_22;
+    const double t5 = g->k[6][i] * b_22;
     const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const double m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const double m_02 = t6 * (v_1_1 * (t4 - t3));
@@ -783,7 +783,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_gram(
     reach[0] = t7 * t7 + k_01 * k_01 + k_02 * k_02;
     reach[1] = t7 * t8 + k_01 * k_11 + k_02 * k_12;
     reach[2] = t8 * t8 + k_11 * k_11 + k_12 * k_12;
-    *regularity = fabs(delta * g->k[14][i]);
+    *regularity = fabs(delta * g->k[13][i]);
 }
 
 /* Passive joints of the R(RR-RRR) sub-leg and the orientation of its last link.  (18 add, 28 multiply) */
@@ -794,10 +794,10 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_passive(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[19][i] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[19][i] - u_2[1];
-    const double dir_0 = v_1_0 * g->k[18][i]; /* direction of the last link in (x, e_1) */
-    const double dir_1 = v_1_1 * g->k[18][i];
+    const double v_2_0 = u_1[0] + v_1_0 * g->k[18][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 * g->k[18][i] - u_2[1];
+    const double dir_0 = v_1_0 * g->k[17][i]; /* direction of the last link in (x, e_1) */
+    const double dir_1 = v_1_1 * g->k[17][i];
     const double along_0 = x[0] * dir_0 + g->e_1[0][i] * dir_1;
     const double along_1 = x[1] * dir_0 + g->e_1[1][i] * dir_1;
     const double along_2 = x[2] * dir_0 + g->e_1[2][i] * dir_1;
@@ -826,11 +826,11 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_points(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double d[2],
     const double u_1[2], const double u_2[2], const double s[3], double *KRHPR_RESTRICT points)
 {
-    const double p_0 = u_1[0] + g->k[7][i] * (d[0] - u_1[0]);
-    const double p_1 = u_1[1] + g->k[7][i] * (d[1] - u_1[1]);
-    points[0] = g->k[20][i];
-    points[1] = g->k[21][i];
-    points[2] = g->k[22][i];
+    const double p_0 = u_1[0] + g->k[6][i] * (d[0] - u_1[0]);
+    const double p_1 = u_1[1] + g->k[6][i] * (d[1] - u_1[1]);
+    points[0] = g->k[19][i];
+    points[1] = g->k[20][i];
+    points[2] = g->k[21][i];
     points[3] = g->c[0][i];
     points[4] = g->c[1][i];
     points[5] = g->c[2][i];
@@ -857,17 +857,17 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_transmission(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[7][i];
+    const double t1 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[7][i];
+    const double t2 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double t3 = u_2[0] * v_2_1;
     const double t4 = u_2[1] * v_2_0;
     const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[7][i] * b_22;
+    const double t5 = g->k[6][i] * b_22;
     const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const double m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const double m_02 = t6 * (v_1_1 * (t4 - t3));
@@ -891,7 +891,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_transmission(
     K_n[6] = -d[0] * n_22;
     K_n[7] = m_01 * n_20 + m_11 * n_21;
     K_n[8] = m_02 * n_20 + m_12 * n_21;
-    *regularity = fabs(delta * g->k[14][i]);
+    *regularity = fabs(delta * g->k[13][i]);
 }
 
 /* J_n of J_n [t, rates of the redundant coordinates, of swivels] = K_n theta_dot.  Thesis: (5.58) to
@@ -1026,19 +1026,19 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_end_force(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[7][i] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[7][i] - u_2[1];
+    const double v_2_0 = u_1[0] + v_1_0 * g->k[6][i] - u_2[0]; /* (1.15) */
+    const double v_2_1 = u_1[1] + v_1_1 * g->k[6][i] - u_2[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[13][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
-    const double w_2 = g->k[7][i] * v_2_0; /* A s_dot */
-    const double w_2_a = g->k[7][i] * v_2_1;
+    const double w_2 = g->k[6][i] * v_2_0; /* A s_dot */
+    const double w_2_a = g->k[6][i] * v_2_1;
     const double t1 = 1.0 / b_22;
     const double t2 = 1.0 / b_33;
     const double g_l_0 = v_1_0 * actuator_forces[1] * t1 + actuator_forces[2] * (w_2 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
     const double g_l_1 = t1 * (v_1_1 * actuator_forces[1]) + t2 * (actuator_forces[2] * (w_2_a - t1 * (v_1_1 * b_32)));
     const double t3 = actuator_forces[0] / d[0];
-    const double regularity_a = krhpr_min(krhpr_min(fabs(d[0] * g->k[15][i]), fabs(b_22 * g->k[16][i])), fabs(b_33 * g->k[17][i]));
+    const double regularity_a = krhpr_min(krhpr_min(fabs(d[0] * g->k[14][i]), fabs(b_22 * g->k[15][i])), fabs(b_33 * g->k[16][i]));
     end_force[0] = g->e_1[0][i] * g_l_1 - e_2[0] * t3 + x[0] * g_l_0;
     end_force[1] = g->e_1[1][i] * g_l_1 - e_2[1] * t3 + x[1] * g_l_0;
     end_force[2] = g->e_1[2][i] * g_l_1 - e_2[2] * t3 + x[2] * g_l_0;

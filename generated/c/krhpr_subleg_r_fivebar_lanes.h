@@ -210,7 +210,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_forward_all_lanes(
 }
 
 /* Actuated joints of the R(RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN where the
- * end point is out of reach.  Thesis: App. B.  (27 add, 34 multiply, 1 divide, 3 square root, 1 select) */
+ * end point is out of reach.  Thesis: App. B.  (25 add, 34 multiply, 1 divide, 3 square root, 1 select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_inverse_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at mode[3],
     krhpr_lanes_at *KRHPR_RESTRICT radicand, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
@@ -227,7 +227,6 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_inverse_lanes(
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
     const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
     const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
-    const krhpr_lanes g_k_0 = krhpr_of_leg(g->k[0], i);
     const krhpr_lanes g_k_3 = krhpr_of_leg(g->k[3], i);
     const krhpr_lanes g_k_4 = krhpr_of_leg(g->k[4], i);
     const krhpr_lanes g_k_5 = krhpr_of_leg(g->k[5], i);
@@ -235,7 +234,6 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_inverse_lanes(
     const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
     const krhpr_lanes g_k_8 = krhpr_of_leg(g->k[8], i);
     const krhpr_lanes g_k_9 = krhpr_of_leg(g->k[9], i);
-    const krhpr_lanes g_k_10 = krhpr_of_leg(g->k[10], i);
     const krhpr_lanes d_0 = s[0] - g_c_0; /* s - c */
     const krhpr_lanes d_1 = s[1] - g_c_1;
     const krhpr_lanes d_2 = s[2] - g_c_2;
@@ -247,18 +245,18 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_inverse_lanes(
     const krhpr_lanes d2 = r2 + y * y;
     const krhpr_lanes h2 = (d2 - g_k_3) * (g_k_4 - d2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S = mode[1] * krhpr_lanes_sqrt(h2); /* 2 a b sin */
-    const krhpr_lanes A = d2 + g_k_5 - g_k_6; /* 2 a (a + b cos) */
+    const krhpr_lanes A = d2 + g_k_5; /* 2 a (a + b cos) */
     const krhpr_lanes n = r * A + y * S;
     const krhpr_lanes m = y * A - r * S;
     const krhpr_lanes t1 = 1.0 / d2;
     const krhpr_lanes u_1_0 = n * 0.5 * t1;
     const krhpr_lanes u_1_1 = t1 * (m * 0.5);
-    const krhpr_lanes p_0 = u_1_0 + g_k_7 * (r - u_1_0); /* u_1 + w - o_12 */
-    const krhpr_lanes p_1 = u_1_1 + g_k_7 * (y - u_1_1);
+    const krhpr_lanes p_0 = u_1_0 + g_k_6 * (r - u_1_0); /* u_1 + w - o_12 */
+    const krhpr_lanes p_1 = u_1_1 + g_k_6 * (y - u_1_1);
     const krhpr_lanes d2_2 = p_0 * p_0 + p_1 * p_1;
-    const krhpr_lanes h2_2 = (d2_2 - g_k_8) * (g_k_9 - d2_2); /* 4 a^2 b^2 sin^2 */
+    const krhpr_lanes h2_2 = (d2_2 - g_k_7) * (g_k_8 - d2_2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S_2 = mode[2] * krhpr_lanes_sqrt(h2_2); /* 2 a b sin */
-    const krhpr_lanes A_2 = d2_2 + g_k_10 - g_k_0; /* 2 a (a + b cos) */
+    const krhpr_lanes A_2 = d2_2 + g_k_9; /* 2 a (a + b cos) */
     const krhpr_lanes n_2 = p_0 * A_2 + p_1 * S_2;
     const krhpr_lanes m_2 = p_1 * A_2 - p_0 * S_2;
     *radicand = krhpr_lanes_min(h2, h2_2);
@@ -272,7 +270,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_inverse_lanes(
 
 /* Every working mode of the R(RR-RRR) sub-leg, in the order front/elbow+/rod+, front/elbow+/rod-,
  * front/elbow-/rod+, front/elbow-/rod-, back/elbow+/rod+, back/elbow+/rod-, back/elbow-/rod+,
- * back/elbow-/rod-; NaN where a mode does not exist.  Thesis: App. B.  (67 add, 58 multiply, 1 divide, 6
+ * back/elbow-/rod-; NaN where a mode does not exist.  Thesis: App. B.  (62 add, 58 multiply, 1 divide, 6
  * square root, 7 select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_inverse_all_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at s[3],
@@ -290,7 +288,6 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_inverse_all_lanes(
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
     const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
     const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
-    const krhpr_lanes g_k_0 = krhpr_of_leg(g->k[0], i);
     const krhpr_lanes g_k_3 = krhpr_of_leg(g->k[3], i);
     const krhpr_lanes g_k_4 = krhpr_of_leg(g->k[4], i);
     const krhpr_lanes g_k_5 = krhpr_of_leg(g->k[5], i);
@@ -298,7 +295,6 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_inverse_all_lanes(
     const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
     const krhpr_lanes g_k_8 = krhpr_of_leg(g->k[8], i);
     const krhpr_lanes g_k_9 = krhpr_of_leg(g->k[9], i);
-    const krhpr_lanes g_k_10 = krhpr_of_leg(g->k[10], i);
     const krhpr_lanes d_0 = s[0] - g_c_0; /* s - c */
     const krhpr_lanes d_1 = s[1] - g_c_1;
     const krhpr_lanes d_2 = s[2] - g_c_2;
@@ -310,7 +306,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_inverse_all_lanes(
     const krhpr_lanes d2 = r2 + y * y;
     const krhpr_lanes h2 = (d2 - g_k_3) * (g_k_4 - d2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S = krhpr_lanes_sqrt(h2); /* 2 a b sin */
-    const krhpr_lanes A = d2 + g_k_5 - g_k_6; /* 2 a (a + b cos) */
+    const krhpr_lanes A = d2 + g_k_5; /* 2 a (a + b cos) */
     const krhpr_lanes t1 = r * A;
     const krhpr_lanes t2 = y * S;
     const krhpr_lanes n = t1 + t2;
@@ -320,13 +316,13 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_inverse_all_lanes(
     const krhpr_lanes t5 = 1.0 / d2;
     const krhpr_lanes u_1_0 = n * 0.5 * t5;
     const krhpr_lanes u_1_1 = t5 * (m * 0.5);
-    const krhpr_lanes p_0 = u_1_0 + g_k_7 * (r - u_1_0); /* u_1 + w - o_12 */
-    const krhpr_lanes p_1 = u_1_1 + g_k_7 * (y - u_1_1);
+    const krhpr_lanes p_0 = u_1_0 + g_k_6 * (r - u_1_0); /* u_1 + w - o_12 */
+    const krhpr_lanes p_1 = u_1_1 + g_k_6 * (y - u_1_1);
     const krhpr_lanes t6 = p_1 * p_1;
     const krhpr_lanes d2_2 = p_0 * p_0 + t6;
-    const krhpr_lanes h2_2 = (d2_2 - g_k_8) * (g_k_9 - d2_2); /* 4 a^2 b^2 sin^2 */
+    const krhpr_lanes h2_2 = (d2_2 - g_k_7) * (g_k_8 - d2_2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S_2 = krhpr_lanes_sqrt(h2_2); /* 2 a b sin */
-    const krhpr_lanes A_2 = d2_2 + g_k_10 - g_k_0; /* 2 a (a + b cos) */
+    const krhpr_lanes A_2 = d2_2 + g_k_9; /* 2 a (a + b cos) */
     const krhpr_lanes t7 = p_0 * A_2;
     const krhpr_lanes t8 = p_1 * S_2;
     const krhpr_lanes n_2 = t7 + t8;
@@ -339,13 +335,13 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_inverse_all_lanes(
     const krhpr_lanes m_a = t3 + t4;
     const krhpr_lanes u_1_0_a = t5 * (0.5 * n_a);
     const krhpr_lanes u_1_1_a = t5 * (0.5 * m_a);
-    const krhpr_lanes p_0_a = u_1_0_a + g_k_7 * (r - u_1_0_a); /* u_1 + w - o_12 */
-    const krhpr_lanes p_1_a = u_1_1_a + g_k_7 * (y - u_1_1_a);
+    const krhpr_lanes p_0_a = u_1_0_a + g_k_6 * (r - u_1_0_a); /* u_1 + w - o_12 */
+    const krhpr_lanes p_1_a = u_1_1_a + g_k_6 * (y - u_1_1_a);
     const krhpr_lanes t11 = p_1_a * p_1_a;
     const krhpr_lanes d2_2_a = p_0_a * p_0_a + t11;
-    const krhpr_lanes h2_2_a = (d2_2_a - g_k_8) * (g_k_9 - d2_2_a); /* 4 a^2 b^2 sin^2 */
+    const krhpr_lanes h2_2_a = (d2_2_a - g_k_7) * (g_k_8 - d2_2_a); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S_2_a = krhpr_lanes_sqrt(h2_2_a); /* 2 a b sin */
-    const krhpr_lanes A_2_a = g_k_10 + d2_2_a - g_k_0; /* 2 a (a + b cos) */
+    const krhpr_lanes A_2_a = g_k_9 + d2_2_a; /* 2 a (a + b cos) */
     const krhpr_lanes t12 = p_0_a * A_2_a;
     const krhpr_lanes t13 = p_1_a * S_2_a;
     const krhpr_lanes n_2_b = t12 + t13;
@@ -356,11 +352,11 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_inverse_all_lanes(
     const krhpr_lanes m_2_c = t14 + t15;
     const krhpr_lanes n_b = t2 - t1;
     const krhpr_lanes u_1_0_b = t5 * (0.5 * n_b);
-    const krhpr_lanes p_0_b = u_1_0_b - g_k_7 * (r + u_1_0_b); /* u_1 + w - o_12 */
+    const krhpr_lanes p_0_b = u_1_0_b - g_k_6 * (r + u_1_0_b); /* u_1 + w - o_12 */
     const krhpr_lanes d2_2_b = t11 + p_0_b * p_0_b;
-    const krhpr_lanes h2_2_b = (d2_2_b - g_k_8) * (g_k_9 - d2_2_b); /* 4 a^2 b^2 sin^2 */
+    const krhpr_lanes h2_2_b = (d2_2_b - g_k_7) * (g_k_8 - d2_2_b); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S_2_b = krhpr_lanes_sqrt(h2_2_b); /* 2 a b sin */
-    const krhpr_lanes A_2_b = g_k_10 + d2_2_b - g_k_0; /* 2 a (a + b cos) */
+    const krhpr_lanes A_2_b = g_k_9 + d2_2_b; /* 2 a (a + b cos) */
     const krhpr_lanes t16 = p_0_b * A_2_b;
     const krhpr_lanes t17 = p_1_a * S_2_b;
     const krhpr_lanes n_2_d = t16 + t17;
@@ -370,11 +366,11 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_inverse_all_lanes(
     const krhpr_lanes n_2_e = t16 - t17;
     const krhpr_lanes m_2_e = t18 + t19;
     const krhpr_lanes n_c = -n;
-    const krhpr_lanes p_0_c = g_k_7 * (u_1_0 - r) - u_1_0; /* u_1 + w - o_12 */
+    const krhpr_lanes p_0_c = g_k_6 * (u_1_0 - r) - u_1_0; /* u_1 + w - o_12 */
     const krhpr_lanes d2_2_c = t6 + p_0_c * p_0_c;
-    const krhpr_lanes h2_2_c = (d2_2_c - g_k_8) * (g_k_9 - d2_2_c); /* 4 a^2 b^2 sin^2 */
+    const krhpr_lanes h2_2_c = (d2_2_c - g_k_7) * (g_k_8 - d2_2_c); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S_2_c = krhpr_lanes_sqrt(h2_2_c); /* 2 a b sin */
-    const krhpr_lanes A_2_c = g_k_10 + d2_2_c - g_k_0; /* 2 a (a + b cos) */
+    const krhpr_lanes A_2_c = g_k_9 + d2_2_c; /* 2 a (a + b cos) */
     const krhpr_lanes t20 = p_0_c * A_2_c;
     const krhpr_lanes t21 = p_1 * S_2_c;
     const krhpr_lanes n_2_f = t20 + t21;
@@ -386,36 +382,36 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_inverse_all_lanes(
     const krhpr_lanes t24 = krhpr_lanes_max(krhpr_lanes_max(krhpr_lanes_min(h2, h2_2), krhpr_lanes_min(h2, h2_2_a)), krhpr_lanes_min(h2, h2_2_b));
     *radicand = krhpr_lanes_max(t24, krhpr_lanes_min(h2, h2_2_c));
     tail_y[0] = -d_t;
-    tail_y[1] = m;
-    tail_y[2] = m_2;
-    tail_y[3] = m_2_a;
+    tail_y[1] = d_t;
+    tail_y[2] = m;
+    tail_y[3] = m_a;
     tail_y[4] = m_a;
-    tail_y[5] = m_2_b;
-    tail_y[6] = m_2_c;
-    tail_y[7] = d_t;
-    tail_y[8] = m_a;
-    tail_y[9] = m_2_d;
-    tail_y[10] = m_2_e;
-    tail_y[11] = m;
+    tail_y[5] = m;
+    tail_y[6] = m_2;
+    tail_y[7] = m_2_a;
+    tail_y[8] = m_2_b;
+    tail_y[9] = m_2_c;
+    tail_y[10] = m_2_d;
+    tail_y[11] = m_2_e;
     tail_y[12] = m_2_f;
     tail_y[13] = m_2_g;
     tail_x[0] = d_x;
-    tail_x[1] = n;
-    tail_x[2] = n_2;
-    tail_x[3] = n_2_a;
-    tail_x[4] = n_a;
-    tail_x[5] = n_2_b;
-    tail_x[6] = n_2_c;
-    tail_x[7] = -d_x;
-    tail_x[8] = n_b;
-    tail_x[9] = n_2_d;
-    tail_x[10] = n_2_e;
-    tail_x[11] = n_c;
+    tail_x[1] = -d_x;
+    tail_x[2] = n;
+    tail_x[3] = n_a;
+    tail_x[4] = n_b;
+    tail_x[5] = n_c;
+    tail_x[6] = n_2;
+    tail_x[7] = n_2_a;
+    tail_x[8] = n_2_b;
+    tail_x[9] = n_2_c;
+    tail_x[10] = n_2_d;
+    tail_x[11] = n_2_e;
     tail_x[12] = n_2_f;
     tail_x[13] = n_2_g;
 }
 
-/* Distance by which the end point lies outside the reach of the R(RR-RRR) sub-leg.  (27 add, 26 multiply, 1
+/* Distance by which the end point lies outside the reach of the R(RR-RRR) sub-leg.  (26 add, 26 multiply, 1
  * divide, 4 square root, 3 select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_reach_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at mode[3],
@@ -440,9 +436,8 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_reach_lanes(
     const krhpr_lanes g_k_4 = krhpr_of_leg(g->k[4], i);
     const krhpr_lanes g_k_5 = krhpr_of_leg(g->k[5], i);
     const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_10 = krhpr_of_leg(g->k[10], i);
     const krhpr_lanes g_k_11 = krhpr_of_leg(g->k[11], i);
-    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes d_0 = s[0] - g_c_0; /* s - c */
     const krhpr_lanes d_1 = s[1] - g_c_1;
     const krhpr_lanes d_2 = s[2] - g_c_2;
@@ -454,17 +449,17 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_reach_lanes(
     const krhpr_lanes d2 = r2 + y * y;
     const krhpr_lanes h2 = (d2 - g_k_3) * (g_k_4 - d2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S = mode[1] * krhpr_lanes_sqrt(h2); /* 2 a b sin */
-    const krhpr_lanes A = d2 + g_k_5 - g_k_6; /* 2 a (a + b cos) */
+    const krhpr_lanes A = d2 + g_k_5; /* 2 a (a + b cos) */
     const krhpr_lanes n = r * A + y * S;
     const krhpr_lanes m = y * A - r * S;
     const krhpr_lanes t1 = 1.0 / d2;
     const krhpr_lanes u_1_0 = n * 0.5 * t1;
     const krhpr_lanes u_1_1 = t1 * (m * 0.5);
-    const krhpr_lanes p_0 = u_1_0 + g_k_7 * (r - u_1_0); /* u_1 + w - o_12 */
-    const krhpr_lanes p_1 = u_1_1 + g_k_7 * (y - u_1_1);
+    const krhpr_lanes p_0 = u_1_0 + g_k_6 * (r - u_1_0); /* u_1 + w - o_12 */
+    const krhpr_lanes p_1 = u_1_1 + g_k_6 * (y - u_1_1);
     const krhpr_lanes reach_2 = krhpr_lanes_sqrt(p_0 * p_0 + p_1 * p_1);
     const krhpr_lanes reach_1 = krhpr_lanes_sqrt(d2);
-    const krhpr_lanes excess_a = krhpr_lanes_max(krhpr_lanes_max(reach_2 - g_l_2 - g_l_3, g_k_11 - reach_2), krhpr_lanes_max(reach_1 - g_l_4 - g_l_6, g_k_12 - reach_1));
+    const krhpr_lanes excess_a = krhpr_lanes_max(krhpr_lanes_max(reach_2 - g_l_2 - g_l_3, g_k_10 - reach_2), krhpr_lanes_max(reach_1 - g_l_4 - g_l_6, g_k_11 - reach_1));
     *excess = excess_a;
 }
 
@@ -527,22 +522,22 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_jacobian_lanes(
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
-    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes t1 = v_1_0 * g_k_7;
+    const krhpr_lanes t1 = v_1_0 * g_k_6;
     const krhpr_lanes v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_7;
+    const krhpr_lanes t2 = v_1_1 * g_k_6;
     const krhpr_lanes v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_13 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const krhpr_lanes t3 = u_2[0] * v_2_1;
     const krhpr_lanes t4 = u_2[1] * v_2_0;
     const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t5 = g_k_7 * b_22;
+    const krhpr_lanes t5 = g_k_6 * b_22;
     const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const krhpr_lanes m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const krhpr_lanes m_02 = t6 * (v_1_1 * (t4 - t3));
@@ -557,7 +552,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_jacobian_lanes(
     M[6] = -e_2[2] * d[0];
     M[7] = g_e_1_2 * m_11 + x[2] * m_01;
     M[8] = g_e_1_2 * m_12 + x[2] * m_02;
-    *regularity = krhpr_lanes_fabs(delta * g_k_14);
+    *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
 /* Rows of K: N M_i for the R(RR-RRR) sub-leg, where the rows of N are the directions of the platform's
@@ -570,22 +565,22 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_project_lanes(
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
-    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes t1 = v_1_0 * g_k_7;
+    const krhpr_lanes t1 = v_1_0 * g_k_6;
     const krhpr_lanes v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_7;
+    const krhpr_lanes t2 = v_1_1 * g_k_6;
     const krhpr_lanes v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_13 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const krhpr_lanes t3 = u_2[0] * v_2_1;
     const krhpr_lanes t4 = u_2[1] * v_2_0;
     const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t5 = g_k_7 * b_22;
+    const krhpr_lanes t5 = g_k_6 * b_22;
     const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const krhpr_lanes m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const krhpr_lanes m_02 = t6 * (v_1_1 * (t4 - t3));
@@ -603,7 +598,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_project_lanes(
     K[3] = -d[0] * n_12;
     K[4] = m_01 * n_10 + m_11 * n_11;
     K[5] = m_02 * n_10 + m_12 * n_11;
-    *regularity = krhpr_lanes_fabs(delta * g_k_14);
+    *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
 /* Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (20 add, 35 multiply, 1
@@ -617,29 +612,29 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_velocity_lanes(
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
-    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes t1 = v_1_0 * g_k_7;
+    const krhpr_lanes t1 = v_1_0 * g_k_6;
     const krhpr_lanes v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_7;
+    const krhpr_lanes t2 = v_1_1 * g_k_6;
     const krhpr_lanes v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_13 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
     const krhpr_lanes t3 = d[0] * theta_dot[0];
     const krhpr_lanes w_1 = b_22 * theta_dot[1]; /* B theta_dot */
     const krhpr_lanes w_2 = b_32 * theta_dot[1] + b_33 * theta_dot[2];
     const krhpr_lanes t4 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const krhpr_lanes v_l_0 = (w_1 * (g_k_7 * v_2_1) - v_1_1 * w_2) * t4; /* velocity in the leg's frame */
-    const krhpr_lanes v_l_1 = t4 * (v_1_0 * w_2 - w_1 * (g_k_7 * v_2_0));
+    const krhpr_lanes v_l_0 = (w_1 * (g_k_6 * v_2_1) - v_1_1 * w_2) * t4; /* velocity in the leg's frame */
+    const krhpr_lanes v_l_1 = t4 * (v_1_0 * w_2 - w_1 * (g_k_6 * v_2_0));
     s_dot[0] = g_e_1_0 * v_l_1 - e_2[0] * t3 + x[0] * v_l_0;
     s_dot[1] = g_e_1_1 * v_l_1 - e_2[1] * t3 + x[1] * v_l_0;
     s_dot[2] = g_e_1_2 * v_l_1 - e_2[2] * t3 + x[2] * v_l_0;
-    *regularity = krhpr_lanes_fabs(delta * g_k_14);
+    *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
 /* Angles whose sines and cosines `bias` reads.  (no operations) */
@@ -673,9 +668,9 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_bias_lanes(
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
     const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
     const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
-    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes x_0 = g_e_x_0 * cosine[0] - g_e_t_0 * sine[0]; /* Rot(e_1, theta_1) e_x */
     const krhpr_lanes x_1 = g_e_x_1 * cosine[0] - g_e_t_1 * sine[0];
     const krhpr_lanes x_2 = g_e_x_2 * cosine[0];
@@ -693,16 +688,16 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_bias_lanes(
     const krhpr_lanes u_2_1 = g_l_2 * sine[2];
     const krhpr_lanes v_1_0 = d_0 - u_1_0; /* (1.14) */
     const krhpr_lanes v_1_1 = d_1 - u_1_1;
-    const krhpr_lanes t1 = v_1_0 * g_k_7;
+    const krhpr_lanes t1 = v_1_0 * g_k_6;
     const krhpr_lanes v_2_0 = u_1_0 + t1 - u_2_0; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_7;
+    const krhpr_lanes t2 = v_1_1 * g_k_6;
     const krhpr_lanes v_2_1 = u_1_1 + t2 - u_2_1; /* (1.15) */
     const krhpr_lanes b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_13 * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
+    const krhpr_lanes b_32 = g_k_12 * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
     const krhpr_lanes b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
     const krhpr_lanes t3 = theta_dot[1] * b_32 + theta_dot[2] * b_33;
-    const krhpr_lanes t4 = theta_dot[1] * (g_k_7 * b_22);
+    const krhpr_lanes t4 = theta_dot[1] * (g_k_6 * b_22);
     const krhpr_lanes t5 = v_1_0 * t3 - v_2_0 * t4;
     const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const krhpr_lanes t7 = g_e_1_0 * t5 * t6;
@@ -727,13 +722,13 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_bias_lanes(
     const krhpr_lanes t23 = g_l_2 * (theta_dot[2] * cosine[2]);
     const krhpr_lanes t24 = t19 + t20;
     const krhpr_lanes t25 = g_e_1_0 * s_dot_0 + g_e_1_1 * s_dot_1 + g_e_1_2 * s_dot_2 - t21;
-    const krhpr_lanes t26 = g_k_7 * t24;
+    const krhpr_lanes t26 = g_k_6 * t24;
     const krhpr_lanes t27 = t22 + (t26 - t20);
-    const krhpr_lanes t28 = g_k_7 * t25;
+    const krhpr_lanes t28 = g_k_6 * t25;
     const krhpr_lanes t29 = t21 + t28 - t23;
-    const krhpr_lanes t30 = theta_dot[1] * (g_k_13 * (v_2_0 * t21 + u_1_1 * t27 - (u_1_0 * t29 - v_2_1 * t20)));
+    const krhpr_lanes t30 = theta_dot[1] * (g_k_12 * (v_2_0 * t21 + u_1_1 * t27 - (u_1_0 * t29 - v_2_1 * t20)));
     const krhpr_lanes t31 = t30 + theta_dot[2] * (u_2_0 * t29 - v_2_1 * t22 - (v_2_0 * t23 + u_2_1 * t27));
-    const krhpr_lanes t32 = theta_dot[1] * (g_k_7 * (u_1_0 * t25 - v_1_1 * t20 - (v_1_0 * t21 + u_1_1 * t24)));
+    const krhpr_lanes t32 = theta_dot[1] * (g_k_6 * (u_1_0 * t25 - v_1_1 * t20 - (v_1_0 * t21 + u_1_1 * t24)));
     const krhpr_lanes t33 = t3 * t24 + v_1_0 * t31 - (t4 * t27 + v_2_0 * t32);
     const krhpr_lanes t34 = v_2_1 * t26 + t1 * t29 - (t2 * t27 + v_2_0 * t28);
     const krhpr_lanes t35 = t4 * t29 + v_2_1 * t32 - (t3 * t25 + v_1_1 * t31);
@@ -746,7 +741,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_bias_lanes(
     bias[0] = bias_0;
     bias[1] = bias_1;
     bias[2] = bias_2;
-    *regularity = krhpr_lanes_fabs(delta * g_k_14);
+    *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
 /* Actuated joint rates of the R(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
@@ -760,29 +755,29 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_rates_lanes(
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
-    const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
+    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes g_k_15 = krhpr_of_leg(g->k[15], i);
     const krhpr_lanes g_k_16 = krhpr_of_leg(g->k[16], i);
-    const krhpr_lanes g_k_17 = krhpr_of_leg(g->k[17], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_7 - u_2[0]; /* (1.15) */
-    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_7 - u_2[1];
+    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_6 - u_2[0]; /* (1.15) */
+    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_6 - u_2[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_13 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes v_l_0 = x[0] * s_dot[0] + x[1] * s_dot[1] + x[2] * s_dot[2]; /* velocity in the leg's frame */
     const krhpr_lanes v_l_1 = g_e_1_0 * s_dot[0] + g_e_1_1 * s_dot[1] + g_e_1_2 * s_dot[2];
     const krhpr_lanes v_l_2 = e_2[0] * s_dot[0] + e_2[1] * s_dot[1] + e_2[2] * s_dot[2];
     const krhpr_lanes w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1; /* A s_dot */
-    const krhpr_lanes w_2 = v_l_0 * (g_k_7 * v_2_0) + v_l_1 * (g_k_7 * v_2_1);
+    const krhpr_lanes w_2 = v_l_0 * (g_k_6 * v_2_0) + v_l_1 * (g_k_6 * v_2_1);
     const krhpr_lanes t1 = 1.0 / b_22;
-    const krhpr_lanes t2 = krhpr_lanes_min(krhpr_lanes_fabs(d[0] * g_k_15), krhpr_lanes_fabs(b_22 * g_k_16));
+    const krhpr_lanes t2 = krhpr_lanes_min(krhpr_lanes_fabs(d[0] * g_k_14), krhpr_lanes_fabs(b_22 * g_k_15));
     theta_dot[0] = -v_l_2 / d[0];
     theta_dot[1] = w_1 * t1;
     theta_dot[2] = (w_2 - t1 * (b_32 * w_1)) / b_33;
-    *regularity = krhpr_lanes_min(t2, krhpr_lanes_fabs(b_33 * g_k_17));
+    *regularity = krhpr_lanes_min(t2, krhpr_lanes_fabs(b_33 * g_k_16));
 }
 
 /* det M_i of the R(RR-RRR) sub-leg and its dimensionless factors: shoulder, elbow, crank, rod.  Thesis:
@@ -791,25 +786,25 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_determinant_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
     const krhpr_lanes_at u_2[2], krhpr_lanes_at *KRHPR_RESTRICT det_M, krhpr_lanes_at *KRHPR_RESTRICT factors)
 {
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
     const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes g_k_15 = krhpr_of_leg(g->k[15], i);
     const krhpr_lanes g_k_16 = krhpr_of_leg(g->k[16], i);
-    const krhpr_lanes g_k_17 = krhpr_of_leg(g->k[17], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_7 - u_2[0]; /* (1.15) */
-    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_7 - u_2[1];
+    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_6 - u_2[0]; /* (1.15) */
+    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_6 - u_2[1];
     const krhpr_lanes t1 = u_1[0] * v_1_1;
     const krhpr_lanes t2 = u_1[1] * v_1_0;
     const krhpr_lanes b_22 = t1 - t2; /* v_1^T (e_2 x u_1) */
     const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    *det_M = d[0] * (b_33 * (t2 - t1)) / (g_k_7 * delta);
-    factors[0] = d[0] * g_k_15;
-    factors[1] = b_22 * g_k_16;
-    factors[2] = b_33 * g_k_17;
-    factors[3] = delta * g_k_14;
+    *det_M = d[0] * (b_33 * (t2 - t1)) / (g_k_6 * delta);
+    factors[0] = d[0] * g_k_14;
+    factors[1] = b_22 * g_k_15;
+    factors[2] = b_33 * g_k_16;
+    factors[3] = delta * g_k_13;
 }
 
 /* Squares of M_i of the R(RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide count by
@@ -825,22 +820,22 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_gram_lanes(
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
-    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes t1 = v_1_0 * g_k_7;
+    const krhpr_lanes t1 = v_1_0 * g_k_6;
     const krhpr_lanes v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_7;
+    const krhpr_lanes t2 = v_1_1 * g_k_6;
     const krhpr_lanes v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_13 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const krhpr_lanes t3 = u_2[0] * v_2_1;
     const krhpr_lanes t4 = u_2[1] * v_2_0;
     const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t5 = g_k_7 * b_22;
+    const krhpr_lanes t5 = g_k_6 * b_22;
     const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const krhpr_lanes m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const krhpr_lanes m_02 = t6 * (v_1_1 * (t4 - t3));
@@ -891,7 +886,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_gram_lanes(
     reach[0] = t7 * t7 + k_01 * k_01 + k_02 * k_02;
     reach[1] = t7 * t8 + k_01 * k_11 + k_02 * k_12;
     reach[2] = t8 * t8 + k_11 * k_11 + k_12 * k_12;
-    *regularity = krhpr_lanes_fabs(delta * g_k_14);
+    *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
 /* Passive joints of the R(RR-RRR) sub-leg and the orientation of its last link.  (18 add, 28 multiply) */
@@ -904,14 +899,14 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_passive_lanes(
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
+    const krhpr_lanes g_k_17 = krhpr_of_leg(g->k[17], i);
     const krhpr_lanes g_k_18 = krhpr_of_leg(g->k[18], i);
-    const krhpr_lanes g_k_19 = krhpr_of_leg(g->k[19], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_19 - u_2[0]; /* (1.15) */
-    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_19 - u_2[1];
-    const krhpr_lanes dir_0 = v_1_0 * g_k_18; /* direction of the last link in (x, e_1) */
-    const krhpr_lanes dir_1 = v_1_1 * g_k_18;
+    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_18 - u_2[0]; /* (1.15) */
+    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_18 - u_2[1];
+    const krhpr_lanes dir_0 = v_1_0 * g_k_17; /* direction of the last link in (x, e_1) */
+    const krhpr_lanes dir_1 = v_1_1 * g_k_17;
     const krhpr_lanes along_0 = x[0] * dir_0 + g_e_1_0 * dir_1;
     const krhpr_lanes along_1 = x[1] * dir_0 + g_e_1_1 * dir_1;
     const krhpr_lanes along_2 = x[2] * dir_0 + g_e_1_2 * dir_1;
@@ -947,15 +942,15 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_points_lanes(
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_19 = krhpr_of_leg(g->k[19], i);
     const krhpr_lanes g_k_20 = krhpr_of_leg(g->k[20], i);
     const krhpr_lanes g_k_21 = krhpr_of_leg(g->k[21], i);
-    const krhpr_lanes g_k_22 = krhpr_of_leg(g->k[22], i);
-    const krhpr_lanes p_0 = u_1[0] + g_k_7 * (d[0] - u_1[0]); /* u_1 + w */
-    const krhpr_lanes p_1 = u_1[1] + g_k_7 * (d[1] - u_1[1]);
-    points[0] = g_k_20;
-    points[1] = g_k_21;
-    points[2] = g_k_22;
+    const krhpr_lanes p_0 = u_1[0] + g_k_6 * (d[0] - u_1[0]); /* u_1 + w */
+    const krhpr_lanes p_1 = u_1[1] + g_k_6 * (d[1] - u_1[1]);
+    points[0] = g_k_19;
+    points[1] = g_k_20;
+    points[2] = g_k_21;
     points[3] = g_c_0;
     points[4] = g_c_1;
     points[5] = g_c_2;
@@ -984,22 +979,22 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_transmission_lanes(
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
-    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes t1 = v_1_0 * g_k_7;
+    const krhpr_lanes t1 = v_1_0 * g_k_6;
     const krhpr_lanes v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_7;
+    const krhpr_lanes t2 = v_1_1 * g_k_6;
     const krhpr_lanes v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_13 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const krhpr_lanes t3 = u_2[0] * v_2_1;
     const krhpr_lanes t4 = u_2[1] * v_2_0;
     const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t5 = g_k_7 * b_22;
+    const krhpr_lanes t5 = g_k_6 * b_22;
     const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
     const krhpr_lanes m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
     const krhpr_lanes m_02 = t6 * (v_1_1 * (t4 - t3));
@@ -1023,7 +1018,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_transmission_lanes(
     K_n[6] = -d[0] * n_22;
     K_n[7] = m_01 * n_20 + m_11 * n_21;
     K_n[8] = m_02 * n_20 + m_12 * n_21;
-    *regularity = krhpr_lanes_fabs(delta * g_k_14);
+    *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
 /* J_n of J_n [t, rates of the redundant coordinates, of swivels] = K_n theta_dot.  Thesis: (5.58) to
@@ -1160,30 +1155,30 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_end_force_lanes(
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
-    const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
-    const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
+    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
+    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes g_k_15 = krhpr_of_leg(g->k[15], i);
     const krhpr_lanes g_k_16 = krhpr_of_leg(g->k[16], i);
-    const krhpr_lanes g_k_17 = krhpr_of_leg(g->k[17], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_7 - u_2[0]; /* (1.15) */
-    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_7 - u_2[1];
+    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_6 - u_2[0]; /* (1.15) */
+    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_6 - u_2[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_13 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
     const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
-    const krhpr_lanes w_2 = g_k_7 * v_2_0; /* A s_dot */
-    const krhpr_lanes w_2_a = g_k_7 * v_2_1;
+    const krhpr_lanes w_2 = g_k_6 * v_2_0; /* A s_dot */
+    const krhpr_lanes w_2_a = g_k_6 * v_2_1;
     const krhpr_lanes t1 = 1.0 / b_22;
     const krhpr_lanes t2 = 1.0 / b_33;
     const krhpr_lanes g_l_0 = v_1_0 * actuator_forces[1] * t1 + actuator_forces[2] * (w_2 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
     const krhpr_lanes g_l_1 = t1 * (v_1_1 * actuator_forces[1]) + t2 * (actuator_forces[2] * (w_2_a - t1 * (v_1_1 * b_32)));
     const krhpr_lanes t3 = actuator_forces[0] / d[0];
-    const krhpr_lanes t4 = krhpr_lanes_min(krhpr_lanes_fabs(d[0] * g_k_15), krhpr_lanes_fabs(b_22 * g_k_16));
+    const krhpr_lanes t4 = krhpr_lanes_min(krhpr_lanes_fabs(d[0] * g_k_14), krhpr_lanes_fabs(b_22 * g_k_15));
     end_force[0] = g_e_1_0 * g_l_1 - e_2[0] * t3 + x[0] * g_l_0;
     end_force[1] = g_e_1_1 * g_l_1 - e_2[1] * t3 + x[1] * g_l_0;
     end_force[2] = g_e_1_2 * g_l_1 - e_2[2] * t3 + x[2] * g_l_0;
-    *regularity = krhpr_lanes_min(t4, krhpr_lanes_fabs(b_33 * g_k_17));
+    *regularity = krhpr_lanes_min(t4, krhpr_lanes_fabs(b_33 * g_k_16));
 }
 
 #endif

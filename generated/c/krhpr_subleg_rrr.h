@@ -28,7 +28,7 @@ typedef struct {
 } krhpr_subleg_rrr_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (7 add, 16 multiply, 3 divide, 2 sine
+/* Vectors and sub-expressions that depend on the geometry alone.  (9 add, 16 multiply, 3 divide, 2 sine
  * cosine, 1 select) */
 KRHPR_STATIC void krhpr_subleg_rrr_prepare(krhpr_subleg_rrr_geometry *g, int i)
 {
@@ -42,6 +42,8 @@ KRHPR_STATIC void krhpr_subleg_rrr_prepare(krhpr_subleg_rrr_geometry *g, int i)
     const double c_1 = g->R_b[i] * e_r_1 - t5;
     const double t6 = g->l_2[i] - g->l_3[i];
     const double t7 = g->l_2[i] + g->l_3[i];
+    const double t8 = g->l_2[i] * g->l_2[i];
+    const double t9 = g->l_3[i] * g->l_3[i];
     g->c[0][i] = c_0;
     g->c[1][i] = c_1;
     g->c[2][i] = g->l_1[i] * e_1_2;
@@ -56,8 +58,8 @@ KRHPR_STATIC void krhpr_subleg_rrr_prepare(krhpr_subleg_rrr_geometry *g, int i)
     g->e_t[2][i] = 0.0;
     g->k[0][i] = t6 * t6;
     g->k[1][i] = t7 * t7;
-    g->k[2][i] = g->l_2[i] * g->l_2[i];
-    g->k[3][i] = g->l_3[i] * g->l_3[i];
+    g->k[2][i] = t8 + t9;
+    g->k[3][i] = t8 - t9;
     g->k[4][i] = fabs(t6);
     g->k[5][i] = 1.0 / t7;
     g->k[6][i] = 1.0 / (g->l_2[i] * g->l_3[i]);
@@ -129,7 +131,7 @@ KRHPR_STATIC void krhpr_subleg_rrr_forward_posture(
 }
 
 /* Actuated joints of the RRR sub-leg in one working mode.  The mode is given by signs; NaN where the end
- * point is out of reach.  Thesis: 1.5, 2.5.  (18 add, 20 multiply, 2 square root) */
+ * point is out of reach.  Thesis: 1.5, 2.5.  (16 add, 20 multiply, 2 square root) */
 KRHPR_STATIC void krhpr_subleg_rrr_inverse(
     const krhpr_subleg_rrr_geometry *g, int i, const double s[3], const double mode[2],
     double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
@@ -145,21 +147,21 @@ KRHPR_STATIC void krhpr_subleg_rrr_inverse(
     const double d2 = r2 + y * y;
     const double h2 = (d2 - g->k[0][i]) * (g->k[1][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = mode[1] * sqrt(h2); /* 2 a b sin */
-    const double C = d2 - g->k[2][i] - g->k[3][i]; /* 2 a b cos */
-    const double A = d2 + g->k[2][i] - g->k[3][i]; /* 2 a (a + b cos) */
+    const double C = d2 - g->k[2][i]; /* 2 a b cos */
+    const double A = d2 + g->k[3][i]; /* 2 a (a + b cos) */
     const double n = r * A + y * S;
     const double m = y * A - r * S;
     *radicand = h2;
     tail_y[0] = -mode[0] * d_t;
-    tail_y[1] = m;
-    tail_y[2] = S;
+    tail_y[1] = S;
+    tail_y[2] = m;
     tail_x[0] = mode[0] * d_x;
-    tail_x[1] = n;
-    tail_x[2] = C;
+    tail_x[1] = C;
+    tail_x[2] = n;
 }
 
 /* Every working mode of the RRR sub-leg, in the order front/elbow+, front/elbow-, back/elbow+, back/elbow-;
- * NaN where a mode does not exist.  Thesis: 1.5, 2.5.  (21 add, 16 multiply, 2 square root) */
+ * NaN where a mode does not exist.  Thesis: 1.5, 2.5.  (19 add, 16 multiply, 2 square root) */
 KRHPR_STATIC void krhpr_subleg_rrr_inverse_all(
     const krhpr_subleg_rrr_geometry *g, int i, const double s[3], double *KRHPR_RESTRICT radicand,
     double *KRHPR_RESTRICT tail_y, double *KRHPR_RESTRICT tail_x)
@@ -175,8 +177,8 @@ KRHPR_STATIC void krhpr_subleg_rrr_inverse_all(
     const double d2 = r2 + y * y;
     const double h2 = (d2 - g->k[0][i]) * (g->k[1][i] - d2); /* 4 a^2 b^2 sin^2 */
     const double S = sqrt(h2); /* 2 a b sin */
-    const double C = d2 - g->k[2][i] - g->k[3][i]; /* 2 a b cos */
-    const double A = d2 + g->k[2][i] - g->k[3][i]; /* 2 a (a + b cos) */
+    const double C = d2 - g->k[2][i]; /* 2 a b cos */
+    const double A = d2 + g->k[3][i]; /* 2 a (a + b cos) */
     const double t1 = r * A;
     const double t2 = y * S;
     const double n = t1 + t2;
@@ -190,19 +192,19 @@ KRHPR_STATIC void krhpr_subleg_rrr_inverse_all(
     const double n_c = -n;
     *radicand = h2;
     tail_y[0] = -d_t;
-    tail_y[1] = m;
+    tail_y[1] = d_t;
     tail_y[2] = S;
-    tail_y[3] = m_a;
-    tail_y[4] = S_a;
-    tail_y[5] = d_t;
+    tail_y[3] = S_a;
+    tail_y[4] = m;
+    tail_y[5] = m_a;
     tail_y[6] = m_a;
     tail_y[7] = m;
     tail_x[0] = d_x;
-    tail_x[1] = n;
+    tail_x[1] = -d_x;
     tail_x[2] = C;
-    tail_x[3] = n_a;
-    tail_x[4] = C;
-    tail_x[5] = -d_x;
+    tail_x[3] = C;
+    tail_x[4] = n;
+    tail_x[5] = n_a;
     tail_x[6] = n_b;
     tail_x[7] = n_c;
 }

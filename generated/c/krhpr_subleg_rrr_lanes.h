@@ -99,7 +99,7 @@ KRHPR_INLINE void krhpr_subleg_rrr_forward_posture_lanes(
 }
 
 /* Actuated joints of the RRR sub-leg in one working mode.  The mode is given by signs; NaN where the end
- * point is out of reach.  Thesis: 1.5, 2.5.  (18 add, 20 multiply, 2 square root) */
+ * point is out of reach.  Thesis: 1.5, 2.5.  (16 add, 20 multiply, 2 square root) */
 KRHPR_INLINE void krhpr_subleg_rrr_inverse_lanes(
     const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at mode[2],
     krhpr_lanes_at *KRHPR_RESTRICT radicand, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
@@ -131,21 +131,21 @@ KRHPR_INLINE void krhpr_subleg_rrr_inverse_lanes(
     const krhpr_lanes d2 = r2 + y * y;
     const krhpr_lanes h2 = (d2 - g_k_0) * (g_k_1 - d2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S = mode[1] * krhpr_lanes_sqrt(h2); /* 2 a b sin */
-    const krhpr_lanes C = d2 - g_k_2 - g_k_3; /* 2 a b cos */
-    const krhpr_lanes A = d2 + g_k_2 - g_k_3; /* 2 a (a + b cos) */
+    const krhpr_lanes C = d2 - g_k_2; /* 2 a b cos */
+    const krhpr_lanes A = d2 + g_k_3; /* 2 a (a + b cos) */
     const krhpr_lanes n = r * A + y * S;
     const krhpr_lanes m = y * A - r * S;
     *radicand = h2;
     tail_y[0] = -mode[0] * d_t;
-    tail_y[1] = m;
-    tail_y[2] = S;
+    tail_y[1] = S;
+    tail_y[2] = m;
     tail_x[0] = mode[0] * d_x;
-    tail_x[1] = n;
-    tail_x[2] = C;
+    tail_x[1] = C;
+    tail_x[2] = n;
 }
 
 /* Every working mode of the RRR sub-leg, in the order front/elbow+, front/elbow-, back/elbow+, back/elbow-;
- * NaN where a mode does not exist.  Thesis: 1.5, 2.5.  (21 add, 16 multiply, 2 square root) */
+ * NaN where a mode does not exist.  Thesis: 1.5, 2.5.  (19 add, 16 multiply, 2 square root) */
 KRHPR_INLINE void krhpr_subleg_rrr_inverse_all_lanes(
     const krhpr_subleg_rrr_geometry *g, int i, const krhpr_lanes_at s[3],
     krhpr_lanes_at *KRHPR_RESTRICT radicand, krhpr_lanes_at *KRHPR_RESTRICT tail_y,
@@ -177,8 +177,8 @@ KRHPR_INLINE void krhpr_subleg_rrr_inverse_all_lanes(
     const krhpr_lanes d2 = r2 + y * y;
     const krhpr_lanes h2 = (d2 - g_k_0) * (g_k_1 - d2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S = krhpr_lanes_sqrt(h2); /* 2 a b sin */
-    const krhpr_lanes C = d2 - g_k_2 - g_k_3; /* 2 a b cos */
-    const krhpr_lanes A = d2 + g_k_2 - g_k_3; /* 2 a (a + b cos) */
+    const krhpr_lanes C = d2 - g_k_2; /* 2 a b cos */
+    const krhpr_lanes A = d2 + g_k_3; /* 2 a (a + b cos) */
     const krhpr_lanes t1 = r * A;
     const krhpr_lanes t2 = y * S;
     const krhpr_lanes n = t1 + t2;
@@ -192,19 +192,19 @@ KRHPR_INLINE void krhpr_subleg_rrr_inverse_all_lanes(
     const krhpr_lanes n_c = -n;
     *radicand = h2;
     tail_y[0] = -d_t;
-    tail_y[1] = m;
+    tail_y[1] = d_t;
     tail_y[2] = S;
-    tail_y[3] = m_a;
-    tail_y[4] = S_a;
-    tail_y[5] = d_t;
+    tail_y[3] = S_a;
+    tail_y[4] = m;
+    tail_y[5] = m_a;
     tail_y[6] = m_a;
     tail_y[7] = m;
     tail_x[0] = d_x;
-    tail_x[1] = n;
+    tail_x[1] = -d_x;
     tail_x[2] = C;
-    tail_x[3] = n_a;
-    tail_x[4] = C;
-    tail_x[5] = -d_x;
+    tail_x[3] = C;
+    tail_x[4] = n;
+    tail_x[5] = n_a;
     tail_x[6] = n_b;
     tail_x[7] = n_c;
 }

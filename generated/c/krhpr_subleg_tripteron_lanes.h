@@ -385,7 +385,7 @@ KRHPR_INLINE void krhpr_subleg_tripteron_gram_lanes(
     reach[2] = k_10 * k_10 + k_11 * k_11 + k_12 * k_12;
 }
 
-/* Passive joints of the (Tripteron) sub-leg and the orientation of its last link.  (32 add, 24 multiply, 3
+/* Passive joints of the (Tripteron) sub-leg and the orientation of its last link.  (26 add, 24 multiply, 3
  * square root, 4 select) */
 KRHPR_INLINE void krhpr_subleg_tripteron_passive_lanes(
     const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes_at rho[3],
@@ -412,8 +412,8 @@ KRHPR_INLINE void krhpr_subleg_tripteron_passive_lanes(
     const krhpr_lanes t3 = d2_1 - g_k_0;
     const krhpr_lanes h2_1 = t3 * (g_k_1 - d2_1); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S_1 = krhpr_lanes_sqrt(h2_1); /* 2 a b sin */
-    const krhpr_lanes C_1 = d2_1 - g_k_4 - g_k_5; /* 2 a b cos */
-    const krhpr_lanes A_1 = d2_1 + g_k_4 - g_k_5; /* 2 a (a + b cos) */
+    const krhpr_lanes C_1 = d2_1 - g_k_4; /* 2 a b cos */
+    const krhpr_lanes A_1 = d2_1 + g_k_5; /* 2 a (a + b cos) */
     const krhpr_lanes n_1 = rho[1] * A_1 + rho[2] * S_1;
     const krhpr_lanes m_1 = rho[2] * A_1 - rho[1] * S_1;
     const krhpr_lanes t4 = rho[0] * rho[0];
@@ -421,16 +421,16 @@ KRHPR_INLINE void krhpr_subleg_tripteron_passive_lanes(
     const krhpr_lanes t5 = d2_2 - g_k_0;
     const krhpr_lanes h2_2 = t5 * (g_k_1 - d2_2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S_2 = krhpr_lanes_sqrt(h2_2); /* 2 a b sin */
-    const krhpr_lanes C_2 = d2_2 - g_k_4 - g_k_5; /* 2 a b cos */
-    const krhpr_lanes A_2 = g_k_4 + d2_2 - g_k_5; /* 2 a (a + b cos) */
+    const krhpr_lanes C_2 = d2_2 - g_k_4; /* 2 a b cos */
+    const krhpr_lanes A_2 = g_k_5 + d2_2; /* 2 a (a + b cos) */
     const krhpr_lanes n_2 = rho[2] * A_2 + rho[0] * S_2;
     const krhpr_lanes m_2 = rho[0] * A_2 - rho[2] * S_2;
     const krhpr_lanes d2_3 = t1 + t4;
     const krhpr_lanes t6 = d2_3 - g_k_0;
     const krhpr_lanes h2_3 = t6 * (g_k_1 - d2_3); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S_3 = krhpr_lanes_sqrt(h2_3); /* 2 a b sin */
-    const krhpr_lanes C_3 = d2_3 - g_k_4 - g_k_5; /* 2 a b cos */
-    const krhpr_lanes A_3 = g_k_4 + d2_3 - g_k_5; /* 2 a (a + b cos) */
+    const krhpr_lanes C_3 = d2_3 - g_k_4; /* 2 a b cos */
+    const krhpr_lanes A_3 = g_k_5 + d2_3; /* 2 a (a + b cos) */
     const krhpr_lanes n_3 = rho[0] * A_3 + rho[1] * S_3;
     const krhpr_lanes m_3 = rho[1] * A_3 - rho[0] * S_3;
     const krhpr_lanes t7 = g_k_1 - t4;
@@ -446,21 +446,21 @@ KRHPR_INLINE void krhpr_subleg_tripteron_passive_lanes(
     link[8] = krhpr_all(0.0);
     *radicand = radicand_a;
     *regularity = krhpr_lanes_min(krhpr_lanes_min(d2_1 * g_k_6, d2_2 * g_k_6), d2_3 * g_k_6);
-    tail_y[0] = m_1;
-    tail_y[1] = S_1;
-    tail_y[2] = m_2;
-    tail_y[3] = S_2;
-    tail_y[4] = m_3;
-    tail_y[5] = S_3;
-    tail_x[0] = n_1;
-    tail_x[1] = C_1;
-    tail_x[2] = n_2;
-    tail_x[3] = C_2;
-    tail_x[4] = n_3;
-    tail_x[5] = C_3;
+    tail_y[0] = S_1;
+    tail_y[1] = S_2;
+    tail_y[2] = S_3;
+    tail_y[3] = m_1;
+    tail_y[4] = m_2;
+    tail_y[5] = m_3;
+    tail_x[0] = C_1;
+    tail_x[1] = C_2;
+    tail_x[2] = C_3;
+    tail_x[3] = n_1;
+    tail_x[4] = n_2;
+    tail_x[5] = n_3;
 }
 
-/* Joints of the (Tripteron) sub-leg, from the base to S_i.  (50 add, 64 multiply, 3 divide, 3 square root,
+/* Joints of the (Tripteron) sub-leg, from the base to S_i.  (47 add, 81 multiply, 3 divide, 3 square root,
  * 4 select) */
 KRHPR_INLINE void krhpr_subleg_tripteron_points_lanes(
     const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes_at rho[3], const krhpr_lanes_at s[3],
@@ -480,17 +480,9 @@ KRHPR_INLINE void krhpr_subleg_tripteron_points_lanes(
     const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
     const krhpr_lanes g_k_0 = krhpr_of_leg(g->k[0], i);
     const krhpr_lanes g_k_1 = krhpr_of_leg(g->k[1], i);
-    const krhpr_lanes g_k_4 = krhpr_of_leg(g->k[4], i);
     const krhpr_lanes g_k_5 = krhpr_of_leg(g->k[5], i);
     const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
     const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
-    const krhpr_lanes g_k_8 = krhpr_of_leg(g->k[8], i);
-    const krhpr_lanes g_k_9 = krhpr_of_leg(g->k[9], i);
-    const krhpr_lanes g_k_10 = krhpr_of_leg(g->k[10], i);
-    const krhpr_lanes g_k_11 = krhpr_of_leg(g->k[11], i);
-    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
-    const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
-    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes slider_1_0 = g_c_0 + g_e_x_0 * rho[0];
     const krhpr_lanes slider_1_1 = g_c_1 + g_e_x_1 * rho[0];
     const krhpr_lanes slider_1_2 = g_c_2 + g_e_x_2 * rho[0];
@@ -500,7 +492,7 @@ KRHPR_INLINE void krhpr_subleg_tripteron_points_lanes(
     const krhpr_lanes t3 = d2_1 - g_k_0;
     const krhpr_lanes h2_1 = t3 * (g_k_1 - d2_1); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S_1 = krhpr_lanes_sqrt(h2_1); /* 2 a b sin */
-    const krhpr_lanes A_1 = d2_1 + g_k_4 - g_k_5; /* 2 a (a + b cos) */
+    const krhpr_lanes A_1 = d2_1 + g_k_5; /* 2 a (a + b cos) */
     const krhpr_lanes n_1 = rho[1] * A_1 + rho[2] * S_1;
     const krhpr_lanes m_1 = rho[2] * A_1 - rho[1] * S_1;
     const krhpr_lanes slider_2_0 = g_c_0 + g_e_1_0 * rho[1];
@@ -511,7 +503,7 @@ KRHPR_INLINE void krhpr_subleg_tripteron_points_lanes(
     const krhpr_lanes t5 = d2_2 - g_k_0;
     const krhpr_lanes h2_2 = t5 * (g_k_1 - d2_2); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S_2 = krhpr_lanes_sqrt(h2_2); /* 2 a b sin */
-    const krhpr_lanes A_2 = g_k_4 + d2_2 - g_k_5; /* 2 a (a + b cos) */
+    const krhpr_lanes A_2 = g_k_5 + d2_2; /* 2 a (a + b cos) */
     const krhpr_lanes n_2 = rho[2] * A_2 + rho[0] * S_2;
     const krhpr_lanes m_2 = rho[0] * A_2 - rho[2] * S_2;
     const krhpr_lanes slider_3_0 = g_c_0 + g_e_t_0 * rho[2];
@@ -520,7 +512,7 @@ KRHPR_INLINE void krhpr_subleg_tripteron_points_lanes(
     const krhpr_lanes t6 = d2_3 - g_k_0;
     const krhpr_lanes h2_3 = t6 * (g_k_1 - d2_3); /* 4 a^2 b^2 sin^2 */
     const krhpr_lanes S_3 = krhpr_lanes_sqrt(h2_3); /* 2 a b sin */
-    const krhpr_lanes A_3 = g_k_4 + d2_3 - g_k_5; /* 2 a (a + b cos) */
+    const krhpr_lanes A_3 = g_k_5 + d2_3; /* 2 a (a + b cos) */
     const krhpr_lanes n_3 = rho[0] * A_3 + rho[1] * S_3;
     const krhpr_lanes m_3 = rho[1] * A_3 - rho[0] * S_3;
     const krhpr_lanes t7 = 1.0 / d2_1;
@@ -534,21 +526,21 @@ KRHPR_INLINE void krhpr_subleg_tripteron_points_lanes(
     points[3] = slider_1_0;
     points[4] = slider_1_1;
     points[5] = slider_1_2;
-    points[6] = slider_1_0 + n_1 * g_k_7 * t7 + t7 * (m_1 * g_k_8);
-    points[7] = slider_1_1 + t7 * (n_1 * g_k_9) + t7 * (m_1 * g_k_10);
-    points[8] = slider_1_2 + t7 * (n_1 * g_k_11);
+    points[6] = (slider_1_0 * 2.0 + g_e_1_0 * n_1 * t7 + t7 * (g_e_t_0 * m_1)) * 0.5;
+    points[7] = 0.5 * (slider_1_1 * 2.0 + t7 * (g_e_1_1 * n_1) + t7 * (g_e_t_1 * m_1));
+    points[8] = 0.5 * (slider_1_2 * 2.0 + t7 * (g_e_1_2 * n_1));
     points[9] = slider_2_0;
     points[10] = slider_2_1;
     points[11] = slider_2_2;
-    points[12] = slider_2_0 + n_2 * g_k_8 * t8 + t8 * (m_2 * g_k_12);
-    points[13] = slider_2_1 + t8 * (n_2 * g_k_10) + t8 * (m_2 * g_k_13);
-    points[14] = slider_2_2 + t8 * (m_2 * g_k_14);
+    points[12] = 0.5 * (slider_2_0 * 2.0 + g_e_t_0 * n_2 * t8 + t8 * (g_e_x_0 * m_2));
+    points[13] = 0.5 * (slider_2_1 * 2.0 + t8 * (g_e_t_1 * n_2) + t8 * (g_e_x_1 * m_2));
+    points[14] = 0.5 * (slider_2_2 * 2.0 + t8 * (g_e_x_2 * m_2));
     points[15] = slider_3_0;
     points[16] = slider_3_1;
     points[17] = g_c_2;
-    points[18] = slider_3_0 + m_3 * g_k_7 * t9 + t9 * (n_3 * g_k_12);
-    points[19] = slider_3_1 + t9 * (m_3 * g_k_9) + t9 * (n_3 * g_k_13);
-    points[20] = g_c_2 + t9 * (m_3 * g_k_11) + t9 * (n_3 * g_k_14);
+    points[18] = 0.5 * (slider_3_0 * 2.0 + g_e_1_0 * m_3 * t9 + t9 * (g_e_x_0 * n_3));
+    points[19] = 0.5 * (slider_3_1 * 2.0 + t9 * (g_e_1_1 * m_3) + t9 * (g_e_x_1 * n_3));
+    points[20] = 0.5 * (g_k_7 + t9 * (g_e_1_2 * m_3) + t9 * (g_e_x_2 * n_3));
     points[21] = s[0];
     points[22] = s[1];
     points[23] = s[2];

@@ -30,7 +30,7 @@ typedef struct {
 } krhpr_subleg_ups3_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (24 add, 50 multiply, 3 divide, 5 sine
+/* Vectors and sub-expressions that depend on the geometry alone.  (24 add, 46 multiply, 3 divide, 5 sine
  * cosine) */
 KRHPR_STATIC void krhpr_subleg_ups3_prepare(krhpr_subleg_ups3_geometry *g, int i)
 {
@@ -86,8 +86,8 @@ KRHPR_STATIC void krhpr_subleg_ups3_prepare(krhpr_subleg_ups3_geometry *g, int i
     g->g[8][i] = c_2;
     g->k[0][i] = 0.0;
     g->k[1][i] = k_1;
-    g->k[2][i] = 0.5 * (t12 * t12) + 0.5 * (t13 * t13);
-    g->k[3][i] = 0.5 * (t14 * t14) + 0.5 * (t15 * t15);
+    g->k[2][i] = t12 * t12 + t13 * t13;
+    g->k[3][i] = t14 * t14 + t15 * t15;
     g->k[4][i] = t15 * k_1;
     g->k[5][i] = -t13 * k_1;
     g->k[6][i] = 1.0 / (k_1 * k_1);
@@ -97,31 +97,30 @@ KRHPR_STATIC void krhpr_subleg_ups3_prepare(krhpr_subleg_ups3_geometry *g, int i
     g->k[10][i] = 1.0 / g->r_g[i];
 }
 
-/* End point of the (3-UPS) sub-leg from its actuated joints.  Thesis: 3.5.  (22 add, 25 multiply, 1 divide,
+/* End point of the (3-UPS) sub-leg from its actuated joints.  Thesis: 3.5.  (22 add, 24 multiply, 1 divide,
  * 1 square root, 1 select) */
 KRHPR_STATIC void krhpr_subleg_ups3_forward(
     const krhpr_subleg_ups3_geometry *g, int i, const double theta[3], const double s_near[3],
     double *KRHPR_RESTRICT s, double *KRHPR_RESTRICT radicand)
 {
     const double t1 = theta[0] * theta[0];
-    const double t2 = 0.5 * t1;
-    const double q_2 = g->k[2][i] + t2 - 0.5 * (theta[1] * theta[1]);
-    const double q_3 = t2 + g->k[3][i] - 0.5 * (theta[2] * theta[2]);
+    const double q_2 = (g->k[2][i] + t1 - theta[1] * theta[1]) * 0.5;
+    const double q_3 = 0.5 * (t1 + g->k[3][i] - theta[2] * theta[2]);
     const double foot_0 = (q_2 * g->k[4][i] + q_3 * g->k[5][i]) * g->k[6][i]; /* in the plane of the centres */
     const double foot_1 = g->k[6][i] * (q_2 * g->k[7][i] + q_3 * g->k[8][i]);
     const double foot_2 = g->k[6][i] * (g->k[0][i] * q_2 + g->k[0][i] * q_3);
     const double h2 = g->k[6][i] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const double side = g->k[0][i] * (s_near[0] - g->g[0][i]) + g->k[0][i] * (s_near[1] - g->g[1][i]) + g->k[1][i] * (s_near[2] - g->g[2][i]);
-    const double t3 = side + 1e-300;
-    const double height = t3 * sqrt(h2) / fabs(t3);
-    const double t4 = g->k[0][i] * height;
-    s[0] = g->g[0][i] + foot_0 + t4;
-    s[1] = t4 + (g->g[1][i] + foot_1);
+    const double t2 = side + 1e-300;
+    const double height = t2 * sqrt(h2) / fabs(t2);
+    const double t3 = g->k[0][i] * height;
+    s[0] = g->g[0][i] + foot_0 + t3;
+    s[1] = t3 + (g->g[1][i] + foot_1);
     s[2] = g->g[2][i] + foot_2 + g->k[1][i] * height;
     *radicand = h2;
 }
 
-/* End point and posture of the (3-UPS) sub-leg from its actuated joints.  Thesis: 3.5.  (31 add, 25
+/* End point and posture of the (3-UPS) sub-leg from its actuated joints.  Thesis: 3.5.  (31 add, 24
  * multiply, 1 divide, 1 square root, 1 select) */
 KRHPR_STATIC void krhpr_subleg_ups3_forward_posture(
     const krhpr_subleg_ups3_geometry *g, int i, const double theta[3], const double s_near[3],
@@ -129,19 +128,18 @@ KRHPR_STATIC void krhpr_subleg_ups3_forward_posture(
     double *KRHPR_RESTRICT radicand)
 {
     const double t1 = theta[0] * theta[0];
-    const double t2 = 0.5 * t1;
-    const double q_2 = g->k[2][i] + t2 - 0.5 * (theta[1] * theta[1]);
-    const double q_3 = t2 + g->k[3][i] - 0.5 * (theta[2] * theta[2]);
+    const double q_2 = (g->k[2][i] + t1 - theta[1] * theta[1]) * 0.5;
+    const double q_3 = 0.5 * (t1 + g->k[3][i] - theta[2] * theta[2]);
     const double foot_0 = (q_2 * g->k[4][i] + q_3 * g->k[5][i]) * g->k[6][i]; /* in the plane of the centres */
     const double foot_1 = g->k[6][i] * (q_2 * g->k[7][i] + q_3 * g->k[8][i]);
     const double foot_2 = g->k[6][i] * (g->k[0][i] * q_2 + g->k[0][i] * q_3);
     const double h2 = g->k[6][i] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const double side = g->k[0][i] * (s_near[0] - g->g[0][i]) + g->k[0][i] * (s_near[1] - g->g[1][i]) + g->k[1][i] * (s_near[2] - g->g[2][i]);
-    const double t3 = side + 1e-300;
-    const double height = t3 * sqrt(h2) / fabs(t3);
-    const double t4 = g->k[0][i] * height;
-    const double s_0 = g->g[0][i] + foot_0 + t4;
-    const double s_1 = t4 + (g->g[1][i] + foot_1);
+    const double t2 = side + 1e-300;
+    const double height = t2 * sqrt(h2) / fabs(t2);
+    const double t3 = g->k[0][i] * height;
+    const double s_0 = g->g[0][i] + foot_0 + t3;
+    const double s_1 = t3 + (g->g[1][i] + foot_1);
     const double s_2 = g->g[2][i] + foot_2 + g->k[1][i] * height;
     const double w_1_0 = s_0 - g->g[0][i]; /* strut 1 */
     const double w_1_1 = s_1 - g->g[1][i];
@@ -171,31 +169,30 @@ KRHPR_STATIC void krhpr_subleg_ups3_forward_posture(
 }
 
 /* End points of the (3-UPS) sub-leg in every assembly mode: first the one on the side of the normal; NaN
- * where the loop cannot close.  Thesis: 3.5.  (19 add, 21 multiply, 1 square root) */
+ * where the loop cannot close.  Thesis: 3.5.  (19 add, 20 multiply, 1 square root) */
 KRHPR_STATIC void krhpr_subleg_ups3_forward_all(
     const krhpr_subleg_ups3_geometry *g, int i, const double theta[3], double *KRHPR_RESTRICT s,
     double *KRHPR_RESTRICT radicand)
 {
     const double t1 = theta[0] * theta[0];
-    const double t2 = 0.5 * t1;
-    const double q_2 = g->k[2][i] + t2 - 0.5 * (theta[1] * theta[1]);
-    const double q_3 = t2 + g->k[3][i] - 0.5 * (theta[2] * theta[2]);
+    const double q_2 = (g->k[2][i] + t1 - theta[1] * theta[1]) * 0.5;
+    const double q_3 = 0.5 * (t1 + g->k[3][i] - theta[2] * theta[2]);
     const double foot_0 = (q_2 * g->k[4][i] + q_3 * g->k[5][i]) * g->k[6][i]; /* in the plane of the centres */
     const double foot_1 = g->k[6][i] * (q_2 * g->k[7][i] + q_3 * g->k[8][i]);
     const double foot_2 = g->k[6][i] * (g->k[0][i] * q_2 + g->k[0][i] * q_3);
     const double h2 = g->k[6][i] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const double height = sqrt(h2);
-    const double t3 = g->g[0][i] + foot_0;
-    const double t4 = g->k[0][i] * height;
-    const double t5 = g->g[1][i] + foot_1;
-    const double t6 = g->g[2][i] + foot_2;
-    const double t7 = g->k[1][i] * height;
-    s[0] = t3 + t4;
-    s[1] = t4 + t5;
-    s[2] = t6 + t7;
-    s[3] = t3 - t4;
-    s[4] = t5 - t4;
-    s[5] = t6 - t7;
+    const double t2 = g->g[0][i] + foot_0;
+    const double t3 = g->k[0][i] * height;
+    const double t4 = g->g[1][i] + foot_1;
+    const double t5 = g->g[2][i] + foot_2;
+    const double t6 = g->k[1][i] * height;
+    s[0] = t2 + t3;
+    s[1] = t3 + t4;
+    s[2] = t5 + t6;
+    s[3] = t2 - t3;
+    s[4] = t4 - t3;
+    s[5] = t5 - t6;
     *radicand = h2;
 }
 
@@ -589,16 +586,16 @@ KRHPR_STATIC void krhpr_subleg_ups3_passive(
     link[7] = along_1 * across_0 - along_0 * across_1;
     link[8] = across_2;
     tail_y[0] = -strut_1_1;
-    tail_y[1] = strut_1_0;
-    tail_y[2] = -strut_2_1;
-    tail_y[3] = strut_2_0;
-    tail_y[4] = -strut_3_1;
+    tail_y[1] = -strut_2_1;
+    tail_y[2] = -strut_3_1;
+    tail_y[3] = strut_1_0;
+    tail_y[4] = strut_2_0;
     tail_y[5] = strut_3_0;
     tail_x[0] = strut_1_2;
-    tail_x[1] = strut_1_n;
-    tail_x[2] = strut_2_2;
-    tail_x[3] = strut_2_n;
-    tail_x[4] = strut_3_2;
+    tail_x[1] = strut_2_2;
+    tail_x[2] = strut_3_2;
+    tail_x[3] = strut_1_n;
+    tail_x[4] = strut_2_n;
     tail_x[5] = strut_3_n;
 }
 

@@ -9,7 +9,7 @@
 #include "krhpr_subleg_ups3.h"
 #include "krhpr_lanes.h"
 
-/* End point of the (3-UPS) sub-leg from its actuated joints.  Thesis: 3.5.  (22 add, 25 multiply, 1 divide,
+/* End point of the (3-UPS) sub-leg from its actuated joints.  Thesis: 3.5.  (22 add, 24 multiply, 1 divide,
  * 1 square root, 1 select) */
 KRHPR_INLINE void krhpr_subleg_ups3_forward_lanes(
     const krhpr_subleg_ups3_geometry *g, int i, const krhpr_lanes_at theta[3],
@@ -28,24 +28,23 @@ KRHPR_INLINE void krhpr_subleg_ups3_forward_lanes(
     const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
     const krhpr_lanes g_k_8 = krhpr_of_leg(g->k[8], i);
     const krhpr_lanes t1 = theta[0] * theta[0];
-    const krhpr_lanes t2 = 0.5 * t1;
-    const krhpr_lanes q_2 = g_k_2 + t2 - 0.5 * (theta[1] * theta[1]);
-    const krhpr_lanes q_3 = t2 + g_k_3 - 0.5 * (theta[2] * theta[2]);
+    const krhpr_lanes q_2 = (g_k_2 + t1 - theta[1] * theta[1]) * 0.5;
+    const krhpr_lanes q_3 = 0.5 * (t1 + g_k_3 - theta[2] * theta[2]);
     const krhpr_lanes foot_0 = (q_2 * g_k_4 + q_3 * g_k_5) * g_k_6; /* in the plane of the centres */
     const krhpr_lanes foot_1 = g_k_6 * (q_2 * g_k_7 + q_3 * g_k_8);
     const krhpr_lanes foot_2 = g_k_6 * (g_k_0 * q_2 + g_k_0 * q_3);
     const krhpr_lanes h2 = g_k_6 * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const krhpr_lanes side = g_k_0 * (s_near[0] - g_g_0) + g_k_0 * (s_near[1] - g_g_1) + g_k_1 * (s_near[2] - g_g_2);
-    const krhpr_lanes t3 = side + 1e-300;
-    const krhpr_lanes height = t3 * krhpr_lanes_sqrt(h2) / krhpr_lanes_fabs(t3);
-    const krhpr_lanes t4 = g_k_0 * height;
-    s[0] = g_g_0 + foot_0 + t4;
-    s[1] = t4 + (g_g_1 + foot_1);
+    const krhpr_lanes t2 = side + 1e-300;
+    const krhpr_lanes height = t2 * krhpr_lanes_sqrt(h2) / krhpr_lanes_fabs(t2);
+    const krhpr_lanes t3 = g_k_0 * height;
+    s[0] = g_g_0 + foot_0 + t3;
+    s[1] = t3 + (g_g_1 + foot_1);
     s[2] = g_g_2 + foot_2 + g_k_1 * height;
     *radicand = h2;
 }
 
-/* End point and posture of the (3-UPS) sub-leg from its actuated joints.  Thesis: 3.5.  (31 add, 25
+/* End point and posture of the (3-UPS) sub-leg from its actuated joints.  Thesis: 3.5.  (31 add, 24
  * multiply, 1 divide, 1 square root, 1 select) */
 KRHPR_INLINE void krhpr_subleg_ups3_forward_posture_lanes(
     const krhpr_subleg_ups3_geometry *g, int i, const krhpr_lanes_at theta[3],
@@ -71,19 +70,18 @@ KRHPR_INLINE void krhpr_subleg_ups3_forward_posture_lanes(
     const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
     const krhpr_lanes g_k_8 = krhpr_of_leg(g->k[8], i);
     const krhpr_lanes t1 = theta[0] * theta[0];
-    const krhpr_lanes t2 = 0.5 * t1;
-    const krhpr_lanes q_2 = g_k_2 + t2 - 0.5 * (theta[1] * theta[1]);
-    const krhpr_lanes q_3 = t2 + g_k_3 - 0.5 * (theta[2] * theta[2]);
+    const krhpr_lanes q_2 = (g_k_2 + t1 - theta[1] * theta[1]) * 0.5;
+    const krhpr_lanes q_3 = 0.5 * (t1 + g_k_3 - theta[2] * theta[2]);
     const krhpr_lanes foot_0 = (q_2 * g_k_4 + q_3 * g_k_5) * g_k_6; /* in the plane of the centres */
     const krhpr_lanes foot_1 = g_k_6 * (q_2 * g_k_7 + q_3 * g_k_8);
     const krhpr_lanes foot_2 = g_k_6 * (g_k_0 * q_2 + g_k_0 * q_3);
     const krhpr_lanes h2 = g_k_6 * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const krhpr_lanes side = g_k_0 * (s_near[0] - g_g_0) + g_k_0 * (s_near[1] - g_g_1) + g_k_1 * (s_near[2] - g_g_2);
-    const krhpr_lanes t3 = side + 1e-300;
-    const krhpr_lanes height = t3 * krhpr_lanes_sqrt(h2) / krhpr_lanes_fabs(t3);
-    const krhpr_lanes t4 = g_k_0 * height;
-    const krhpr_lanes s_0 = g_g_0 + foot_0 + t4;
-    const krhpr_lanes s_1 = t4 + (g_g_1 + foot_1);
+    const krhpr_lanes t2 = side + 1e-300;
+    const krhpr_lanes height = t2 * krhpr_lanes_sqrt(h2) / krhpr_lanes_fabs(t2);
+    const krhpr_lanes t3 = g_k_0 * height;
+    const krhpr_lanes s_0 = g_g_0 + foot_0 + t3;
+    const krhpr_lanes s_1 = t3 + (g_g_1 + foot_1);
     const krhpr_lanes s_2 = g_g_2 + foot_2 + g_k_1 * height;
     const krhpr_lanes w_1_0 = s_0 - g_g_0; /* strut 1 */
     const krhpr_lanes w_1_1 = s_1 - g_g_1;
@@ -113,7 +111,7 @@ KRHPR_INLINE void krhpr_subleg_ups3_forward_posture_lanes(
 }
 
 /* End points of the (3-UPS) sub-leg in every assembly mode: first the one on the side of the normal; NaN
- * where the loop cannot close.  Thesis: 3.5.  (19 add, 21 multiply, 1 square root) */
+ * where the loop cannot close.  Thesis: 3.5.  (19 add, 20 multiply, 1 square root) */
 KRHPR_INLINE void krhpr_subleg_ups3_forward_all_lanes(
     const krhpr_subleg_ups3_geometry *g, int i, const krhpr_lanes_at theta[3],
     krhpr_lanes_at *KRHPR_RESTRICT s, krhpr_lanes_at *KRHPR_RESTRICT radicand)
@@ -131,25 +129,24 @@ KRHPR_INLINE void krhpr_subleg_ups3_forward_all_lanes(
     const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
     const krhpr_lanes g_k_8 = krhpr_of_leg(g->k[8], i);
     const krhpr_lanes t1 = theta[0] * theta[0];
-    const krhpr_lanes t2 = 0.5 * t1;
-    const krhpr_lanes q_2 = g_k_2 + t2 - 0.5 * (theta[1] * theta[1]);
-    const krhpr_lanes q_3 = t2 + g_k_3 - 0.5 * (theta[2] * theta[2]);
+    const krhpr_lanes q_2 = (g_k_2 + t1 - theta[1] * theta[1]) * 0.5;
+    const krhpr_lanes q_3 = 0.5 * (t1 + g_k_3 - theta[2] * theta[2]);
     const krhpr_lanes foot_0 = (q_2 * g_k_4 + q_3 * g_k_5) * g_k_6; /* in the plane of the centres */
     const krhpr_lanes foot_1 = g_k_6 * (q_2 * g_k_7 + q_3 * g_k_8);
     const krhpr_lanes foot_2 = g_k_6 * (g_k_0 * q_2 + g_k_0 * q_3);
     const krhpr_lanes h2 = g_k_6 * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const krhpr_lanes height = krhpr_lanes_sqrt(h2);
-    const krhpr_lanes t3 = g_g_0 + foot_0;
-    const krhpr_lanes t4 = g_k_0 * height;
-    const krhpr_lanes t5 = g_g_1 + foot_1;
-    const krhpr_lanes t6 = g_g_2 + foot_2;
-    const krhpr_lanes t7 = g_k_1 * height;
-    s[0] = t3 + t4;
-    s[1] = t4 + t5;
-    s[2] = t6 + t7;
-    s[3] = t3 - t4;
-    s[4] = t5 - t4;
-    s[5] = t6 - t7;
+    const krhpr_lanes t2 = g_g_0 + foot_0;
+    const krhpr_lanes t3 = g_k_0 * height;
+    const krhpr_lanes t4 = g_g_1 + foot_1;
+    const krhpr_lanes t5 = g_g_2 + foot_2;
+    const krhpr_lanes t6 = g_k_1 * height;
+    s[0] = t2 + t3;
+    s[1] = t3 + t4;
+    s[2] = t5 + t6;
+    s[3] = t2 - t3;
+    s[4] = t4 - t3;
+    s[5] = t5 - t6;
     *radicand = h2;
 }
 
@@ -598,16 +595,16 @@ KRHPR_INLINE void krhpr_subleg_ups3_passive_lanes(
     link[7] = along_1 * across_0 - along_0 * across_1;
     link[8] = across_2;
     tail_y[0] = -strut_1_1;
-    tail_y[1] = strut_1_0;
-    tail_y[2] = -strut_2_1;
-    tail_y[3] = strut_2_0;
-    tail_y[4] = -strut_3_1;
+    tail_y[1] = -strut_2_1;
+    tail_y[2] = -strut_3_1;
+    tail_y[3] = strut_1_0;
+    tail_y[4] = strut_2_0;
     tail_y[5] = strut_3_0;
     tail_x[0] = strut_1_2;
-    tail_x[1] = strut_1_n;
-    tail_x[2] = strut_2_2;
-    tail_x[3] = strut_2_n;
-    tail_x[4] = strut_3_2;
+    tail_x[1] = strut_2_2;
+    tail_x[2] = strut_3_2;
+    tail_x[3] = strut_1_n;
+    tail_x[4] = strut_2_n;
     tail_x[5] = strut_3_n;
 }
 

@@ -129,12 +129,12 @@ def segment_distance(a_0: Any, a_1: Any, b_0: Any, b_1: Any) -> tuple[Any, ...]:
 
 
 def spread(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
-    """Largest and smallest singular value of M, squared.  Thesis: 1.8.  (128 add, 208 multiply, 2
+    """Largest and smallest singular value of M, squared.  Thesis: 1.8.  (128 add, 200 multiply, 2
     divide, 4 square root, 2 sine cosine, 2 arctangent)"""
     gram_00, gram_01, gram_02, gram_10, gram_11, gram_12, gram_20, gram_21, gram_22 = gram
     cofactors_00, cofactors_01, cofactors_02, cofactors_10, cofactors_11, cofactors_12, cofactors_20, cofactors_21, cofactors_22 = cofactors
     square, = square
-    g_m = gram_00 * (1 / 3) + gram_11 * (1 / 3) + gram_22 * (1 / 3)
+    g_m = (gram_22 + (gram_00 + gram_11)) * (1 / 3)
     g_f = g_m * g_m
     g_d_00 = gram_00 - g_m  # without its mean
     g_d_11 = gram_11 - g_m
@@ -146,8 +146,8 @@ def spread(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
     t5 = t4 + (1 / 6) * (gram_10 * gram_10) + (1 / 6) * (gram_12 * gram_12) + (1 / 6) * (gram_20 * gram_20)
     g_p = t5 + (1 / 6) * (gram_21 * gram_21) + g_f * 1e-48
     t6 = gram_12 * gram_21
-    t7 = g_d_00 * 0.5 * (g_d_11 * g_d_22 - t6) + gram_01 * 0.5 * (gram_12 * gram_20 - gram_10 * g_d_22)
-    g_q = t7 + gram_02 * 0.5 * (gram_10 * gram_21 - gram_20 * g_d_11)
+    t7 = g_d_00 * (g_d_11 * g_d_22 - t6) + gram_01 * (gram_12 * gram_20 - gram_10 * g_d_22)
+    g_q = (t7 + gram_02 * (gram_10 * gram_21 - gram_20 * g_d_11)) * 0.5
     t8 = gram_01 * gram_10
     t9 = gram_02 * gram_20
     g_a2_00 = t1 + t8 + t9
@@ -180,7 +180,7 @@ def spread(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
     t25 = g_w01 * g_v02 - g_v01 * g_w02
     g_s = t24 + (1 / 108) * (t25 * t25) + 1e-144 * (g_f * (g_f * g_f))
     g_t = (1 / 3) * ca.atan2(ca.sqrt(g_s), g_q)
-    h_m = cofactors_00 * (1 / 3) + cofactors_11 * (1 / 3) + cofactors_22 * (1 / 3)
+    h_m = (1 / 3) * (cofactors_22 + (cofactors_00 + cofactors_11))
     h_f = h_m * h_m
     h_d_00 = cofactors_00 - h_m  # without its mean
     h_d_11 = cofactors_11 - h_m
@@ -192,9 +192,9 @@ def spread(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
     t30 = h_d_11 * h_d_11
     t31 = h_d_22 * h_d_22
     h_p = t28 + (1 / 6) * t29 + (1 / 6) * t30 + (1 / 6) * t31 + 1e-48 * h_f
-    t32 = cofactors_01 * 0.5 * (cofactors_12 * cofactors_20 - cofactors_10 * h_d_22) + cofactors_02 * 0.5 * (cofactors_10 * cofactors_21 - cofactors_20 * h_d_11)
+    t32 = cofactors_01 * (cofactors_12 * cofactors_20 - cofactors_10 * h_d_22) + cofactors_02 * (cofactors_10 * cofactors_21 - cofactors_20 * h_d_11)
     t33 = cofactors_12 * cofactors_21
-    h_q = t32 + 0.5 * h_d_00 * (h_d_11 * h_d_22 - t33)
+    h_q = 0.5 * (t32 + h_d_00 * (h_d_11 * h_d_22 - t33))
     t34 = cofactors_01 * cofactors_10
     t35 = cofactors_02 * cofactors_20
     h_a2_00 = t29 + t34 + t35
@@ -244,11 +244,11 @@ def spread(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
 
 def spread_bound(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
     """Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (92 add,
-    140 multiply, 4 divide, 6 square root)"""
+    138 multiply, 4 divide, 6 square root)"""
     gram_00, gram_01, gram_02, gram_10, gram_11, gram_12, gram_20, gram_21, gram_22 = gram
     cofactors_00, cofactors_01, cofactors_02, cofactors_10, cofactors_11, cofactors_12, cofactors_20, cofactors_21, cofactors_22 = cofactors
     square, = square
-    g_0 = gram_00 * 0.5 + gram_11 * 0.25 + gram_22 * 0.25
+    g_0 = (gram_11 + gram_22 + gram_00 * 2) * 0.25
     t1 = 1 / g_0
     g_r_00 = gram_00 * t1
     g_r_01 = gram_01 * t1
@@ -288,7 +288,7 @@ def spread_bound(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
     g_4 = ca.sqrt(g_8)
     g_2 = ca.sqrt(g_4)
     g_1 = ca.sqrt(g_2)
-    h_0 = cofactors_00 * 0.5 + cofactors_11 * 0.25 + cofactors_22 * 0.25
+    h_0 = 0.25 * (cofactors_11 + cofactors_22 + cofactors_00 * 2)
     t9 = 1 / h_0
     h_r_00 = cofactors_00 * t9
     h_r_01 = cofactors_01 * t9
@@ -345,12 +345,12 @@ def spread_bound(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
 
 def norms(position_gram: Any, rotation_gram: Any, largest: Any, smallest: Any) -> tuple[Any, ...]:
     """The indices: 2-norms of both parts of U = J^-1 K, condition number of J_1.  Thesis: 1.8, 4.2.2.
-    (128 add, 208 multiply, 4 divide, 10 square root, 2 sine cosine, 2 arctangent, 4 select)"""
+    (128 add, 200 multiply, 4 divide, 10 square root, 2 sine cosine, 2 arctangent, 4 select)"""
     position_gram_00, position_gram_01, position_gram_02, position_gram_10, position_gram_11, position_gram_12, position_gram_20, position_gram_21, position_gram_22 = position_gram
     rotation_gram_00, rotation_gram_01, rotation_gram_02, rotation_gram_10, rotation_gram_11, rotation_gram_12, rotation_gram_20, rotation_gram_21, rotation_gram_22 = rotation_gram
     largest_0, largest_1, largest_2 = largest
     smallest_0, smallest_1, smallest_2 = smallest
-    p_m = position_gram_00 * (1 / 3) + position_gram_11 * (1 / 3) + position_gram_22 * (1 / 3)
+    p_m = (position_gram_22 + (position_gram_00 + position_gram_11)) * (1 / 3)
     p_f = p_m * p_m
     p_d_00 = position_gram_00 - p_m  # without its mean
     p_d_11 = position_gram_11 - p_m
@@ -363,9 +363,9 @@ def norms(position_gram: Any, rotation_gram: Any, largest: Any, smallest: Any) -
     t6 = t5 + (1 / 6) * (position_gram_12 * position_gram_12) + (1 / 6) * (position_gram_20 * position_gram_20)
     p_p = t6 + (1 / 6) * (position_gram_21 * position_gram_21) + p_f * 1e-48
     t7 = position_gram_12 * position_gram_21
-    t8 = position_gram_01 * 0.5 * (position_gram_12 * position_gram_20 - position_gram_10 * p_d_22)
-    t9 = position_gram_02 * 0.5 * (position_gram_10 * position_gram_21 - position_gram_20 * p_d_11)
-    p_q = p_d_00 * 0.5 * (p_d_11 * p_d_22 - t7) + t8 + t9
+    t8 = position_gram_01 * (position_gram_12 * position_gram_20 - position_gram_10 * p_d_22)
+    t9 = position_gram_02 * (position_gram_10 * position_gram_21 - position_gram_20 * p_d_11)
+    p_q = (p_d_00 * (p_d_11 * p_d_22 - t7) + t8 + t9) * 0.5
     t10 = position_gram_01 * position_gram_10
     t11 = position_gram_02 * position_gram_20
     p_a2_00 = t1 + t10 + t11
@@ -398,7 +398,7 @@ def norms(position_gram: Any, rotation_gram: Any, largest: Any, smallest: Any) -
     t27 = p_w01 * p_v02 - p_v01 * p_w02
     p_s = t26 + (1 / 108) * (t27 * t27) + 1e-144 * (p_f * (p_f * p_f))
     p_t = (1 / 3) * ca.atan2(ca.sqrt(p_s), p_q)
-    r_m = rotation_gram_00 * (1 / 3) + rotation_gram_11 * (1 / 3) + rotation_gram_22 * (1 / 3)
+    r_m = (1 / 3) * (rotation_gram_22 + (rotation_gram_00 + rotation_gram_11))
     r_f = r_m * r_m
     r_d_00 = rotation_gram_00 - r_m  # without its mean
     r_d_11 = rotation_gram_11 - r_m
@@ -411,9 +411,9 @@ def norms(position_gram: Any, rotation_gram: Any, largest: Any, smallest: Any) -
     t33 = t32 + (1 / 6) * (rotation_gram_12 * rotation_gram_12) + (1 / 6) * (rotation_gram_20 * rotation_gram_20)
     r_p = t33 + (1 / 6) * (rotation_gram_21 * rotation_gram_21) + 1e-48 * r_f
     t34 = rotation_gram_12 * rotation_gram_21
-    t35 = rotation_gram_01 * 0.5 * (rotation_gram_12 * rotation_gram_20 - rotation_gram_10 * r_d_22)
-    t36 = rotation_gram_02 * 0.5 * (rotation_gram_10 * rotation_gram_21 - rotation_gram_20 * r_d_11)
-    r_q = 0.5 * r_d_00 * (r_d_11 * r_d_22 - t34) + t35 + t36
+    t35 = rotation_gram_01 * (rotation_gram_12 * rotation_gram_20 - rotation_gram_10 * r_d_22)
+    t36 = rotation_gram_02 * (rotation_gram_10 * rotation_gram_21 - rotation_gram_20 * r_d_11)
+    r_q = 0.5 * (r_d_00 * (r_d_11 * r_d_22 - t34) + t35 + t36)
     t37 = rotation_gram_01 * rotation_gram_10
     t38 = rotation_gram_02 * rotation_gram_20
     r_a2_00 = t28 + t37 + t38
@@ -466,13 +466,13 @@ def norms(position_gram: Any, rotation_gram: Any, largest: Any, smallest: Any) -
 
 
 def norm_bounds(position_gram: Any, rotation_gram: Any, largest: Any, smallest: Any) -> tuple[Any, ...]:
-    """Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (100 add, 173
+    """Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (100 add, 169
     multiply, 7 divide, 15 square root)"""
     position_gram_00, position_gram_01, position_gram_02, position_gram_10, position_gram_11, position_gram_12, position_gram_20, position_gram_21, position_gram_22 = position_gram
     rotation_gram_00, rotation_gram_01, rotation_gram_02, rotation_gram_10, rotation_gram_11, rotation_gram_12, rotation_gram_20, rotation_gram_21, rotation_gram_22 = rotation_gram
     largest_0, largest_1, largest_2 = largest
     smallest_0, smallest_1, smallest_2 = smallest
-    p_0 = position_gram_00 * 0.5 + position_gram_11 * 0.25 + position_gram_22 * 0.25
+    p_0 = (position_gram_11 + position_gram_22 + position_gram_00 * 2) * 0.25
     t1 = 1 / p_0
     p_r_00 = position_gram_00 * t1
     p_r_01 = position_gram_01 * t1
@@ -512,7 +512,7 @@ def norm_bounds(position_gram: Any, rotation_gram: Any, largest: Any, smallest: 
     p_4 = ca.sqrt(p_8)
     p_2 = ca.sqrt(p_4)
     p_1 = ca.sqrt(p_2)
-    r_0 = rotation_gram_00 * 0.5 + rotation_gram_11 * 0.25 + rotation_gram_22 * 0.25
+    r_0 = 0.25 * (rotation_gram_11 + rotation_gram_22 + rotation_gram_00 * 2)
     t9 = 1 / r_0
     r_r_00 = rotation_gram_00 * t9
     r_r_01 = rotation_gram_01 * t9
@@ -552,7 +552,7 @@ def norm_bounds(position_gram: Any, rotation_gram: Any, largest: Any, smallest: 
     r_4 = ca.sqrt(r_8)
     r_2 = ca.sqrt(r_4)
     r_1 = ca.sqrt(r_2)
-    l_0 = largest_0 * 0.5 + largest_1 * 0.25 + largest_2 * 0.25
+    l_0 = 0.25 * (largest_1 + largest_2 + largest_0 * 2)
     t17 = 1 / l_0
     l_r1 = largest_0 * t17
     l_r2 = largest_1 * t17
@@ -570,7 +570,7 @@ def norm_bounds(position_gram: Any, rotation_gram: Any, largest: Any, smallest: 
     inv_s = 1 / smallest_0
     inv_s_a = 1 / smallest_1
     inv_s_b = 1 / smallest_2
-    s_0 = 0.5 * inv_s + 0.25 * inv_s_a + 0.25 * inv_s_b
+    s_0 = 0.25 * (inv_s_a + inv_s_b + 2 * inv_s)
     t24 = 1 / s_0
     s_r1 = inv_s * t24
     s_r2 = inv_s_a * t24

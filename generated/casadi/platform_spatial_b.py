@@ -562,8 +562,8 @@ def tie(g: Any) -> tuple[Any, ...]:
 
 
 def assembly_modes(s: Any, slide: Any, distance: Any, start: Any, turned: Any) -> tuple[Any, ...]:
-    """Both poses of the platform that hold the three end points.  Thesis: (2.19), (2.21).  (143 add,
-    214 multiply, 6 divide, 3 square root)"""
+    """Both poses of the platform that hold the three end points.  Thesis: (2.19), (2.21).  (139 add,
+    211 multiply, 6 divide, 3 square root)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     distance_0, distance_1, distance_2 = distance
@@ -581,6 +581,9 @@ def assembly_modes(s: Any, slide: Any, distance: Any, start: Any, turned: Any) -
     s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1
     s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2
     s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0
+    y_n_0 = s_12_2 * s_n_1 - s_12_1 * s_n_2  # along y_1 or against it
+    y_n_1 = s_12_0 * s_n_2 - s_12_2 * s_n_0
+    y_n_2 = s_12_1 * s_n_0 - s_12_0 * s_n_1
     s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2
     s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
     t1 = lambda_3 + (lambda_1 + lambda_2)
@@ -591,85 +594,86 @@ def assembly_modes(s: Any, slide: Any, distance: Any, start: Any, turned: Any) -
     s_n_w = s_n_2_a * sense_2
     flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
     v_1 = ca.sqrt(s_12_2_a)  # |s_12|
-    t3 = 1 / v_1
-    x_1_0 = s_12_0 * t3  # (3.1)
-    x_1_1 = s_12_1 * t3
-    x_1_2 = s_12_2 * t3
-    t4 = 1 / ca.sqrt(s_n_w)
-    z_1_0 = s_n_0 * sense * t4  # (3.2)
-    z_1_1 = t4 * (s_n_1 * sense)
-    z_1_2 = t4 * (s_n_2 * sense)
-    y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
-    y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
-    y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
-    r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2
-    r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2
-    t5 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2
-    A = lambda_3 * (slide_21 * r_3_0 - slide_20 * r_3_1) + slide_11 * lambda_2 * t5
-    B = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + t5 * (slide_10 * lambda_2)
+    v_n = ca.sqrt(s_n_w)
+    w_1 = 1 / v_1
+    w_n = sense / v_n  # 1 / |s_n|, negative where the legs go the other way
+    x_1_0 = s_12_0 * w_1  # (3.1)
+    x_1_1 = s_12_1 * w_1
+    x_1_2 = s_12_2 * w_1
+    z_1_0 = s_n_0 * w_n  # (3.2)
+    z_1_1 = s_n_1 * w_n
+    z_1_2 = s_n_2 * w_n
+    w_y = w_1 * w_n
+    y_1_0 = y_n_0 * w_y
+    y_1_1 = y_n_1 * w_y
+    y_1_2 = y_n_2 * w_y
+    r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
+    r_3_1 = w_n * (s_n_2_a * w_1)
+    A = lambda_3 * (slide_21 * r_3_0 - slide_20 * r_3_1) + v_1 * (slide_11 * lambda_2)
+    B = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + v_1 * (slide_10 * lambda_2)
     C = distance_0 * lambda_1 + distance_1 * lambda_2 + distance_2 * lambda_3
     AB_2 = A * A + B * B
     radicand_a = AB_2 - C * C
-    t6 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
-    size = t6 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + t5 * t5)
-    t7 = 1 / AB_2
-    root = ca.sqrt(radicand_a) * t7
-    middle = C * t7
-    t8 = A * middle
-    t9 = B * root
-    cos_1 = t8 + t9
-    t10 = B * middle
-    t11 = A * root
-    sin_1 = t10 - t11
-    q_2_1_0 = t5 * cos_1
-    q_2_1_1 = t5 * (t11 - t10)
+    t3 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
+    size = t3 * (s_12_2_a + (r_3_0 * r_3_0 + r_3_1 * r_3_1))
+    t4 = 1 / AB_2
+    root = ca.sqrt(radicand_a) * t4
+    middle = C * t4
+    t5 = A * middle
+    t6 = B * root
+    cos_1 = t5 + t6
+    t7 = B * middle
+    t8 = A * root
+    sin_1 = t7 - t8
+    q_2_1_0 = v_1 * cos_1
+    q_2_1_1 = v_1 * (t8 - t7)
     q_3_1_0 = r_3_0 * cos_1 + r_3_1 * sin_1
     q_3_1_1 = r_3_1 * cos_1 - r_3_0 * sin_1
     g_2_1 = slide_11 * q_2_1_0 - distance_1 - slide_10 * q_2_1_1
     g_3_1 = slide_21 * q_3_1_0 - distance_2 - slide_20 * q_3_1_1
-    t12 = slide_20 * distance_0
-    t13 = lambda_1 * (slide_10 * g_3_1 - slide_20 * g_2_1) - lambda_2 * (t12 + slide_00 * g_3_1)
-    t14 = slide_10 * distance_0
-    t15 = 1 / t6
-    o_1_0 = (t13 + lambda_3 * (slide_00 * g_2_1 + t14)) * t15  # Q^T (p - s_1)
-    t16 = slide_21 * distance_0
-    t17 = lambda_1 * (slide_11 * g_3_1 - slide_21 * g_2_1) - lambda_2 * (t16 + slide_01 * g_3_1)
-    t18 = slide_11 * distance_0
-    o_1_1 = t15 * (t17 + lambda_3 * (slide_01 * g_2_1 + t18))  # Q^T (p - s_1)
+    t9 = slide_20 * distance_0
+    t10 = lambda_1 * (slide_10 * g_3_1 - slide_20 * g_2_1) - lambda_2 * (t9 + slide_00 * g_3_1)
+    t11 = slide_10 * distance_0
+    t12 = 1 / t3
+    o_1_0 = (t10 + lambda_3 * (slide_00 * g_2_1 + t11)) * t12  # Q^T (p - s_1)
+    t13 = slide_21 * distance_0
+    t14 = lambda_1 * (slide_11 * g_3_1 - slide_21 * g_2_1) - lambda_2 * (t13 + slide_01 * g_3_1)
+    t15 = slide_11 * distance_0
+    o_1_1 = t12 * (t14 + lambda_3 * (slide_01 * g_2_1 + t15))  # Q^T (p - s_1)
     S_2_1_0 = q_2_1_0 - o_1_0  # S_i in the platform frame
     S_2_1_1 = q_2_1_1 - o_1_1
     S_3_1_0 = q_3_1_0 - o_1_0
     S_3_1_1 = q_3_1_1 - o_1_1
-    cos_2 = t8 - t9
-    sin_2 = t10 + t11
-    q_2_2_0 = t5 * cos_2
-    t19 = t5 * sin_2
+    cos_2 = t5 - t6
+    sin_2 = t7 + t8
+    q_2_2_0 = v_1 * cos_2
+    t16 = v_1 * sin_2
     q_3_2_0 = r_3_0 * cos_2 + r_3_1 * sin_2
     q_3_2_1 = r_3_1 * cos_2 - r_3_0 * sin_2
-    g_2_2 = slide_11 * q_2_2_0 - distance_1 + slide_10 * t19
+    g_2_2 = slide_11 * q_2_2_0 - distance_1 + slide_10 * t16
     g_3_2 = slide_21 * q_3_2_0 - distance_2 - slide_20 * q_3_2_1
-    t20 = lambda_1 * (slide_10 * g_3_2 - slide_20 * g_2_2) - lambda_2 * (t12 + slide_00 * g_3_2)
-    o_2_0 = t15 * (t20 + lambda_3 * (t14 + slide_00 * g_2_2))  # Q^T (p - s_1)
-    t21 = lambda_1 * (slide_11 * g_3_2 - slide_21 * g_2_2) - lambda_2 * (t16 + slide_01 * g_3_2)
-    o_2_1 = t15 * (t21 + lambda_3 * (t18 + slide_01 * g_2_2))  # Q^T (p - s_1)
+    t17 = lambda_1 * (slide_10 * g_3_2 - slide_20 * g_2_2) - lambda_2 * (t9 + slide_00 * g_3_2)
+    o_2_0 = t12 * (t17 + lambda_3 * (t11 + slide_00 * g_2_2))  # Q^T (p - s_1)
+    t18 = lambda_1 * (slide_11 * g_3_2 - slide_21 * g_2_2) - lambda_2 * (t13 + slide_01 * g_3_2)
+    o_2_1 = t12 * (t18 + lambda_3 * (t15 + slide_01 * g_2_2))  # Q^T (p - s_1)
     S_2_2_0 = q_2_2_0 - o_2_0  # S_i in the platform frame
-    t22 = t19 + o_2_1
+    t19 = t16 + o_2_1
     S_3_2_0 = q_3_2_0 - o_2_0  # S_i in the platform frame
     S_3_2_1 = q_3_2_1 - o_2_1
-    t23 = cos_1 * o_1_0 - sin_1 * o_1_1
-    t24 = cos_1 * o_1_1 + sin_1 * o_1_0
-    t25 = cos_2 * o_2_0 - sin_2 * o_2_1
-    t26 = cos_2 * o_2_1 + sin_2 * o_2_0
-    t27 = slide_00 * o_1_0 + slide_01 * o_1_1
-    t28 = slide_10 * S_2_1_0 + slide_11 * S_2_1_1
-    t29 = slide_20 * S_3_1_0 + slide_21 * S_3_1_1
-    t30 = slide_00 * o_2_0 + slide_01 * o_2_1
-    t31 = slide_10 * S_2_2_0
-    t32 = slide_11 * t22
-    t33 = slide_20 * S_3_2_0 + slide_21 * S_3_2_1
-    t34 = S_2_1_0 * S_3_1_1 - (o_1_0 * S_2_1_1 + o_1_1 * S_3_1_0) + o_1_0 * S_3_1_1 + o_1_1 * S_2_1_0
-    t35 = o_2_0 * t22 - o_2_1 * S_3_2_0 + S_2_2_0 * S_3_2_1 + o_2_0 * S_3_2_1 + o_2_1 * S_2_2_0
-    det_J_1 = (lambda_1 * t30 + lambda_2 * (t32 - t31) - lambda_3 * t33) * (t35 + t22 * S_3_2_0)
+    t20 = cos_1 * o_1_0 - sin_1 * o_1_1
+    t21 = cos_1 * o_1_1 + sin_1 * o_1_0
+    t22 = cos_2 * o_2_0 - sin_2 * o_2_1
+    t23 = cos_2 * o_2_1 + sin_2 * o_2_0
+    t24 = slide_00 * o_1_0 + slide_01 * o_1_1
+    t25 = slide_10 * S_2_1_0 + slide_11 * S_2_1_1
+    t26 = slide_20 * S_3_1_0 + slide_21 * S_3_1_1
+    t27 = slide_00 * o_2_0 + slide_01 * o_2_1
+    t28 = slide_10 * S_2_2_0
+    t29 = slide_11 * t19
+    t30 = slide_20 * S_3_2_0 + slide_21 * S_3_2_1
+    t31 = S_2_1_0 * S_3_1_1 - (o_1_0 * S_2_1_1 + o_1_1 * S_3_1_0) + o_1_0 * S_3_1_1 + o_1_1 * S_2_1_0
+    t32 = o_2_0 * t19 - o_2_1 * S_3_2_0 + S_2_2_0 * S_3_2_1 + o_2_0 * S_3_2_1 + o_2_1 * S_2_2_0
+    det_J_1 = (lambda_1 * t27 + lambda_2 * (t29 - t28) - lambda_3 * t30) * (t32 + t19 * S_3_2_0)
     return (
         (  # sign
             1 - t2 * t2,
@@ -684,12 +688,12 @@ def assembly_modes(s: Any, slide: Any, distance: Any, start: Any, turned: Any) -
             radicand_a,
         ),
         (  # p
-            s_00 + x_1_0 * t23 + y_1_0 * t24,
-            s_01 + x_1_1 * t23 + y_1_1 * t24,
-            s_02 + x_1_2 * t23 + y_1_2 * t24,
-            s_00 + x_1_0 * t25 + y_1_0 * t26,
-            s_01 + x_1_1 * t25 + y_1_1 * t26,
-            s_02 + x_1_2 * t25 + y_1_2 * t26,
+            s_00 + x_1_0 * t20 + y_1_0 * t21,
+            s_01 + x_1_1 * t20 + y_1_1 * t21,
+            s_02 + x_1_2 * t20 + y_1_2 * t21,
+            s_00 + x_1_0 * t22 + y_1_0 * t23,
+            s_01 + x_1_1 * t22 + y_1_1 * t23,
+            s_02 + x_1_2 * t22 + y_1_2 * t23,
         ),
         (  # Q
             x_1_0 * cos_1 + y_1_0 * sin_1,
@@ -712,15 +716,15 @@ def assembly_modes(s: Any, slide: Any, distance: Any, start: Any, turned: Any) -
             z_1_2,
         ),
         (  # redundant
+            -(start_0 + t24),
+            t25 - start_1,
+            t26 - start_2,
             -(start_0 + t27),
-            t28 - start_1,
-            t29 - start_2,
-            -(start_0 + t30),
-            t31 - t32 - start_1,
-            t33 - start_2,
+            t28 - t29 - start_1,
+            t30 - start_2,
         ),
         (  # det_J
-            (lambda_1 * t27 - lambda_2 * t28 - lambda_3 * t29) * (t34 - S_2_1_1 * S_3_1_0),
+            (lambda_1 * t24 - lambda_2 * t25 - lambda_3 * t26) * (t31 - S_2_1_1 * S_3_1_0),
             det_J_1,
         ),
         (  # count
@@ -731,7 +735,7 @@ def assembly_modes(s: Any, slide: Any, distance: Any, start: Any, turned: Any) -
 
 def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> tuple[Any, ...]:
     """The pose of the platform that holds the three end points, on one side of type II.  Thesis:
-    (2.19), (2.21).  (86 add, 140 multiply, 7 divide, 3 square root)"""
+    (2.19), (2.21).  (82 add, 137 multiply, 7 divide, 3 square root)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     distance_0, distance_1, distance_2 = distance
@@ -749,6 +753,9 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
     s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1
     s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2
     s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0
+    y_n_0 = s_12_2 * s_n_1 - s_12_1 * s_n_2  # along y_1 or against it
+    y_n_1 = s_12_0 * s_n_2 - s_12_2 * s_n_0
+    y_n_2 = s_12_1 * s_n_0 - s_12_0 * s_n_1
     s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2
     s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
     sense = lambda_3 + (lambda_1 + lambda_2)  # positive where the legs go round z_1
@@ -756,54 +763,55 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
     s_n_w = s_n_2_a * sense_2
     flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
     v_1 = ca.sqrt(s_12_2_a)  # |s_12|
-    t1 = 1 / v_1
-    x_1_0 = s_12_0 * t1  # (3.1)
-    x_1_1 = s_12_1 * t1
-    x_1_2 = s_12_2 * t1
-    t2 = 1 / ca.sqrt(s_n_w)
-    z_1_0 = s_n_0 * sense * t2  # (3.2)
-    z_1_1 = t2 * (s_n_1 * sense)
-    z_1_2 = t2 * (s_n_2 * sense)
-    y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
-    y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
-    y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
-    r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2
-    r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2
-    t3 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2
-    A = lambda_3 * (slide_21 * r_3_0 - slide_20 * r_3_1) + slide_11 * lambda_2 * t3
-    B = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + t3 * (slide_10 * lambda_2)
+    v_n = ca.sqrt(s_n_w)
+    w_1 = 1 / v_1
+    w_n = sense / v_n  # 1 / |s_n|, negative where the legs go the other way
+    x_1_0 = s_12_0 * w_1  # (3.1)
+    x_1_1 = s_12_1 * w_1
+    x_1_2 = s_12_2 * w_1
+    z_1_0 = s_n_0 * w_n  # (3.2)
+    z_1_1 = s_n_1 * w_n
+    z_1_2 = s_n_2 * w_n
+    w_y = w_1 * w_n
+    y_1_0 = y_n_0 * w_y
+    y_1_1 = y_n_1 * w_y
+    y_1_2 = y_n_2 * w_y
+    r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
+    r_3_1 = w_n * (s_n_2_a * w_1)
+    A = lambda_3 * (slide_21 * r_3_0 - slide_20 * r_3_1) + v_1 * (slide_11 * lambda_2)
+    B = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + v_1 * (slide_10 * lambda_2)
     C = distance_0 * lambda_1 + distance_1 * lambda_2 + distance_2 * lambda_3
     AB_2 = A * A + B * B
     radicand_a = AB_2 - C * C
-    t4 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
-    size = t4 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + t3 * t3)
+    t1 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
+    size = t1 * (s_12_2_a + (r_3_0 * r_3_0 + r_3_1 * r_3_1))
     side_2 = side * side
-    t5 = side_2 - 1
+    t2 = side_2 - 1
     ratio = radicand_a / side_2
-    t6 = 1 / AB_2
-    root = ca.sqrt(ratio) * t6
-    middle = C * t6
+    t3 = 1 / AB_2
+    root = ca.sqrt(ratio) * t3
+    middle = C * t3
     cos = A * middle + side * (B * root)
-    t7 = B * middle
-    t8 = side * (A * root)
-    sin = t7 - t8
-    q_2_0 = t3 * cos
-    q_2_1 = t3 * (t8 - t7)
+    t4 = B * middle
+    t5 = side * (A * root)
+    sin = t4 - t5
+    q_2_0 = v_1 * cos
+    q_2_1 = v_1 * (t5 - t4)
     q_3_0 = r_3_0 * cos + r_3_1 * sin
     q_3_1 = r_3_1 * cos - r_3_0 * sin
     g_2 = slide_11 * q_2_0 - distance_1 - slide_10 * q_2_1
     g_3 = slide_21 * q_3_0 - distance_2 - slide_20 * q_3_1
-    t9 = lambda_1 * (slide_10 * g_3 - slide_20 * g_2) - lambda_2 * (slide_20 * distance_0 + slide_00 * g_3)
-    t10 = 1 / t4
-    o_0 = (t9 + lambda_3 * (slide_00 * g_2 + slide_10 * distance_0)) * t10  # Q^T (p - s_1)
-    t11 = lambda_1 * (slide_11 * g_3 - slide_21 * g_2) - lambda_2 * (slide_21 * distance_0 + slide_01 * g_3)
-    o_1 = t10 * (t11 + lambda_3 * (slide_01 * g_2 + slide_11 * distance_0))  # Q^T (p - s_1)
+    t6 = lambda_1 * (slide_10 * g_3 - slide_20 * g_2) - lambda_2 * (slide_20 * distance_0 + slide_00 * g_3)
+    t7 = 1 / t1
+    o_0 = (t6 + lambda_3 * (slide_00 * g_2 + slide_10 * distance_0)) * t7  # Q^T (p - s_1)
+    t8 = lambda_1 * (slide_11 * g_3 - slide_21 * g_2) - lambda_2 * (slide_21 * distance_0 + slide_01 * g_3)
+    o_1 = t7 * (t8 + lambda_3 * (slide_01 * g_2 + slide_11 * distance_0))  # Q^T (p - s_1)
     S_2_0 = q_2_0 - o_0  # S_i in the platform frame
     S_2_1 = q_2_1 - o_1
     S_3_0 = q_3_0 - o_0
     S_3_1 = q_3_1 - o_1
-    t12 = cos * o_0 - sin * o_1
-    t13 = cos * o_1 + sin * o_0
+    t9 = cos * o_0 - sin * o_1
+    t10 = cos * o_1 + sin * o_0
     return (
         (  # flatness
             flatness_0,
@@ -815,12 +823,12 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
             radicand_a,
         ),
         (  # sign
-            1 - t5 * t5,
+            1 - t2 * t2,
         ),
         (  # p
-            s_00 + x_1_0 * t12 + y_1_0 * t13,
-            s_01 + x_1_1 * t12 + y_1_1 * t13,
-            s_02 + x_1_2 * t12 + y_1_2 * t13,
+            s_00 + x_1_0 * t9 + y_1_0 * t10,
+            s_01 + x_1_1 * t9 + y_1_1 * t10,
+            s_02 + x_1_2 * t9 + y_1_2 * t10,
         ),
         (  # Q
             x_1_0 * cos + y_1_0 * sin,
@@ -850,7 +858,7 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
 def two_encoders(
     s: Any, measured: Any, slide: Any, distance: Any, start: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and two redundant coordinates.
-    Thesis: 3.2.4, (3.24).  (47 add, 72 multiply, 5 divide, 3 square root, 1 select)"""
+    Thesis: 3.2.4, (3.24).  (43 add, 69 multiply, 5 divide, 3 square root, 1 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     measured_0, measured_1 = measured
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
@@ -872,6 +880,9 @@ def two_encoders(
     s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1
     s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2
     s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0
+    y_n_0 = s_12_2 * s_n_1 - s_12_1 * s_n_2  # along y_1 or against it
+    y_n_1 = s_12_0 * s_n_2 - s_12_2 * s_n_0
+    y_n_2 = s_12_1 * s_n_0 - s_12_0 * s_n_1
     s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2
     s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
     t3 = slide_00 * slide_11 + slide_01 * slide_20 + slide_10 * slide_21 - slide_00 * slide_21
@@ -880,28 +891,29 @@ def two_encoders(
     s_n_w = s_n_2_a * sense_2
     flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
     v_1 = ca.sqrt(s_12_2_a)  # |s_12|
-    t4 = 1 / v_1
-    x_1_0 = s_12_0 * t4  # (3.1)
-    x_1_1 = s_12_1 * t4
-    x_1_2 = s_12_2 * t4
-    t5 = 1 / ca.sqrt(s_n_w)
-    z_1_0 = s_n_0 * sense * t5  # (3.2)
-    z_1_1 = t5 * (s_n_1 * sense)
-    z_1_2 = t5 * (s_n_2 * sense)
-    y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
-    y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
-    y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
-    r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2
-    r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2
-    points_10 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2
+    v_n = ca.sqrt(s_n_w)
+    w_1 = 1 / v_1
+    w_n = sense / v_n  # 1 / |s_n|, negative where the legs go the other way
+    x_1_0 = s_12_0 * w_1  # (3.1)
+    x_1_1 = s_12_1 * w_1
+    x_1_2 = s_12_2 * w_1
+    z_1_0 = s_n_0 * w_n  # (3.2)
+    z_1_1 = s_n_1 * w_n
+    z_1_2 = s_n_2 * w_n
+    w_y = w_1 * w_n
+    y_1_0 = y_n_0 * w_y
+    y_1_1 = y_n_1 * w_y
+    y_1_2 = y_n_2 * w_y
+    r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
+    r_3_1 = w_n * (s_n_2_a * w_1)
     d_12_0 = e_2_0 - e_1_0
     d_12_1 = e_2_1 - e_1_1
     d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1
-    t6 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1 + points_10 * points_10
-    t7 = 1 / d_12_2
-    cos = points_10 * d_12_0 * t7
-    sin = t7 * (points_10 * (e_1_1 - e_2_1))
-    gap_0 = points_10 - ca.sqrt(d_12_2)
+    spread_0 = d_12_2 / (s_12_2_a + (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1))
+    t4 = 1 / d_12_2
+    cos = v_1 * d_12_0 * t4
+    sin = t4 * (v_1 * (e_1_1 - e_2_1))
+    gap_0 = v_1 - ca.sqrt(d_12_2)
     return (
         (  # flatness
             flatness_0,
@@ -909,7 +921,7 @@ def two_encoders(
         (  # points
             0,
             0,
-            points_10,
+            v_1,
             0,
             r_3_0,
             r_3_1,
@@ -932,7 +944,7 @@ def two_encoders(
             e_2_1,
         ),
         (  # spread
-            d_12_2 / t6,
+            spread_0,
         ),
         (  # linear
             cos,
@@ -954,7 +966,7 @@ def two_encoders(
 def three_encoders(
     s: Any, measured: Any, slide: Any, distance: Any, start: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and three redundant coordinates.
-    Thesis: 3.2.5, (3.30).  (62 add, 88 multiply, 5 divide, 7 square root, 5 select)"""
+    Thesis: 3.2.5, (3.30).  (56 add, 86 multiply, 5 divide, 7 square root, 5 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     measured_0, measured_1, measured_2 = measured
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
@@ -979,6 +991,9 @@ def three_encoders(
     s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1
     s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2
     s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0
+    y_n_0 = s_12_2 * s_n_1 - s_12_1 * s_n_2  # along y_1 or against it
+    y_n_1 = s_12_0 * s_n_2 - s_12_2 * s_n_0
+    y_n_2 = s_12_1 * s_n_0 - s_12_0 * s_n_1
     s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2
     s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
     t4 = slide_00 * slide_11 + slide_01 * slide_20 + slide_10 * slide_21 - slide_00 * slide_21
@@ -987,23 +1002,21 @@ def three_encoders(
     s_n_w = s_n_2_a * sense_2
     flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
     v_1 = ca.sqrt(s_12_2_a)  # |s_12|
-    t5 = 1 / v_1
-    x_1_0 = s_12_0 * t5  # (3.1)
-    x_1_1 = s_12_1 * t5
-    x_1_2 = s_12_2 * t5
-    t6 = 1 / ca.sqrt(s_n_w)
-    z_1_0 = s_n_0 * sense * t6  # (3.2)
-    z_1_1 = t6 * (s_n_1 * sense)
-    z_1_2 = t6 * (s_n_2 * sense)
-    y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
-    y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
-    y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
-    r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2
-    r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2
-    t7 = s_12_0 * x_1_0
-    t8 = s_12_1 * x_1_1
-    t9 = s_12_2 * x_1_2
-    points_10 = t7 + t8 + t9
+    v_n = ca.sqrt(s_n_w)
+    w_1 = 1 / v_1
+    w_n = sense / v_n  # 1 / |s_n|, negative where the legs go the other way
+    x_1_0 = s_12_0 * w_1  # (3.1)
+    x_1_1 = s_12_1 * w_1
+    x_1_2 = s_12_2 * w_1
+    z_1_0 = s_n_0 * w_n  # (3.2)
+    z_1_1 = s_n_1 * w_n
+    z_1_2 = s_n_2 * w_n
+    w_y = w_1 * w_n
+    y_1_0 = y_n_0 * w_y
+    y_1_1 = y_n_1 * w_y
+    y_1_2 = y_n_2 * w_y
+    r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
+    r_3_1 = w_n * (s_n_2_a * w_1)
     d_12_0 = e_2_0 - e_1_0
     d_12_1 = e_2_1 - e_1_1
     d_13_0 = e_3_0 - e_1_0
@@ -1011,20 +1024,20 @@ def three_encoders(
     area = d_12_0 * d_13_1 - d_12_1 * d_13_0
     d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1
     d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1
-    t10 = 1 / area
-    u_x_0 = (points_10 * d_13_1 - r_3_0 * d_12_1) * t10
-    u_x_1 = t10 * (r_3_1 * (e_1_1 - e_2_1))
-    u_y_0 = t10 * (r_3_0 * d_12_0 - points_10 * d_13_0)
-    u_y_1 = t10 * (r_3_1 * d_12_0)
-    gap_0 = points_10 - ca.sqrt(d_2_0)
-    t11 = r_3_1 * r_3_1
-    r_2_1 = r_3_0 * r_3_0 + t11
+    t5 = 1 / area
+    u_x_0 = (v_1 * d_13_1 - r_3_0 * d_12_1) * t5
+    u_x_1 = t5 * (r_3_1 * (e_1_1 - e_2_1))
+    u_y_0 = t5 * (r_3_0 * d_12_0 - v_1 * d_13_0)
+    u_y_1 = t5 * (r_3_1 * d_12_0)
+    gap_0 = v_1 - ca.sqrt(d_2_0)
+    t6 = r_3_1 * r_3_1
+    r_2_1 = r_3_0 * r_3_0 + t6
     gap_1 = ca.sqrt(r_2_1) - ca.sqrt(d_2_1)
-    t12 = r_3_0 - t7 - t8 - t9
-    r_2_2 = t11 + t12 * t12
-    t13 = d_13_0 - d_12_0
-    t14 = d_13_1 - d_12_1
-    d_2_2 = t13 * t13 + t14 * t14
+    t7 = r_3_0 - v_1
+    r_2_2 = t6 + t7 * t7
+    t8 = d_13_0 - d_12_0
+    t9 = d_13_1 - d_12_1
+    d_2_2 = t8 * t8 + t9 * t9
     gap_2 = ca.sqrt(r_2_2) - ca.sqrt(d_2_2)
     return (
         (  # flatness
@@ -1033,7 +1046,7 @@ def three_encoders(
         (  # points
             0,
             0,
-            points_10,
+            v_1,
             0,
             r_3_0,
             r_3_1,

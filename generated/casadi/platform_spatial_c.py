@@ -536,8 +536,8 @@ def tie(g: Any) -> tuple[Any, ...]:
 
 
 def assembly_modes(s: Any, slide: Any, turned: Any) -> tuple[Any, ...]:
-    """Both poses of the platform that hold the three end points.  Thesis: (2.30), (2.31).  (117 add,
-    189 multiply, 6 divide, 3 square root)"""
+    """Both poses of the platform that hold the three end points.  Thesis: (2.30), (2.31).  (113 add,
+    186 multiply, 6 divide, 3 square root)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     turned, = turned
@@ -553,6 +553,9 @@ def assembly_modes(s: Any, slide: Any, turned: Any) -> tuple[Any, ...]:
     s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1
     s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2
     s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0
+    y_n_0 = s_12_2 * s_n_1 - s_12_1 * s_n_2  # along y_1 or against it
+    y_n_1 = s_12_0 * s_n_2 - s_12_2 * s_n_0
+    y_n_2 = s_12_1 * s_n_0 - s_12_0 * s_n_1
     s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2
     s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
     t1 = lambda_3 + (lambda_1 + lambda_2)
@@ -563,85 +566,86 @@ def assembly_modes(s: Any, slide: Any, turned: Any) -> tuple[Any, ...]:
     s_n_w = s_n_2_a * sense_2
     flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
     v_1 = ca.sqrt(s_12_2_a)  # |s_12|
-    t3 = 1 / v_1
-    x_1_0 = s_12_0 * t3  # (3.1)
-    x_1_1 = s_12_1 * t3
-    x_1_2 = s_12_2 * t3
-    t4 = 1 / ca.sqrt(s_n_w)
-    z_1_0 = s_n_0 * sense * t4  # (3.2)
-    z_1_1 = t4 * (s_n_1 * sense)
-    z_1_2 = t4 * (s_n_2 * sense)
-    y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
-    y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
-    y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
-    r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2
-    r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2
-    t5 = lambda_3 * (slide_20 * r_3_1 - slide_21 * r_3_0)
-    t6 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2
-    t7 = slide_11 * lambda_2 * t6
-    A = t5 - t7
-    t8 = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + t6 * (slide_10 * lambda_2)
-    AB_2 = A * A + t8 * t8
-    t9 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
-    size = t9 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + t6 * t6)
+    v_n = ca.sqrt(s_n_w)
+    w_1 = 1 / v_1
+    w_n = sense / v_n  # 1 / |s_n|, negative where the legs go the other way
+    x_1_0 = s_12_0 * w_1  # (3.1)
+    x_1_1 = s_12_1 * w_1
+    x_1_2 = s_12_2 * w_1
+    z_1_0 = s_n_0 * w_n  # (3.2)
+    z_1_1 = s_n_1 * w_n
+    z_1_2 = s_n_2 * w_n
+    w_y = w_1 * w_n
+    y_1_0 = y_n_0 * w_y
+    y_1_1 = y_n_1 * w_y
+    y_1_2 = y_n_2 * w_y
+    r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
+    r_3_1 = w_n * (s_n_2_a * w_1)
+    t3 = lambda_3 * (slide_20 * r_3_1 - slide_21 * r_3_0)
+    t4 = v_1 * (slide_11 * lambda_2)
+    A = t3 - t4
+    t5 = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + v_1 * (slide_10 * lambda_2)
+    AB_2 = A * A + t5 * t5
+    t6 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
+    size = t6 * (s_12_2_a + (r_3_0 * r_3_0 + r_3_1 * r_3_1))
     root = 1 / ca.sqrt(AB_2)
-    cos_1 = t8 * root
+    cos_1 = t5 * root
     sin_1 = A * root
-    q_2_1_0 = t6 * cos_1
-    t10 = t6 * sin_1
-    t11 = r_3_0 * cos_1
-    q_3_1_0 = t11 + r_3_1 * sin_1
-    t12 = r_3_1 * cos_1
-    q_3_1_1 = t12 - r_3_0 * sin_1
-    t13 = slide_11 * q_2_1_0
-    t14 = slide_10 * t10 + t13
+    q_2_1_0 = v_1 * cos_1
+    t7 = v_1 * sin_1
+    t8 = r_3_0 * cos_1
+    q_3_1_0 = t8 + r_3_1 * sin_1
+    t9 = r_3_1 * cos_1
+    q_3_1_1 = t9 - r_3_0 * sin_1
+    t10 = slide_11 * q_2_1_0
+    t11 = slide_10 * t7 + t10
     g_3_1 = slide_20 * q_3_1_1 - slide_21 * q_3_1_0
-    t15 = lambda_2 * g_3_1
-    t16 = lambda_3 * t14
-    t17 = slide_00 * t15 - lambda_1 * (slide_20 * t14 + slide_10 * g_3_1) + slide_00 * t16
-    t18 = 1 / t9
-    o_1_0 = t17 * t18  # Q^T (p - s_1)
-    t19 = slide_01 * t15 - lambda_1 * (slide_21 * t14 + slide_11 * g_3_1) + slide_01 * t16
-    o_1_1 = t18 * t19  # Q^T (p - s_1)
+    t12 = lambda_2 * g_3_1
+    t13 = lambda_3 * t11
+    t14 = slide_00 * t12 - lambda_1 * (slide_20 * t11 + slide_10 * g_3_1) + slide_00 * t13
+    t15 = 1 / t6
+    o_1_0 = t14 * t15  # Q^T (p - s_1)
+    t16 = slide_01 * t12 - lambda_1 * (slide_21 * t11 + slide_11 * g_3_1) + slide_01 * t13
+    o_1_1 = t15 * t16  # Q^T (p - s_1)
     S_2_1_0 = q_2_1_0 - o_1_0  # S_i in the platform frame
-    t20 = t10 + o_1_1
+    t17 = t7 + o_1_1
     S_3_1_0 = q_3_1_0 - o_1_0  # S_i in the platform frame
     S_3_1_1 = q_3_1_1 - o_1_1
-    sin_2 = root * (t7 - t5)
-    t21 = t6 * sin_2
-    q_3_2_0 = r_3_1 * sin_2 - t11
-    t22 = t12 + r_3_0 * sin_2
-    g_2_2 = t13 - slide_10 * t21
-    t23 = slide_20 * t22 + slide_21 * q_3_2_0
-    t24 = lambda_2 * t23
-    t25 = lambda_3 * g_2_2
-    t26 = lambda_1 * (slide_20 * g_2_2 + slide_10 * t23) - slide_00 * t24 - slide_00 * t25
-    o_2_0 = t18 * t26  # Q^T (p - s_1)
-    t27 = lambda_1 * (slide_21 * g_2_2 + slide_11 * t23) - slide_01 * t24 - slide_01 * t25
-    o_2_1 = t18 * t27  # Q^T (p - s_1)
-    t28 = q_2_1_0 + o_2_0
-    t29 = t21 + o_2_1
+    sin_2 = root * (t4 - t3)
+    t18 = v_1 * sin_2
+    q_3_2_0 = r_3_1 * sin_2 - t8
+    t19 = t9 + r_3_0 * sin_2
+    g_2_2 = t10 - slide_10 * t18
+    t20 = slide_20 * t19 + slide_21 * q_3_2_0
+    t21 = lambda_2 * t20
+    t22 = lambda_3 * g_2_2
+    t23 = lambda_1 * (slide_20 * g_2_2 + slide_10 * t20) - slide_00 * t21 - slide_00 * t22
+    o_2_0 = t15 * t23  # Q^T (p - s_1)
+    t24 = lambda_1 * (slide_21 * g_2_2 + slide_11 * t20) - slide_01 * t21 - slide_01 * t22
+    o_2_1 = t15 * t24  # Q^T (p - s_1)
+    t25 = q_2_1_0 + o_2_0
+    t26 = t18 + o_2_1
     S_3_2_0 = q_3_2_0 - o_2_0  # S_i in the platform frame
-    t30 = t22 + o_2_1
-    t31 = cos_1 * o_1_0 - sin_1 * o_1_1
-    t32 = cos_1 * o_1_1 + sin_1 * o_1_0
-    t33 = cos_1 * o_2_0 + sin_2 * o_2_1
-    t34 = sin_2 * o_2_0 - cos_1 * o_2_1
-    t35 = x_1_0 * cos_1
-    t36 = y_1_0 * cos_1
-    t37 = x_1_1 * cos_1
-    t38 = y_1_1 * cos_1
-    t39 = x_1_2 * cos_1
-    t40 = y_1_2 * cos_1
-    t41 = slide_00 * o_1_0 + slide_01 * o_1_1
-    redundant_01 = slide_10 * S_2_1_0 - slide_11 * t20
+    t27 = t19 + o_2_1
+    t28 = cos_1 * o_1_0 - sin_1 * o_1_1
+    t29 = cos_1 * o_1_1 + sin_1 * o_1_0
+    t30 = cos_1 * o_2_0 + sin_2 * o_2_1
+    t31 = sin_2 * o_2_0 - cos_1 * o_2_1
+    t32 = x_1_0 * cos_1
+    t33 = y_1_0 * cos_1
+    t34 = x_1_1 * cos_1
+    t35 = y_1_1 * cos_1
+    t36 = x_1_2 * cos_1
+    t37 = y_1_2 * cos_1
+    t38 = slide_00 * o_1_0 + slide_01 * o_1_1
+    redundant_01 = slide_10 * S_2_1_0 - slide_11 * t17
     redundant_02 = slide_20 * S_3_1_0 + slide_21 * S_3_1_1
-    t42 = slide_00 * o_2_0 + slide_01 * o_2_1
-    t43 = slide_10 * t28 + slide_11 * t29
-    redundant_12 = slide_20 * S_3_2_0 - slide_21 * t30
-    t44 = o_1_0 * t20 - o_1_1 * S_3_1_0 + S_2_1_0 * S_3_1_1 + o_1_0 * S_3_1_1 + o_1_1 * S_2_1_0
-    det_J_0 = (lambda_2 * redundant_01 - lambda_1 * t41 + lambda_3 * redundant_02) * (t44 + t20 * S_3_1_0)
-    t45 = o_2_0 * t29 - o_2_1 * S_3_2_0 + t28 * t30 - o_2_0 * t30 - o_2_1 * t28 + t29 * S_3_2_0
+    t39 = slide_00 * o_2_0 + slide_01 * o_2_1
+    t40 = slide_10 * t25 + slide_11 * t26
+    redundant_12 = slide_20 * S_3_2_0 - slide_21 * t27
+    t41 = o_1_0 * t17 - o_1_1 * S_3_1_0 + S_2_1_0 * S_3_1_1 + o_1_0 * S_3_1_1 + o_1_1 * S_2_1_0
+    det_J_0 = (lambda_2 * redundant_01 - lambda_1 * t38 + lambda_3 * redundant_02) * (t41 + t17 * S_3_1_0)
+    t42 = o_2_0 * t26 - o_2_1 * S_3_2_0 + t25 * t27 - o_2_0 * t27 - o_2_1 * t25 + t26 * S_3_2_0
     return (
         (  # sign
             1 - t2 * t2,
@@ -656,44 +660,44 @@ def assembly_modes(s: Any, slide: Any, turned: Any) -> tuple[Any, ...]:
             AB_2,
         ),
         (  # p
-            s_00 + x_1_0 * t31 + y_1_0 * t32,
-            s_01 + x_1_1 * t31 + y_1_1 * t32,
-            s_02 + x_1_2 * t31 + y_1_2 * t32,
-            s_00 - x_1_0 * t33 + y_1_0 * t34,
-            s_01 - x_1_1 * t33 + y_1_1 * t34,
-            s_02 - x_1_2 * t33 + y_1_2 * t34,
+            s_00 + x_1_0 * t28 + y_1_0 * t29,
+            s_01 + x_1_1 * t28 + y_1_1 * t29,
+            s_02 + x_1_2 * t28 + y_1_2 * t29,
+            s_00 - x_1_0 * t30 + y_1_0 * t31,
+            s_01 - x_1_1 * t30 + y_1_1 * t31,
+            s_02 - x_1_2 * t30 + y_1_2 * t31,
         ),
         (  # Q
-            t35 + y_1_0 * sin_1,
-            t36 - x_1_0 * sin_1,
+            t32 + y_1_0 * sin_1,
+            t33 - x_1_0 * sin_1,
             z_1_0,
-            t37 + y_1_1 * sin_1,
-            t38 - x_1_1 * sin_1,
+            t34 + y_1_1 * sin_1,
+            t35 - x_1_1 * sin_1,
             z_1_1,
-            t39 + y_1_2 * sin_1,
-            t40 - x_1_2 * sin_1,
+            t36 + y_1_2 * sin_1,
+            t37 - x_1_2 * sin_1,
             z_1_2,
-            y_1_0 * sin_2 - t35,
-            -(t36 + x_1_0 * sin_2),
+            y_1_0 * sin_2 - t32,
+            -(t33 + x_1_0 * sin_2),
             z_1_0,
-            y_1_1 * sin_2 - t37,
-            -(t38 + x_1_1 * sin_2),
+            y_1_1 * sin_2 - t34,
+            -(t35 + x_1_1 * sin_2),
             z_1_1,
-            y_1_2 * sin_2 - t39,
-            -(t40 + x_1_2 * sin_2),
+            y_1_2 * sin_2 - t36,
+            -(t37 + x_1_2 * sin_2),
             z_1_2,
         ),
         (  # redundant
-            -t41,
+            -t38,
             redundant_01,
             redundant_02,
-            -t42,
-            -t43,
+            -t39,
+            -t40,
             redundant_12,
         ),
         (  # det_J
             det_J_0,
-            (lambda_3 * redundant_12 - (lambda_1 * t42 + lambda_2 * t43)) * t45,
+            (lambda_3 * redundant_12 - (lambda_1 * t39 + lambda_2 * t40)) * t42,
         ),
         (  # count
             2,
@@ -703,7 +707,7 @@ def assembly_modes(s: Any, slide: Any, turned: Any) -> tuple[Any, ...]:
 
 def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
     """The pose of the platform that holds the three end points, on one side of type II.  Thesis:
-    (2.30), (2.31).  (71 add, 126 multiply, 7 divide, 3 square root)"""
+    (2.30), (2.31).  (67 add, 123 multiply, 7 divide, 3 square root)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     side, = side
@@ -719,6 +723,9 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
     s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1
     s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2
     s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0
+    y_n_0 = s_12_2 * s_n_1 - s_12_1 * s_n_2  # along y_1 or against it
+    y_n_1 = s_12_0 * s_n_2 - s_12_2 * s_n_0
+    y_n_2 = s_12_1 * s_n_0 - s_12_0 * s_n_1
     s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2
     s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
     sense = lambda_3 + (lambda_1 + lambda_2)  # positive where the legs go round z_1
@@ -726,47 +733,48 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
     s_n_w = s_n_2_a * sense_2
     flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
     v_1 = ca.sqrt(s_12_2_a)  # |s_12|
-    t1 = 1 / v_1
-    x_1_0 = s_12_0 * t1  # (3.1)
-    x_1_1 = s_12_1 * t1
-    x_1_2 = s_12_2 * t1
-    t2 = 1 / ca.sqrt(s_n_w)
-    z_1_0 = s_n_0 * sense * t2  # (3.2)
-    z_1_1 = t2 * (s_n_1 * sense)
-    z_1_2 = t2 * (s_n_2 * sense)
-    y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
-    y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
-    y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
-    r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2
-    r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2
-    t3 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2
-    A = lambda_3 * (slide_20 * r_3_1 - slide_21 * r_3_0) - slide_11 * lambda_2 * t3
-    t4 = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + t3 * (slide_10 * lambda_2)
-    AB_2 = A * A + t4 * t4
-    t5 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
-    size = t5 * (r_3_0 * r_3_0 + r_3_1 * r_3_1 + t3 * t3)
+    v_n = ca.sqrt(s_n_w)
+    w_1 = 1 / v_1
+    w_n = sense / v_n  # 1 / |s_n|, negative where the legs go the other way
+    x_1_0 = s_12_0 * w_1  # (3.1)
+    x_1_1 = s_12_1 * w_1
+    x_1_2 = s_12_2 * w_1
+    z_1_0 = s_n_0 * w_n  # (3.2)
+    z_1_1 = s_n_1 * w_n
+    z_1_2 = s_n_2 * w_n
+    w_y = w_1 * w_n
+    y_1_0 = y_n_0 * w_y
+    y_1_1 = y_n_1 * w_y
+    y_1_2 = y_n_2 * w_y
+    r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
+    r_3_1 = w_n * (s_n_2_a * w_1)
+    A = lambda_3 * (slide_20 * r_3_1 - slide_21 * r_3_0) - v_1 * (slide_11 * lambda_2)
+    t1 = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + v_1 * (slide_10 * lambda_2)
+    AB_2 = A * A + t1 * t1
+    t2 = lambda_1 * lambda_1 + lambda_2 * lambda_2 + lambda_3 * lambda_3
+    size = t2 * (s_12_2_a + (r_3_0 * r_3_0 + r_3_1 * r_3_1))
     side_2 = side * side
-    t6 = side_2 - 1
+    t3 = side_2 - 1
     ratio = AB_2 / side_2
     root = ca.sqrt(ratio) / AB_2
-    cos = side * (t4 * root)
+    cos = side * (t1 * root)
     sin = side * (A * root)
-    q_2_0 = t3 * cos
-    t7 = t3 * sin
+    q_2_0 = v_1 * cos
+    t4 = v_1 * sin
     q_3_0 = r_3_0 * cos + r_3_1 * sin
     q_3_1 = r_3_1 * cos - r_3_0 * sin
-    t8 = slide_10 * t7 + slide_11 * q_2_0
+    t5 = slide_10 * t4 + slide_11 * q_2_0
     g_3 = slide_20 * q_3_1 - slide_21 * q_3_0
-    t9 = lambda_2 * g_3
-    t10 = lambda_3 * t8
-    t11 = 1 / t5
-    o_0 = (slide_00 * t9 - lambda_1 * (slide_20 * t8 + slide_10 * g_3) + slide_00 * t10) * t11  # Q^T (p - s_1)
-    o_1 = t11 * (slide_01 * t9 - lambda_1 * (slide_21 * t8 + slide_11 * g_3) + slide_01 * t10)
+    t6 = lambda_2 * g_3
+    t7 = lambda_3 * t5
+    t8 = 1 / t2
+    o_0 = (slide_00 * t6 - lambda_1 * (slide_20 * t5 + slide_10 * g_3) + slide_00 * t7) * t8  # Q^T (p - s_1)
+    o_1 = t8 * (slide_01 * t6 - lambda_1 * (slide_21 * t5 + slide_11 * g_3) + slide_01 * t7)
     S_2_0 = q_2_0 - o_0  # S_i in the platform frame
     S_3_0 = q_3_0 - o_0
     S_3_1 = q_3_1 - o_1
-    t12 = cos * o_0 - sin * o_1
-    t13 = cos * o_1 + sin * o_0
+    t9 = cos * o_0 - sin * o_1
+    t10 = cos * o_1 + sin * o_0
     return (
         (  # flatness
             flatness_0,
@@ -778,12 +786,12 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
             AB_2,
         ),
         (  # sign
-            1 - t6 * t6,
+            1 - t3 * t3,
         ),
         (  # p
-            s_00 + x_1_0 * t12 + y_1_0 * t13,
-            s_01 + x_1_1 * t12 + y_1_1 * t13,
-            s_02 + x_1_2 * t12 + y_1_2 * t13,
+            s_00 + x_1_0 * t9 + y_1_0 * t10,
+            s_01 + x_1_1 * t9 + y_1_1 * t10,
+            s_02 + x_1_2 * t9 + y_1_2 * t10,
         ),
         (  # Q
             x_1_0 * cos + y_1_0 * sin,
@@ -798,7 +806,7 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
         ),
         (  # redundant
             -(slide_00 * o_0 + slide_01 * o_1),
-            slide_10 * S_2_0 - slide_11 * (t7 + o_1),
+            slide_10 * S_2_0 - slide_11 * (t4 + o_1),
             slide_20 * S_3_0 + slide_21 * S_3_1,
         ),
         (  # count
@@ -812,7 +820,7 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
 
 def two_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and two redundant coordinates.
-    Thesis: 3.2.4, (3.24).  (41 add, 68 multiply, 5 divide, 3 square root, 1 select)"""
+    Thesis: 3.2.4, (3.24).  (37 add, 65 multiply, 5 divide, 3 square root, 1 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     measured_0, measured_1 = measured
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
@@ -830,6 +838,9 @@ def two_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any
     s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1
     s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2
     s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0
+    y_n_0 = s_12_2 * s_n_1 - s_12_1 * s_n_2  # along y_1 or against it
+    y_n_1 = s_12_0 * s_n_2 - s_12_2 * s_n_0
+    y_n_2 = s_12_1 * s_n_0 - s_12_0 * s_n_1
     s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2
     s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
     t1 = slide_00 * slide_11 + slide_01 * slide_20 + slide_10 * slide_21 - slide_00 * slide_21
@@ -838,28 +849,29 @@ def two_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any
     s_n_w = s_n_2_a * sense_2
     flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
     v_1 = ca.sqrt(s_12_2_a)  # |s_12|
-    t2 = 1 / v_1
-    x_1_0 = s_12_0 * t2  # (3.1)
-    x_1_1 = s_12_1 * t2
-    x_1_2 = s_12_2 * t2
-    t3 = 1 / ca.sqrt(s_n_w)
-    z_1_0 = s_n_0 * sense * t3  # (3.2)
-    z_1_1 = t3 * (s_n_1 * sense)
-    z_1_2 = t3 * (s_n_2 * sense)
-    y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
-    y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
-    y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
-    r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2
-    r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2
-    points_10 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2
+    v_n = ca.sqrt(s_n_w)
+    w_1 = 1 / v_1
+    w_n = sense / v_n  # 1 / |s_n|, negative where the legs go the other way
+    x_1_0 = s_12_0 * w_1  # (3.1)
+    x_1_1 = s_12_1 * w_1
+    x_1_2 = s_12_2 * w_1
+    z_1_0 = s_n_0 * w_n  # (3.2)
+    z_1_1 = s_n_1 * w_n
+    z_1_2 = s_n_2 * w_n
+    w_y = w_1 * w_n
+    y_1_0 = y_n_0 * w_y
+    y_1_1 = y_n_1 * w_y
+    y_1_2 = y_n_2 * w_y
+    r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
+    r_3_1 = w_n * (s_n_2_a * w_1)
     d_12_0 = e_2_0 - e_1_0
     d_12_1 = e_2_1 - e_1_1
     d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1
-    t4 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1 + points_10 * points_10
-    t5 = 1 / d_12_2
-    cos = points_10 * d_12_0 * t5
-    sin = t5 * (points_10 * (e_1_1 - e_2_1))
-    gap_0 = points_10 - ca.sqrt(d_12_2)
+    spread_0 = d_12_2 / (s_12_2_a + (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1))
+    t2 = 1 / d_12_2
+    cos = v_1 * d_12_0 * t2
+    sin = t2 * (v_1 * (e_1_1 - e_2_1))
+    gap_0 = v_1 - ca.sqrt(d_12_2)
     return (
         (  # flatness
             flatness_0,
@@ -867,7 +879,7 @@ def two_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any
         (  # points
             0,
             0,
-            points_10,
+            v_1,
             0,
             r_3_0,
             r_3_1,
@@ -890,7 +902,7 @@ def two_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any
             e_2_1,
         ),
         (  # spread
-            d_12_2 / t4,
+            spread_0,
         ),
         (  # linear
             cos,
@@ -911,7 +923,7 @@ def two_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any
 
 def three_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and three redundant coordinates.
-    Thesis: 3.2.5, (3.30).  (53 add, 82 multiply, 5 divide, 7 square root, 5 select)"""
+    Thesis: 3.2.5, (3.30).  (47 add, 80 multiply, 5 divide, 7 square root, 5 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     measured_0, measured_1, measured_2 = measured
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
@@ -931,6 +943,9 @@ def three_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[A
     s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1
     s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2
     s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0
+    y_n_0 = s_12_2 * s_n_1 - s_12_1 * s_n_2  # along y_1 or against it
+    y_n_1 = s_12_0 * s_n_2 - s_12_2 * s_n_0
+    y_n_2 = s_12_1 * s_n_0 - s_12_0 * s_n_1
     s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2
     s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
     t1 = slide_00 * slide_11 + slide_01 * slide_20 + slide_10 * slide_21 - slide_00 * slide_21
@@ -939,23 +954,21 @@ def three_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[A
     s_n_w = s_n_2_a * sense_2
     flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
     v_1 = ca.sqrt(s_12_2_a)  # |s_12|
-    t2 = 1 / v_1
-    x_1_0 = s_12_0 * t2  # (3.1)
-    x_1_1 = s_12_1 * t2
-    x_1_2 = s_12_2 * t2
-    t3 = 1 / ca.sqrt(s_n_w)
-    z_1_0 = s_n_0 * sense * t3  # (3.2)
-    z_1_1 = t3 * (s_n_1 * sense)
-    z_1_2 = t3 * (s_n_2 * sense)
-    y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
-    y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
-    y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
-    r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2
-    r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2
-    t4 = s_12_0 * x_1_0
-    t5 = s_12_1 * x_1_1
-    t6 = s_12_2 * x_1_2
-    points_10 = t4 + t5 + t6
+    v_n = ca.sqrt(s_n_w)
+    w_1 = 1 / v_1
+    w_n = sense / v_n  # 1 / |s_n|, negative where the legs go the other way
+    x_1_0 = s_12_0 * w_1  # (3.1)
+    x_1_1 = s_12_1 * w_1
+    x_1_2 = s_12_2 * w_1
+    z_1_0 = s_n_0 * w_n  # (3.2)
+    z_1_1 = s_n_1 * w_n
+    z_1_2 = s_n_2 * w_n
+    w_y = w_1 * w_n
+    y_1_0 = y_n_0 * w_y
+    y_1_1 = y_n_1 * w_y
+    y_1_2 = y_n_2 * w_y
+    r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
+    r_3_1 = w_n * (s_n_2_a * w_1)
     d_12_0 = e_2_0 - e_1_0
     d_12_1 = e_2_1 - e_1_1
     d_13_0 = e_3_0 - e_1_0
@@ -963,20 +976,20 @@ def three_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[A
     area = d_12_0 * d_13_1 - d_12_1 * d_13_0
     d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1
     d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1
-    t7 = 1 / area
-    u_x_0 = (points_10 * d_13_1 - r_3_0 * d_12_1) * t7
-    u_x_1 = t7 * (r_3_1 * (e_1_1 - e_2_1))
-    u_y_0 = t7 * (r_3_0 * d_12_0 - points_10 * d_13_0)
-    u_y_1 = t7 * (r_3_1 * d_12_0)
-    gap_0 = points_10 - ca.sqrt(d_2_0)
-    t8 = r_3_1 * r_3_1
-    r_2_1 = r_3_0 * r_3_0 + t8
+    t2 = 1 / area
+    u_x_0 = (v_1 * d_13_1 - r_3_0 * d_12_1) * t2
+    u_x_1 = t2 * (r_3_1 * (e_1_1 - e_2_1))
+    u_y_0 = t2 * (r_3_0 * d_12_0 - v_1 * d_13_0)
+    u_y_1 = t2 * (r_3_1 * d_12_0)
+    gap_0 = v_1 - ca.sqrt(d_2_0)
+    t3 = r_3_1 * r_3_1
+    r_2_1 = r_3_0 * r_3_0 + t3
     gap_1 = ca.sqrt(r_2_1) - ca.sqrt(d_2_1)
-    t9 = r_3_0 - t4 - t5 - t6
-    r_2_2 = t8 + t9 * t9
-    t10 = d_13_0 - d_12_0
-    t11 = d_13_1 - d_12_1
-    d_2_2 = t10 * t10 + t11 * t11
+    t4 = r_3_0 - v_1
+    r_2_2 = t3 + t4 * t4
+    t5 = d_13_0 - d_12_0
+    t6 = d_13_1 - d_12_1
+    d_2_2 = t5 * t5 + t6 * t6
     gap_2 = ca.sqrt(r_2_2) - ca.sqrt(d_2_2)
     return (
         (  # flatness
@@ -985,7 +998,7 @@ def three_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[A
         (  # points
             0,
             0,
-            points_10,
+            v_1,
             0,
             r_3_0,
             r_3_1,

@@ -39,13 +39,14 @@ def prepare(fields: Any) -> SimpleNamespace:
     c_0 = R_b * e_t_1 - t4
     t5 = l_1 * t3
     c_1 = R_b * e_r_1 - t5
-    k_7 = 1 - l_5 / l_6
+    k_6 = 1 - l_5 / l_6
+    k_0 = l_3 * l_3
     t6 = l_6 - l_5
     t7 = l_4 - l_6
     t8 = l_4 + l_6
     t9 = l_2 - l_3
     t10 = l_2 + l_3
-    k_17 = 1 / l_6
+    k_16 = 1 / l_6
     return SimpleNamespace(
         azimuth=fields["azimuth"],
         R_b=fields["R_b"],
@@ -60,7 +61,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         e_x=(-e_t_1 * e_1_2, -e_r_1 * e_1_2, -(e_t_1 * t2 + e_r_1 * t3),),
         e_1=(-t2, -t3, e_1_2,),
         e_t=(-e_r_1, e_t_1, 0,),
-        k=(l_3 * l_3, t6 * t6, 1 / k_7, t7 * t7, t8 * t8, l_4 * l_4, l_6 * l_6, k_7, t9 * t9, t10 * t10, l_2 * l_2, ca.fabs(t9), ca.fabs(t7), 1 - k_7, 1 / (l_3 * l_6), 1 / (l_4 * l_6), 1 / (l_2 * l_3), k_17, 1 - l_5 * k_17, t4 + c_0, t5 + c_1, 0,),
+        k=(k_0, t6 * t6, 1 / k_6, t7 * t7, t8 * t8, l_4 * l_4 - l_6 * l_6, k_6, t9 * t9, t10 * t10, l_2 * l_2 - k_0, ca.fabs(t9), ca.fabs(t7), 1 - k_6, 1 / (l_3 * l_6), 1 / (l_4 * l_6), 1 / (l_2 * l_3), k_16, 1 - l_5 * k_16, t4 + c_0, t5 + c_1, 0,),
     )
 
 
@@ -194,7 +195,7 @@ def forward_all(g: Any, theta: Any) -> tuple[Any, ...]:
 
 def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     """Actuated joints of the P(RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN
-    where the end point is out of reach.  Thesis: 2.4.2, App. B.  (26 add, 30 multiply, 1 divide, 2
+    where the end point is out of reach.  Thesis: 2.4.2, App. B.  (24 add, 30 multiply, 1 divide, 2
     square root, 2 arctangent, 1 select)"""
     s_0, s_1, s_2 = s
     mode_0, mode_1 = mode
@@ -206,18 +207,18 @@ def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     d2 = d_0 * d_0 + d_1 * d_1
     h2 = (d2 - g.k[3]) * (g.k[4] - d2)  # 4 a^2 b^2 sin^2
     S = mode_0 * ca.sqrt(h2)  # 2 a b sin
-    A = d2 + g.k[5] - g.k[6]  # 2 a (a + b cos)
+    A = d2 + g.k[5]  # 2 a (a + b cos)
     n = d_0 * A + d_1 * S
     m = d_1 * A - d_0 * S
     t1 = 1 / d2
     u_1_0 = n * 0.5 * t1
     u_1_1 = t1 * (m * 0.5)
-    p_0 = u_1_0 + g.k[7] * (d_0 - u_1_0)  # u_1 + w - o_12
-    p_1 = u_1_1 + g.k[7] * (d_1 - u_1_1)
+    p_0 = u_1_0 + g.k[6] * (d_0 - u_1_0)  # u_1 + w - o_12
+    p_1 = u_1_1 + g.k[6] * (d_1 - u_1_1)
     d2_2 = p_0 * p_0 + p_1 * p_1
-    h2_2 = (d2_2 - g.k[8]) * (g.k[9] - d2_2)  # 4 a^2 b^2 sin^2
+    h2_2 = (d2_2 - g.k[7]) * (g.k[8] - d2_2)  # 4 a^2 b^2 sin^2
     S_2 = mode_1 * ca.sqrt(h2_2)  # 2 a b sin
-    A_2 = d2_2 + g.k[10] - g.k[0]  # 2 a (a + b cos)
+    A_2 = d2_2 + g.k[9]  # 2 a (a + b cos)
     n_2 = p_0 * A_2 + p_1 * S_2
     m_2 = p_1 * A_2 - p_0 * S_2
     return (
@@ -234,7 +235,7 @@ def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
 
 def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     """Every working mode of the P(RR-RRR) sub-leg, in the order elbow+/rod+, elbow+/rod-, elbow-/rod+,
-    elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.4.2, App. B.  (43 add, 41 multiply, 1
+    elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.4.2, App. B.  (40 add, 41 multiply, 1
     divide, 3 square root, 6 arctangent, 3 select)"""
     s_0, s_1, s_2 = s
     arm_0 = s_0 - g.c[0]  # s - c
@@ -245,7 +246,7 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     d2 = d_0 * d_0 + d_1 * d_1
     h2 = (d2 - g.k[3]) * (g.k[4] - d2)  # 4 a^2 b^2 sin^2
     S = ca.sqrt(h2)  # 2 a b sin
-    A = d2 + g.k[5] - g.k[6]  # 2 a (a + b cos)
+    A = d2 + g.k[5]  # 2 a (a + b cos)
     t1 = d_0 * A
     t2 = d_1 * S
     n = t1 + t2
@@ -256,12 +257,12 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     t5 = 1 / d2
     u_1_0 = n * 0.5 * t5
     u_1_1 = t5 * (m * 0.5)
-    p_0 = u_1_0 + g.k[7] * (d_0 - u_1_0)  # u_1 + w - o_12
-    p_1 = u_1_1 + g.k[7] * (d_1 - u_1_1)
+    p_0 = u_1_0 + g.k[6] * (d_0 - u_1_0)  # u_1 + w - o_12
+    p_1 = u_1_1 + g.k[6] * (d_1 - u_1_1)
     d2_2 = p_0 * p_0 + p_1 * p_1
-    h2_2 = (d2_2 - g.k[8]) * (g.k[9] - d2_2)  # 4 a^2 b^2 sin^2
+    h2_2 = (d2_2 - g.k[7]) * (g.k[8] - d2_2)  # 4 a^2 b^2 sin^2
     S_2 = ca.sqrt(h2_2)  # 2 a b sin
-    A_2 = d2_2 + g.k[10] - g.k[0]  # 2 a (a + b cos)
+    A_2 = d2_2 + g.k[9]  # 2 a (a + b cos)
     t6 = p_0 * A_2
     t7 = p_1 * S_2
     n_2 = t6 + t7
@@ -276,12 +277,12 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     theta_1_a = ca.atan2(m_a, n_a)
     u_1_0_a = t5 * (0.5 * n_a)
     u_1_1_a = t5 * (0.5 * m_a)
-    p_0_a = u_1_0_a + g.k[7] * (d_0 - u_1_0_a)  # u_1 + w - o_12
-    p_1_a = u_1_1_a + g.k[7] * (d_1 - u_1_1_a)
+    p_0_a = u_1_0_a + g.k[6] * (d_0 - u_1_0_a)  # u_1 + w - o_12
+    p_1_a = u_1_1_a + g.k[6] * (d_1 - u_1_1_a)
     d2_2_a = p_0_a * p_0_a + p_1_a * p_1_a
-    h2_2_a = (d2_2_a - g.k[8]) * (g.k[9] - d2_2_a)  # 4 a^2 b^2 sin^2
+    h2_2_a = (d2_2_a - g.k[7]) * (g.k[8] - d2_2_a)  # 4 a^2 b^2 sin^2
     S_2_a = ca.sqrt(h2_2_a)  # 2 a b sin
-    A_2_a = g.k[10] + d2_2_a - g.k[0]  # 2 a (a + b cos)
+    A_2_a = g.k[9] + d2_2_a  # 2 a (a + b cos)
     t10 = p_0_a * A_2_a
     t11 = p_1_a * S_2_a
     n_2_b = t10 + t11
@@ -312,7 +313,7 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
 
 
 def reach(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
-    """Distance by which the end point lies outside the reach of the P(RR-RRR) sub-leg.  (25 add, 22
+    """Distance by which the end point lies outside the reach of the P(RR-RRR) sub-leg.  (24 add, 22
     multiply, 1 divide, 3 square root, 3 select)"""
     s_0, s_1, s_2 = s
     mode_0, _mode_1 = mode
@@ -324,17 +325,17 @@ def reach(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     d2 = d_0 * d_0 + d_1 * d_1
     h2 = (d2 - g.k[3]) * (g.k[4] - d2)  # 4 a^2 b^2 sin^2
     S = mode_0 * ca.sqrt(h2)  # 2 a b sin
-    A = d2 + g.k[5] - g.k[6]  # 2 a (a + b cos)
+    A = d2 + g.k[5]  # 2 a (a + b cos)
     n = d_0 * A + d_1 * S
     m = d_1 * A - d_0 * S
     t1 = 1 / d2
     u_1_0 = n * 0.5 * t1
     u_1_1 = t1 * (m * 0.5)
-    p_0 = u_1_0 + g.k[7] * (d_0 - u_1_0)  # u_1 + w - o_12
-    p_1 = u_1_1 + g.k[7] * (d_1 - u_1_1)
+    p_0 = u_1_0 + g.k[6] * (d_0 - u_1_0)  # u_1 + w - o_12
+    p_1 = u_1_1 + g.k[6] * (d_1 - u_1_1)
     reach_2 = ca.sqrt(p_0 * p_0 + p_1 * p_1)
     reach_1 = ca.sqrt(d2)
-    excess_a = ca.fmax(ca.fmax(reach_2 - g.l_2 - g.l_3, g.k[11] - reach_2), ca.fmax(reach_1 - g.l_4 - g.l_6, g.k[12] - reach_1))
+    excess_a = ca.fmax(ca.fmax(reach_2 - g.l_2 - g.l_3, g.k[10] - reach_2), ca.fmax(reach_1 - g.l_4 - g.l_6, g.k[11] - reach_1))
     return (
         excess_a,
     )
@@ -372,17 +373,17 @@ def jacobian(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
     u_2_0, u_2_1 = u_2
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[7]
+    t1 = v_1_0 * g.k[6]
     v_2_0 = u_1_0 + t1 - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[7]
+    t2 = v_1_1 * g.k[6]
     v_2_1 = u_1_1 + t2 - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     t3 = u_2_0 * v_2_1
     t4 = u_2_1 * v_2_0
     b_33 = t3 - t4  # v_2^T (e_3 x u_2)
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = g.k[7] * b_22
+    t5 = g.k[6] * b_22
     t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
     m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
     m_02 = t6 * (v_1_1 * (t4 - t3))
@@ -401,7 +402,7 @@ def jacobian(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
             g.e_1[2] * m_12 + g.e_x[2] * m_02,
         ),
         (  # regularity
-            ca.fabs(delta * g.k[14]),
+            ca.fabs(delta * g.k[13]),
         ),
     )
 
@@ -415,17 +416,17 @@ def project(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
     N_00, N_01, N_02, N_10, N_11, N_12 = N
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[7]
+    t1 = v_1_0 * g.k[6]
     v_2_0 = u_1_0 + t1 - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[7]
+    t2 = v_1_1 * g.k[6]
     v_2_1 = u_1_1 + t2 - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     t3 = u_2_0 * v_2_1
     t4 = u_2_1 * v_2_0
     b_33 = t3 - t4  # v_2^T (e_3 x u_2)
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = g.k[7] * b_22
+    t5 = g.k[6] * b_22
     t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
     m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
     m_02 = t6 * (v_1_1 * (t4 - t3))
@@ -447,7 +448,7 @@ def project(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
             m_02 * n_10 + m_12 * n_11,
         ),
         (  # regularity
-            ca.fabs(delta * g.k[14]),
+            ca.fabs(delta * g.k[13]),
         ),
     )
 
@@ -461,19 +462,19 @@ def velocity(g: Any, d: Any, u_1: Any, u_2: Any, theta_dot: Any) -> tuple[Any, .
     theta_dot_0, theta_dot_1, theta_dot_2 = theta_dot
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[7]
+    t1 = v_1_0 * g.k[6]
     v_2_0 = u_1_0 + t1 - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[7]
+    t2 = v_1_1 * g.k[6]
     v_2_1 = u_1_1 + t2 - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
     w_1 = b_22 * theta_dot_1  # B theta_dot
     w_2 = b_32 * theta_dot_1 + b_33 * theta_dot_2
     t3 = 1 / (t1 * v_2_1 - v_2_0 * t2)
-    v_l_0 = (w_1 * (g.k[7] * v_2_1) - v_1_1 * w_2) * t3  # velocity in the leg's frame
-    v_l_1 = t3 * (v_1_0 * w_2 - w_1 * (g.k[7] * v_2_0))
+    v_l_0 = (w_1 * (g.k[6] * v_2_1) - v_1_1 * w_2) * t3  # velocity in the leg's frame
+    v_l_1 = t3 * (v_1_0 * w_2 - w_1 * (g.k[6] * v_2_0))
     return (
         (  # s_dot
             g.e_1[0] * v_l_1 + g.e_t[0] * theta_dot_0 + g.e_x[0] * v_l_0,
@@ -481,7 +482,7 @@ def velocity(g: Any, d: Any, u_1: Any, u_2: Any, theta_dot: Any) -> tuple[Any, .
             g.e_1[2] * v_l_1 + g.e_x[2] * v_l_0,
         ),
         (  # regularity
-            ca.fabs(delta * g.k[14]),
+            ca.fabs(delta * g.k[13]),
         ),
     )
 
@@ -508,16 +509,16 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     u_2_1 = g.l_2 * t4
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t5 = v_1_0 * g.k[7]
+    t5 = v_1_0 * g.k[6]
     v_2_0 = u_1_0 + t5 - u_2_0  # (1.15)
-    t6 = v_1_1 * g.k[7]
+    t6 = v_1_1 * g.k[6]
     v_2_1 = u_1_1 + t6 - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
     t7 = theta_dot_1 * b_32 + theta_dot_2 * b_33
-    t8 = theta_dot_1 * (g.k[7] * b_22)
+    t8 = theta_dot_1 * (g.k[6] * b_22)
     t9 = v_1_0 * t7 - v_2_0 * t8
     t10 = 1 / (t5 * v_2_1 - v_2_0 * t6)
     t11 = g.e_1[0] * t9 * t10
@@ -536,13 +537,13 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     t21 = g.l_2 * (theta_dot_2 * t3)
     t22 = g.e_x[0] * s_dot_0 + g.e_x[1] * s_dot_1 + g.e_x[2] * s_dot_2 + t18
     t23 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2 - t19
-    t24 = g.k[7] * t22
+    t24 = g.k[6] * t22
     t25 = t20 + (t24 - t18)
-    t26 = g.k[7] * t23
+    t26 = g.k[6] * t23
     t27 = t19 + t26 - t21
-    t28 = theta_dot_1 * (g.k[13] * (v_2_0 * t19 + u_1_1 * t25 - (u_1_0 * t27 - v_2_1 * t18)))
+    t28 = theta_dot_1 * (g.k[12] * (v_2_0 * t19 + u_1_1 * t25 - (u_1_0 * t27 - v_2_1 * t18)))
     t29 = t28 + theta_dot_2 * (u_2_0 * t27 - v_2_1 * t20 - (v_2_0 * t21 + u_2_1 * t25))
-    t30 = theta_dot_1 * (g.k[7] * (u_1_0 * t23 - v_1_1 * t18 - (v_1_0 * t19 + u_1_1 * t22)))
+    t30 = theta_dot_1 * (g.k[6] * (u_1_0 * t23 - v_1_1 * t18 - (v_1_0 * t19 + u_1_1 * t22)))
     t31 = t7 * t22 + v_1_0 * t29 - (t8 * t25 + v_2_0 * t30)
     t32 = v_2_1 * t24 + t5 * t27 - (t6 * t25 + v_2_0 * t26)
     t33 = t8 * t27 + v_2_1 * t30 - (t7 * t23 + v_1_1 * t29)
@@ -558,7 +559,7 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
             t10 * (g.e_1[2] * t31 - t16 * t32) + t10 * (g.e_x[2] * t33 - t17 * t32),
         ),
         (  # regularity
-            ca.fabs(delta * g.k[14]),
+            ca.fabs(delta * g.k[13]),
         ),
     )
 
@@ -573,16 +574,16 @@ def rates(g: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> tuple[Any, ...]:
     s_dot_0, s_dot_1, s_dot_2 = s_dot
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    v_2_0 = u_1_0 + v_1_0 * g.k[7] - u_2_0  # (1.15)
-    v_2_1 = u_1_1 + v_1_1 * g.k[7] - u_2_1
+    v_2_0 = u_1_0 + v_1_0 * g.k[6] - u_2_0  # (1.15)
+    v_2_1 = u_1_1 + v_1_1 * g.k[6] - u_2_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
     v_l_0 = g.e_x[0] * s_dot_0 + g.e_x[1] * s_dot_1 + g.e_x[2] * s_dot_2  # velocity in the leg's frame
     v_l_1 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2
     v_l_2 = g.e_t[0] * s_dot_0 + g.e_t[1] * s_dot_1
     w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1  # A s_dot
-    w_2 = v_l_0 * (g.k[7] * v_2_0) + v_l_1 * (g.k[7] * v_2_1)
+    w_2 = v_l_0 * (g.k[6] * v_2_0) + v_l_1 * (g.k[6] * v_2_1)
     t1 = 1 / b_22
     return (
         (  # theta_dot
@@ -591,7 +592,7 @@ def rates(g: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> tuple[Any, ...]:
             (w_2 - t1 * (b_32 * w_1)) / b_33,
         ),
         (  # regularity
-            ca.fmin(ca.fabs(b_22 * g.k[15]), ca.fabs(b_33 * g.k[16])),
+            ca.fmin(ca.fabs(b_22 * g.k[14]), ca.fabs(b_33 * g.k[15])),
         ),
     )
 
@@ -604,19 +605,19 @@ def determinant(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
     u_2_0, u_2_1 = u_2
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    v_2_0 = u_1_0 + v_1_0 * g.k[7] - u_2_0  # (1.15)
-    v_2_1 = u_1_1 + v_1_1 * g.k[7] - u_2_1
+    v_2_0 = u_1_0 + v_1_0 * g.k[6] - u_2_0  # (1.15)
+    v_2_1 = u_1_1 + v_1_1 * g.k[6] - u_2_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
     b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
     return (
         (  # det_M
-            b_22 * b_33 / (g.k[7] * delta),
+            b_22 * b_33 / (g.k[6] * delta),
         ),
         (  # factors
-            b_22 * g.k[15],
-            b_33 * g.k[16],
-            delta * g.k[14],
+            b_22 * g.k[14],
+            b_33 * g.k[15],
+            delta * g.k[13],
         ),
     )
 
@@ -632,17 +633,17 @@ def gram(g: Any, d: Any, u_1: Any, u_2: Any, characteristic_length: Any, N: Any)
     N_00, N_01, N_02, N_10, N_11, N_12 = N
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[7]
+    t1 = v_1_0 * g.k[6]
     v_2_0 = u_1_0 + t1 - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[7]
+    t2 = v_1_1 * g.k[6]
     v_2_1 = u_1_1 + t2 - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     t3 = u_2_0 * v_2_1
     t4 = u_2_1 * v_2_0
     b_33 = t3 - t4  # v_2^T (e_3 x u_2)
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = g.k[7] * b_22
+    t5 = g.k[6] * b_22
     t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
     m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
     m_02 = t6 * (v_1_1 * (t4 - t3))
@@ -703,7 +704,7 @@ def gram(g: Any, d: Any, u_1: Any, u_2: Any, characteristic_length: Any, N: Any)
             k_10 * k_10 + k_11 * k_11 + k_12 * k_12,
         ),
         (  # regularity
-            ca.fabs(delta * g.k[14]),
+            ca.fabs(delta * g.k[13]),
         ),
     )
 
@@ -716,10 +717,10 @@ def passive(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
     u_2_0, u_2_1 = u_2
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    v_2_0 = u_1_0 + v_1_0 * g.k[18] - u_2_0  # (1.15)
-    v_2_1 = u_1_1 + v_1_1 * g.k[18] - u_2_1
-    dir_0 = v_1_0 * g.k[17]  # direction of the last link in (x, e_1)
-    dir_1 = v_1_1 * g.k[17]
+    v_2_0 = u_1_0 + v_1_0 * g.k[17] - u_2_0  # (1.15)
+    v_2_1 = u_1_1 + v_1_1 * g.k[17] - u_2_1
+    dir_0 = v_1_0 * g.k[16]  # direction of the last link in (x, e_1)
+    dir_1 = v_1_1 * g.k[16]
     along_0 = g.e_x[0] * dir_0 + g.e_1[0] * dir_1
     along_1 = g.e_x[1] * dir_0 + g.e_1[1] * dir_1
     along_2 = g.e_x[2] * dir_0 + g.e_1[2] * dir_1
@@ -755,12 +756,12 @@ def points(g: Any, d: Any, u_1: Any, u_2: Any, s: Any) -> tuple[Any, ...]:
     origin_0 = s_0 - g.e_x[0] * d_0 - g.e_1[0] * d_1  # c + theta_1 e_t
     origin_1 = s_1 - g.e_x[1] * d_0 - g.e_1[1] * d_1
     origin_2 = s_2 - g.e_x[2] * d_0 - g.e_1[2] * d_1
-    p_0 = u_1_0 + g.k[7] * (d_0 - u_1_0)  # u_1 + w
-    p_1 = u_1_1 + g.k[7] * (d_1 - u_1_1)
+    p_0 = u_1_0 + g.k[6] * (d_0 - u_1_0)  # u_1 + w
+    p_1 = u_1_1 + g.k[6] * (d_1 - u_1_1)
     return (
+        g.k[18],
         g.k[19],
         g.k[20],
-        g.k[21],
         g.c[0],
         g.c[1],
         g.c[2],
@@ -792,17 +793,17 @@ def transmission(g: Any, d: Any, u_1: Any, u_2: Any, N: Any, along: Any) -> tupl
     along_0, along_1, along_2 = along
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[7]
+    t1 = v_1_0 * g.k[6]
     v_2_0 = u_1_0 + t1 - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[7]
+    t2 = v_1_1 * g.k[6]
     v_2_1 = u_1_1 + t2 - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     t3 = u_2_0 * v_2_1
     t4 = u_2_1 * v_2_0
     b_33 = t3 - t4  # v_2^T (e_3 x u_2)
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = g.k[7] * b_22
+    t5 = g.k[6] * b_22
     t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
     m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
     m_02 = t6 * (v_1_1 * (t4 - t3))
@@ -830,7 +831,7 @@ def transmission(g: Any, d: Any, u_1: Any, u_2: Any, N: Any, along: Any) -> tupl
             m_02 * n_20 + m_12 * n_21,
         ),
         (  # regularity
-            ca.fabs(delta * g.k[14]),
+            ca.fabs(delta * g.k[13]),
         ),
     )
 
@@ -973,13 +974,13 @@ def end_force(g: Any, d: Any, u_1: Any, u_2: Any, actuator_forces: Any) -> tuple
     actuator_forces_0, actuator_forces_1, actuator_forces_2 = actuator_forces
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    v_2_0 = u_1_0 + v_1_0 * g.k[7] - u_2_0  # (1.15)
-    v_2_1 = u_1_1 + v_1_1 * g.k[7] - u_2_1
+    v_2_0 = u_1_0 + v_1_0 * g.k[6] - u_2_0  # (1.15)
+    v_2_1 = u_1_1 + v_1_1 * g.k[6] - u_2_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
-    w_2 = g.k[7] * v_2_0  # A s_dot
-    w_2_a = g.k[7] * v_2_1
+    w_2 = g.k[6] * v_2_0  # A s_dot
+    w_2_a = g.k[6] * v_2_1
     t1 = 1 / b_22
     t2 = 1 / b_33
     g_l_0 = v_1_0 * actuator_forces_1 * t1 + actuator_forces_2 * (w_2 - t1 * (v_1_0 * b_32)) * t2  # in the leg's frame
@@ -991,6 +992,6 @@ def end_force(g: Any, d: Any, u_1: Any, u_2: Any, actuator_forces: Any) -> tuple
             g.e_1[2] * g_l_1 + g.e_x[2] * g_l_0,
         ),
         (  # regularity
-            ca.fmin(ca.fabs(b_22 * g.k[15]), ca.fabs(b_33 * g.k[16])),
+            ca.fmin(ca.fabs(b_22 * g.k[14]), ca.fabs(b_33 * g.k[15])),
         ),
     )

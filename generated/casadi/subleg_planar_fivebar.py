@@ -34,6 +34,8 @@ def prepare(fields: Any) -> SimpleNamespace:
     apart_1 = l_0 * e_r_0
     o_0 = R_b * e_r_0 + t1 * 0.5
     o_1 = R_b * e_r_1 - apart_1 * 0.5
+    k_0 = l_3 * l_3
+    k_1 = l_6 * l_6
     t2 = l_4 - l_6
     t3 = l_4 + l_6
     t4 = l_2 - l_3
@@ -48,7 +50,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         l_6=fields["l_6"],
         o=(o_0, o_1,),
         o_12=(apart_0, apart_1,),
-        k=(l_3 * l_3, l_6 * l_6, t2 * t2, t3 * t3, l_4 * l_4, t4 * t4, t5 * t5, l_2 * l_2, ca.fabs(t4), ca.fabs(t2), 1 / (l_3 * l_6), 1 / (l_4 * l_6), 1 / (l_2 * l_3), 1 / l_6, o_0 - t1, apart_1 + o_1,),
+        k=(k_0, k_1, t2 * t2, t3 * t3, l_4 * l_4 - k_1, t4 * t4, t5 * t5, l_2 * l_2 - k_0, ca.fabs(t4), ca.fabs(t2), 1 / (l_3 * l_6), 1 / (l_4 * l_6), 1 / (l_2 * l_3), 1 / l_6, o_0 - t1, apart_1 + o_1,),
     )
 
 
@@ -176,7 +178,7 @@ def forward_all(g: Any, theta: Any) -> tuple[Any, ...]:
 
 def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     """Actuated joints of the (RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN
-    where the end point is out of reach.  Thesis: 2.2.3, 2.5.  (18 add, 16 multiply, 2 square root,
+    where the end point is out of reach.  Thesis: 2.2.3, 2.5.  (16 add, 16 multiply, 2 square root,
     2 arctangent, 1 select)"""
     s_0, s_1 = s
     mode_0, mode_1 = mode
@@ -185,7 +187,7 @@ def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     d2 = d_0 * d_0 + d_1 * d_1
     h2 = (d2 - g.k[2]) * (g.k[3] - d2)  # 4 a^2 b^2 sin^2
     S = mode_0 * ca.sqrt(h2)  # 2 a b sin
-    A = d2 + g.k[4] - g.k[1]  # 2 a (a + b cos)
+    A = d2 + g.k[4]  # 2 a (a + b cos)
     n = d_0 * A + d_1 * S
     m = d_1 * A - d_0 * S
     p_0 = d_0 - g.o_12[0]  # u_1 + w - o_12
@@ -193,7 +195,7 @@ def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     d2_2 = p_0 * p_0 + p_1 * p_1
     h2_2 = (d2_2 - g.k[5]) * (g.k[6] - d2_2)  # 4 a^2 b^2 sin^2
     S_2 = mode_1 * ca.sqrt(h2_2)  # 2 a b sin
-    A_2 = d2_2 + g.k[7] - g.k[0]  # 2 a (a + b cos)
+    A_2 = d2_2 + g.k[7]  # 2 a (a + b cos)
     n_2 = p_0 * A_2 + p_1 * S_2
     m_2 = p_1 * A_2 - p_0 * S_2
     return (
@@ -209,7 +211,7 @@ def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
 
 def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     """Every working mode of the (RR-RRR) sub-leg, in the order elbow+/rod+, elbow+/rod-, elbow-/rod+,
-    elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.2.3, 2.5.  (22 add, 14 multiply, 2
+    elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.2.3, 2.5.  (20 add, 14 multiply, 2
     square root, 4 arctangent, 1 select)"""
     s_0, s_1 = s
     d_0 = s_0 - g.o[0]  # r - o
@@ -217,7 +219,7 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     d2 = d_0 * d_0 + d_1 * d_1
     h2 = (d2 - g.k[2]) * (g.k[3] - d2)  # 4 a^2 b^2 sin^2
     S = ca.sqrt(h2)  # 2 a b sin
-    A = d2 + g.k[4] - g.k[1]  # 2 a (a + b cos)
+    A = d2 + g.k[4]  # 2 a (a + b cos)
     t1 = d_0 * A
     t2 = d_1 * S
     n = t1 + t2
@@ -230,7 +232,7 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     d2_2 = p_0 * p_0 + p_1 * p_1
     h2_2 = (d2_2 - g.k[5]) * (g.k[6] - d2_2)  # 4 a^2 b^2 sin^2
     S_2 = ca.sqrt(h2_2)  # 2 a b sin
-    A_2 = d2_2 + g.k[7] - g.k[0]  # 2 a (a + b cos)
+    A_2 = d2_2 + g.k[7]  # 2 a (a + b cos)
     t5 = p_0 * A_2
     t6 = p_1 * S_2
     n_2 = t5 + t6

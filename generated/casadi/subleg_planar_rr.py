@@ -27,13 +27,15 @@ def prepare(fields: Any) -> SimpleNamespace:
     e_r_1 = ca.sin(azimuth)
     t1 = l_1 - l_2
     t2 = l_1 + l_2
+    t3 = l_1 * l_1
+    t4 = l_2 * l_2
     return SimpleNamespace(
         azimuth=fields["azimuth"],
         R_b=fields["R_b"],
         l_1=fields["l_1"],
         l_2=fields["l_2"],
         o=(R_b * e_r_0, R_b * e_r_1,),
-        k=(t1 * t1, t2 * t2, l_1 * l_1, l_2 * l_2, ca.fabs(t1), 1 / (l_1 * l_2), 1 / l_2,),
+        k=(t1 * t1, t2 * t2, t3 + t4, t3 - t4, ca.fabs(t1), 1 / (l_1 * l_2), 1 / l_2,),
     )
 
 
@@ -79,7 +81,7 @@ def forward_posture(g: Any, theta: Any) -> tuple[Any, ...]:
 
 def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     """Actuated joints of the RR sub-leg in one working mode.  The mode is given by signs; NaN where
-    the end point is out of reach.  Thesis: 2.2.1, 2.5.  (11 add, 8 multiply, 1 square root, 2
+    the end point is out of reach.  Thesis: 2.2.1, 2.5.  (9 add, 8 multiply, 1 square root, 2
     arctangent)"""
     s_0, s_1 = s
     mode_0, = mode
@@ -88,8 +90,8 @@ def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     d2 = d_0 * d_0 + d_1 * d_1
     h2 = (d2 - g.k[0]) * (g.k[1] - d2)  # 4 a^2 b^2 sin^2
     S = mode_0 * ca.sqrt(h2)  # 2 a b sin
-    C = d2 - g.k[2] - g.k[3]  # 2 a b cos
-    A = d2 + g.k[2] - g.k[3]  # 2 a (a + b cos)
+    C = d2 - g.k[2]  # 2 a b cos
+    A = d2 + g.k[3]  # 2 a (a + b cos)
     n = d_0 * A + d_1 * S
     m = d_1 * A - d_0 * S
     return (
@@ -105,15 +107,15 @@ def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
 
 def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     """Every working mode of the RR sub-leg, in the order elbow+, elbow-; NaN where a mode does not
-    exist.  Thesis: 2.2.1, 2.5.  (13 add, 7 multiply, 1 square root, 4 arctangent)"""
+    exist.  Thesis: 2.2.1, 2.5.  (11 add, 7 multiply, 1 square root, 4 arctangent)"""
     s_0, s_1 = s
     d_0 = s_0 - g.o[0]  # r - o
     d_1 = s_1 - g.o[1]
     d2 = d_0 * d_0 + d_1 * d_1
     h2 = (d2 - g.k[0]) * (g.k[1] - d2)  # 4 a^2 b^2 sin^2
     S = ca.sqrt(h2)  # 2 a b sin
-    C = d2 - g.k[2] - g.k[3]  # 2 a b cos
-    A = d2 + g.k[2] - g.k[3]  # 2 a (a + b cos)
+    C = d2 - g.k[2]  # 2 a b cos
+    A = d2 + g.k[3]  # 2 a (a + b cos)
     t1 = d_0 * A
     t2 = d_1 * S
     n = t1 + t2

@@ -28,6 +28,8 @@ def prepare(fields: Any) -> SimpleNamespace:
     e_r_1 = ca.sin(azimuth)
     t1 = l_1 - l_2
     t2 = l_1 + l_2
+    t3 = l_1 * l_1
+    t4 = l_2 * l_2
     return SimpleNamespace(
         azimuth=fields["azimuth"],
         R_b=fields["R_b"],
@@ -35,7 +37,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         l_2=fields["l_2"],
         l_3=fields["l_3"],
         o=(R_b * e_r_0, R_b * e_r_1,),
-        k=(t1 * t1, t2 * t2, l_1 * l_1, l_2 * l_2, ca.fabs(t1), 1 / (l_1 * l_2), 1 / l_3,),
+        k=(t1 * t1, t2 * t2, t3 + t4, t3 - t4, ca.fabs(t1), 1 / (l_1 * l_2), 1 / l_3,),
     )
 
 
@@ -91,7 +93,7 @@ def forward_posture(g: Any, theta: Any) -> tuple[Any, ...]:
 
 def inverse(g: Any, s: Any, mode: Any, swivel: Any) -> tuple[Any, ...]:
     """Actuated joints of the RRR sub-leg in one working mode.  The mode is given by signs; NaN where
-    the end point is out of reach.  Thesis: 2.2.3, 2.5.  (17 add, 18 multiply, 1 divide, 1 square
+    the end point is out of reach.  Thesis: 2.2.3, 2.5.  (15 add, 18 multiply, 1 divide, 1 square
     root, 1 sine cosine, 3 arctangent)"""
     s_0, s_1 = s
     mode_0, = mode
@@ -103,8 +105,8 @@ def inverse(g: Any, s: Any, mode: Any, swivel: Any) -> tuple[Any, ...]:
     d2 = w_0 * w_0 + w_1 * w_1
     h2 = (d2 - g.k[0]) * (g.k[1] - d2)  # 4 a^2 b^2 sin^2
     S = mode_0 * ca.sqrt(h2)  # 2 a b sin
-    C = d2 - g.k[2] - g.k[3]  # 2 a b cos
-    A = d2 + g.k[2] - g.k[3]  # 2 a (a + b cos)
+    C = d2 - g.k[2]  # 2 a b cos
+    A = d2 + g.k[3]  # 2 a (a + b cos)
     n = w_0 * A + w_1 * S
     m = w_1 * A - w_0 * S
     t1 = 1 / d2
@@ -124,7 +126,7 @@ def inverse(g: Any, s: Any, mode: Any, swivel: Any) -> tuple[Any, ...]:
 
 def inverse_all(g: Any, s: Any, swivel: Any) -> tuple[Any, ...]:
     """Every working mode of the RRR sub-leg, in the order elbow+, elbow-; NaN where a mode does not
-    exist.  Thesis: 2.2.3, 2.5.  (23 add, 25 multiply, 1 divide, 1 square root, 1 sine cosine, 6
+    exist.  Thesis: 2.2.3, 2.5.  (21 add, 25 multiply, 1 divide, 1 square root, 1 sine cosine, 6
     arctangent)"""
     s_0, s_1 = s
     swivel, = swivel
@@ -135,8 +137,8 @@ def inverse_all(g: Any, s: Any, swivel: Any) -> tuple[Any, ...]:
     d2 = w_0 * w_0 + w_1 * w_1
     h2 = (d2 - g.k[0]) * (g.k[1] - d2)  # 4 a^2 b^2 sin^2
     S = ca.sqrt(h2)  # 2 a b sin
-    C = d2 - g.k[2] - g.k[3]  # 2 a b cos
-    A = d2 + g.k[2] - g.k[3]  # 2 a (a + b cos)
+    C = d2 - g.k[2]  # 2 a b cos
+    A = d2 + g.k[3]  # 2 a (a + b cos)
     t1 = w_0 * A
     t2 = w_1 * S
     n = t1 + t2

@@ -31,14 +31,12 @@ def prepare(fields: Any) -> SimpleNamespace:
     e_1_2 = ca.sin(alpha)
     t2 = e_t_1 * t1
     t3 = e_r_1 * t1
-    t4 = e_t_1 * e_1_2
-    t5 = e_r_1 * e_1_2
-    t6 = e_t_1 * t2 + e_r_1 * t3
-    t7 = l_2 - l_3
-    t8 = l_2 + l_3
-    k_1 = t8 * t8
-    k_4 = l_2 * l_2
-    k_5 = l_3 * l_3
+    c_2 = l_1 * e_1_2
+    t4 = l_2 - l_3
+    t5 = l_2 + l_3
+    k_1 = t5 * t5
+    t6 = l_2 * l_2
+    t7 = l_3 * l_3
     return SimpleNamespace(
         azimuth=fields["azimuth"],
         R_b=fields["R_b"],
@@ -46,11 +44,11 @@ def prepare(fields: Any) -> SimpleNamespace:
         l_1=fields["l_1"],
         l_2=fields["l_2"],
         l_3=fields["l_3"],
-        c=(R_b * e_t_1 - l_1 * t2, R_b * e_r_1 - l_1 * t3, l_1 * e_1_2,),
-        e_x=(-t4, -t5, -t6,),
+        c=(R_b * e_t_1 - l_1 * t2, R_b * e_r_1 - l_1 * t3, c_2,),
+        e_x=(-e_t_1 * e_1_2, -e_r_1 * e_1_2, -(e_t_1 * t2 + e_r_1 * t3),),
         e_1=(-t2, -t3, e_1_2,),
         e_t=(-e_r_1, e_t_1, 0,),
-        k=(t7 * t7, k_1, ca.fabs(t7), 1 / (k_4 * k_5), k_4, k_5, 1 / k_1, -t2 * 0.5, -e_r_1 * 0.5, -t3 * 0.5, e_t_1 * 0.5, e_1_2 * 0.5, -t4 * 0.5, -t5 * 0.5, -t6 * 0.5,),
+        k=(t4 * t4, k_1, ca.fabs(t4), 1 / (t6 * t7), t6 + t7, t6 - t7, 1 / k_1, c_2 * 2,),
     )
 
 
@@ -344,7 +342,7 @@ def gram(g: Any, characteristic_length: Any, N: Any) -> tuple[Any, ...]:
 
 
 def passive(g: Any, rho: Any) -> tuple[Any, ...]:
-    """Passive joints of the (Tripteron) sub-leg and the orientation of its last link.  (32 add, 24
+    """Passive joints of the (Tripteron) sub-leg and the orientation of its last link.  (26 add, 24
     multiply, 3 square root, 6 arctangent, 4 select)"""
     rho_0, rho_1, rho_2 = rho
     t1 = rho_1 * rho_1
@@ -353,8 +351,8 @@ def passive(g: Any, rho: Any) -> tuple[Any, ...]:
     t3 = d2_1 - g.k[0]
     h2_1 = t3 * (g.k[1] - d2_1)  # 4 a^2 b^2 sin^2
     S_1 = ca.sqrt(h2_1)  # 2 a b sin
-    C_1 = d2_1 - g.k[4] - g.k[5]  # 2 a b cos
-    A_1 = d2_1 + g.k[4] - g.k[5]  # 2 a (a + b cos)
+    C_1 = d2_1 - g.k[4]  # 2 a b cos
+    A_1 = d2_1 + g.k[5]  # 2 a (a + b cos)
     n_1 = rho_1 * A_1 + rho_2 * S_1
     m_1 = rho_2 * A_1 - rho_1 * S_1
     t4 = rho_0 * rho_0
@@ -362,16 +360,16 @@ def passive(g: Any, rho: Any) -> tuple[Any, ...]:
     t5 = d2_2 - g.k[0]
     h2_2 = t5 * (g.k[1] - d2_2)  # 4 a^2 b^2 sin^2
     S_2 = ca.sqrt(h2_2)  # 2 a b sin
-    C_2 = d2_2 - g.k[4] - g.k[5]  # 2 a b cos
-    A_2 = g.k[4] + d2_2 - g.k[5]  # 2 a (a + b cos)
+    C_2 = d2_2 - g.k[4]  # 2 a b cos
+    A_2 = g.k[5] + d2_2  # 2 a (a + b cos)
     n_2 = rho_2 * A_2 + rho_0 * S_2
     m_2 = rho_0 * A_2 - rho_2 * S_2
     d2_3 = t1 + t4
     t6 = d2_3 - g.k[0]
     h2_3 = t6 * (g.k[1] - d2_3)  # 4 a^2 b^2 sin^2
     S_3 = ca.sqrt(h2_3)  # 2 a b sin
-    C_3 = d2_3 - g.k[4] - g.k[5]  # 2 a b cos
-    A_3 = g.k[4] + d2_3 - g.k[5]  # 2 a (a + b cos)
+    C_3 = d2_3 - g.k[4]  # 2 a b cos
+    A_3 = g.k[5] + d2_3  # 2 a (a + b cos)
     n_3 = rho_0 * A_3 + rho_1 * S_3
     m_3 = rho_1 * A_3 - rho_0 * S_3
     t7 = g.k[1] - t4
@@ -405,7 +403,7 @@ def passive(g: Any, rho: Any) -> tuple[Any, ...]:
 
 
 def points(g: Any, rho: Any, s: Any) -> tuple[Any, ...]:
-    """Joints of the (Tripteron) sub-leg, from the base to S_i.  (50 add, 64 multiply, 3 divide, 3
+    """Joints of the (Tripteron) sub-leg, from the base to S_i.  (47 add, 81 multiply, 3 divide, 3
     square root, 4 select)"""
     rho_0, rho_1, rho_2 = rho
     s_0, s_1, s_2 = s
@@ -418,7 +416,7 @@ def points(g: Any, rho: Any, s: Any) -> tuple[Any, ...]:
     t3 = d2_1 - g.k[0]
     h2_1 = t3 * (g.k[1] - d2_1)  # 4 a^2 b^2 sin^2
     S_1 = ca.sqrt(h2_1)  # 2 a b sin
-    A_1 = d2_1 + g.k[4] - g.k[5]  # 2 a (a + b cos)
+    A_1 = d2_1 + g.k[5]  # 2 a (a + b cos)
     n_1 = rho_1 * A_1 + rho_2 * S_1
     m_1 = rho_2 * A_1 - rho_1 * S_1
     slider_2_0 = g.c[0] + g.e_1[0] * rho_1
@@ -429,7 +427,7 @@ def points(g: Any, rho: Any, s: Any) -> tuple[Any, ...]:
     t5 = d2_2 - g.k[0]
     h2_2 = t5 * (g.k[1] - d2_2)  # 4 a^2 b^2 sin^2
     S_2 = ca.sqrt(h2_2)  # 2 a b sin
-    A_2 = g.k[4] + d2_2 - g.k[5]  # 2 a (a + b cos)
+    A_2 = g.k[5] + d2_2  # 2 a (a + b cos)
     n_2 = rho_2 * A_2 + rho_0 * S_2
     m_2 = rho_0 * A_2 - rho_2 * S_2
     slider_3_0 = g.c[0] + g.e_t[0] * rho_2
@@ -438,7 +436,7 @@ def points(g: Any, rho: Any, s: Any) -> tuple[Any, ...]:
     t6 = d2_3 - g.k[0]
     h2_3 = t6 * (g.k[1] - d2_3)  # 4 a^2 b^2 sin^2
     S_3 = ca.sqrt(h2_3)  # 2 a b sin
-    A_3 = g.k[4] + d2_3 - g.k[5]  # 2 a (a + b cos)
+    A_3 = g.k[5] + d2_3  # 2 a (a + b cos)
     n_3 = rho_0 * A_3 + rho_1 * S_3
     m_3 = rho_1 * A_3 - rho_0 * S_3
     t7 = 1 / d2_1
@@ -453,21 +451,21 @@ def points(g: Any, rho: Any, s: Any) -> tuple[Any, ...]:
             slider_1_0,
             slider_1_1,
             slider_1_2,
-            slider_1_0 + n_1 * g.k[7] * t7 + t7 * (m_1 * g.k[8]),
-            slider_1_1 + t7 * (n_1 * g.k[9]) + t7 * (m_1 * g.k[10]),
-            slider_1_2 + t7 * (n_1 * g.k[11]),
+            (slider_1_0 * 2 + g.e_1[0] * n_1 * t7 + t7 * (g.e_t[0] * m_1)) * 0.5,
+            0.5 * (slider_1_1 * 2 + t7 * (g.e_1[1] * n_1) + t7 * (g.e_t[1] * m_1)),
+            0.5 * (slider_1_2 * 2 + t7 * (g.e_1[2] * n_1)),
             slider_2_0,
             slider_2_1,
             slider_2_2,
-            slider_2_0 + n_2 * g.k[8] * t8 + t8 * (m_2 * g.k[12]),
-            slider_2_1 + t8 * (n_2 * g.k[10]) + t8 * (m_2 * g.k[13]),
-            slider_2_2 + t8 * (m_2 * g.k[14]),
+            0.5 * (slider_2_0 * 2 + g.e_t[0] * n_2 * t8 + t8 * (g.e_x[0] * m_2)),
+            0.5 * (slider_2_1 * 2 + t8 * (g.e_t[1] * n_2) + t8 * (g.e_x[1] * m_2)),
+            0.5 * (slider_2_2 * 2 + t8 * (g.e_x[2] * m_2)),
             slider_3_0,
             slider_3_1,
             g.c[2],
-            slider_3_0 + m_3 * g.k[7] * t9 + t9 * (n_3 * g.k[12]),
-            slider_3_1 + t9 * (m_3 * g.k[9]) + t9 * (n_3 * g.k[13]),
-            g.c[2] + t9 * (m_3 * g.k[11]) + t9 * (n_3 * g.k[14]),
+            0.5 * (slider_3_0 * 2 + g.e_1[0] * m_3 * t9 + t9 * (g.e_x[0] * n_3)),
+            0.5 * (slider_3_1 * 2 + t9 * (g.e_1[1] * m_3) + t9 * (g.e_x[1] * n_3)),
+            0.5 * (g.k[7] + t9 * (g.e_1[2] * m_3) + t9 * (g.e_x[2] * n_3)),
             s_0,
             s_1,
             s_2,

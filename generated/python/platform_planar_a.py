@@ -24,27 +24,27 @@ def prepare(fields: Any) -> SimpleNamespace:
     platform_azimuth = fields["platform_azimuth"]
     e_r_0 = np.cos(platform_azimuth)
     e_r_1 = np.sin(platform_azimuth)
-    t1 = l_r * l_r
+    k_2 = l_r * l_r
     return SimpleNamespace(
         platform_azimuth=fields["platform_azimuth"],
         R_p=fields["R_p"],
         l_r=fields["l_r"],
         e_r=(e_r_0, e_r_1,),
         b=(R_p * e_r_0, R_p * e_r_1,),
-        k=(0.5 * t1, 1 / l_r, l_r * e_r_0, l_r * e_r_1, 1 / t1,),
+        k=(l_r * e_r_0, l_r * e_r_1, k_2, 1 / l_r, 1 / k_2,),
     )
 
 
 def end_point(g: Any, p: Any, Q: Any, redundant: Any) -> tuple[Any, ...]:
-    """End point of the sub-leg, arrangement (a).  Thesis: (1.37), 2.5.  (8 add, 10 multiply, 1 sine
+    """End point of the sub-leg, arrangement (a).  Thesis: (1.37), 2.5.  (8 add, 8 multiply, 1 sine
     cosine)"""
     p_0, p_1 = p
     Q_00, Q_01, Q_10, Q_11 = Q
     redundant, = redundant
-    l_c = g.l_r * np.cos(redundant)
-    l_s = g.l_r * np.sin(redundant)
-    r_l_0 = g.b[0] - g.e_r[0] * l_c - g.e_r[1] * l_s  # r_i in the platform frame
-    r_l_1 = g.b[1] + g.e_r[0] * l_s - g.e_r[1] * l_c
+    t1 = np.cos(redundant)
+    t2 = np.sin(redundant)
+    r_l_0 = g.b[0] - g.k[0] * t1 - g.k[1] * t2  # r_i in the platform frame
+    r_l_1 = g.b[1] + g.k[0] * t2 - g.k[1] * t1
     return (
         p_0 + Q_00 * r_l_0 + Q_01 * r_l_1,
         p_1 + Q_10 * r_l_0 + Q_11 * r_l_1,
@@ -79,7 +79,7 @@ def residual(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
     a_1 = p_1 + Qb_1 - s_1
     a2 = a_0 * a_0 + a_1 * a_1
     return (
-        a2 * 0.5 - g.k[0],
+        (a2 - g.k[2]) * 0.5,
     )
 
 
@@ -145,12 +145,12 @@ def line(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
 
 def line_of_redundant(g: Any, redundant: Any) -> tuple[Any, ...]:
     """The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis:
-    (1.33), (1.34).  (7 add, 8 multiply, 1 sine cosine)"""
+    (1.33), (1.34).  (7 add, 6 multiply, 1 sine cosine)"""
     redundant, = redundant
-    l_c = g.l_r * np.cos(redundant)
-    l_s = g.l_r * np.sin(redundant)
-    r_l_0 = g.b[0] - g.e_r[0] * l_c - g.e_r[1] * l_s  # r_i in the platform frame
-    r_l_1 = g.b[1] + g.e_r[0] * l_s - g.e_r[1] * l_c
+    t1 = np.cos(redundant)
+    t2 = np.sin(redundant)
+    r_l_0 = g.b[0] - g.k[0] * t1 - g.k[1] * t2  # r_i in the platform frame
+    r_l_1 = g.b[1] + g.k[0] * t2 - g.k[1] * t1
     a_0 = g.b[0] - r_l_0
     a_1 = g.b[1] - r_l_1
     return (
@@ -265,8 +265,8 @@ def joint(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
     a_y = Q_01 * a_0 + Q_11 * a_1
     return (
         (  # redundant_link
-            a_0 * g.k[1],
-            g.k[1] * a_1,
+            a_0 * g.k[3],
+            g.k[3] * a_1,
         ),
         (  # platform_joint
             np.arctan2(g.e_r[1] * a_x - g.e_r[0] * a_y, g.e_r[0] * a_x + g.e_r[1] * a_y),
@@ -323,12 +323,12 @@ def solve(Q: Any, line: Any, point: Any, rate: Any) -> tuple[Any, ...]:
 
 def type_2(line: Any, point: Any, scale: Any) -> tuple[Any, ...]:
     """Factors of det J and margins.  Singular where the three redundant links' lines meet in a point
-    or are parallel.  Thesis: 1.4, 2.3.2.  (7 add, 15 multiply, 1 divide)"""
+    or are parallel.  Thesis: 1.4, 2.3.2.  (7 add, 13 multiply, 1 divide)"""
     line_00, line_01, line_02, line_10, line_11, line_12, line_20, line_21, line_22 = line
     scale_00, scale_01, scale_10, scale_11, scale_20, scale_21 = scale
     t1 = line_00 * (line_11 * line_22 - line_12 * line_21) + line_01 * (line_12 * line_20 - line_10 * line_22)
     det_a = t1 + line_02 * (line_10 * line_21 - line_11 * line_20)  # det J
-    R = scale_01 * (1 / 3) + scale_11 * (1 / 3) + scale_21 * (1 / 3)  # mean platform radius
+    R = (scale_21 + (scale_01 + scale_11)) * (1 / 3)  # mean platform radius
     return (
         (  # type_2
             det_a,
@@ -405,7 +405,7 @@ def tie(g: Any) -> tuple[Any, ...]:
 
 def sextic(s: Any, anchor: Any, length: Any) -> tuple[Any, ...]:
     """The sextic in tan(phi / 2) that holds the three end points.  Thesis: 3.2.1, (3.1) to (3.4).
-    (111 add, 138 multiply)"""
+    (111 add, 136 multiply)"""
     s_00, s_01, s_10, s_11, s_20, s_21 = s
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
     length_0, length_1, length_2 = length
@@ -447,14 +447,14 @@ def sextic(s: Any, anchor: Any, length: Any) -> tuple[Any, ...]:
     t10 = s_12_0 * s_13_0
     t11 = s_12_1 * s_13_1
     w_0 = t8 + t9 + t10 + t11 - c_23 - c_32
-    t12 = s_23 * 2 + s_32 * 2
+    t12 = 2 * (s_23 + s_32)
     w_2 = t11 + (t10 + (t9 + (t8 + (c_23 + c_32))))
     t13 = d_2_0 * d_3_1
     t14 = s_12_0 * s_13_1
     t15 = d_2_1 * d_3_0
     t16 = s_12_1 * s_13_0
     D_0 = s_32 + t13 + t14 - s_23 - t15 - t16
-    D_1 = c_23 * 2 - c_32 * 2
+    D_1 = 2 * (c_23 - c_32)
     D_2 = t14 + (s_23 + t13) - s_32 - t15 - t16
     e22_0 = e2_0 * e2_0
     t17 = 2 * e2_0
@@ -512,7 +512,7 @@ def sextic(s: Any, anchor: Any, length: Any) -> tuple[Any, ...]:
 
 
 def assembly(root: Any, s: Any, anchor: Any, length: Any, points: Any) -> tuple[Any, ...]:
-    """The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (173 add, 211 multiply, 9
+    """The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (173 add, 203 multiply, 9
     divide, 2 square root, 4 arctangent)"""
     root_0, root_1 = root
     s_00, s_01, _s_10, _s_11, _s_20, _s_21 = s
@@ -547,7 +547,7 @@ def assembly(root: Any, s: Any, anchor: Any, length: Any, points: Any) -> tuple[
     e_2 = t13 - t14 - z_2_0 * z_2_0 - z_2_1 * z_2_1
     t15 = length_2 * length_2
     e_3 = t15 - t14 - z_3_0 * z_3_0 - z_3_1 * z_3_1
-    t16 = 1 / (z_3_1 * (2 * z_2_0) - z_3_0 * (2 * z_2_1))
+    t16 = 1 / (2 * (z_2_0 * z_3_1 - z_2_1 * z_3_0))
     a_1_0_0 = (z_3_1 * e_2 - z_2_1 * e_3) * t16
     a_1_0_1 = t16 * (z_2_0 * e_3 - z_3_0 * e_2)
     a_1_1_0 = a_1_0_0 - points_00
@@ -556,63 +556,64 @@ def assembly(root: Any, s: Any, anchor: Any, length: Any, points: Any) -> tuple[
     a_2_1_1 = t6 + (t5 + a_1_0_1) - points_11
     a_3_1_0 = t8 + a_1_0_0 - points_20 - t9
     a_3_1_1 = t11 + (t10 + a_1_0_1) - points_21
-    t17 = t14 * 0.5
-    f_1_1 = 0.5 * (a_1_1_0 * a_1_1_0) + 0.5 * (a_1_1_1 * a_1_1_1) - t17
-    t18 = t13 * 0.5
-    f_2_1 = 0.5 * (a_2_1_0 * a_2_1_0) + 0.5 * (a_2_1_1 * a_2_1_1) - t18
-    t19 = t15 * 0.5
-    f_3_1 = 0.5 * (a_3_1_0 * a_3_1_0) + 0.5 * (a_3_1_1 * a_3_1_1) - t19
+    f_1_1 = (a_1_1_0 * a_1_1_0 + a_1_1_1 * a_1_1_1 - t14) * 0.5
+    f_2_1 = 0.5 * (a_2_1_0 * a_2_1_0 + a_2_1_1 * a_2_1_1 - t13)
+    f_3_1 = 0.5 * (a_3_1_0 * a_3_1_0 + a_3_1_1 * a_3_1_1 - t15)
     g_2_1 = a_2_1_1 * (t3 - t4) - t7 * a_2_1_0
     g_3_1 = a_3_1_1 * (t8 - t9) - t12 * a_3_1_0
     lambda_1_1 = a_2_1_0 * a_3_1_1 - a_2_1_1 * a_3_1_0
     lambda_2_1 = a_1_1_1 * a_3_1_0 - a_1_1_0 * a_3_1_1
     lambda_3_1 = a_1_1_0 * a_2_1_1 - a_1_1_1 * a_2_1_0
-    t20 = (f_1_1 * lambda_1_1 + f_2_1 * lambda_2_1 + f_3_1 * lambda_3_1) / (g_2_1 * lambda_2_1 + g_3_1 * lambda_3_1)
-    t21 = g_2_1 * t20 - f_2_1
-    t22 = g_3_1 * t20 - f_3_1
-    t23 = lambda_1_1 * (a_3_1_1 * t21 - a_2_1_1 * t22) + lambda_2_1 * (a_1_1_1 * t22 + a_3_1_1 * f_1_1)
-    t24 = 1 / (lambda_1_1 * lambda_1_1 + lambda_2_1 * lambda_2_1 + lambda_3_1 * lambda_3_1)
-    move_1_0 = (t23 - lambda_3_1 * (a_1_1_1 * t21 + a_2_1_1 * f_1_1)) * t24
-    t25 = lambda_1_1 * (a_2_1_0 * t22 - a_3_1_0 * t21) - lambda_2_1 * (a_1_1_0 * t22 + a_3_1_0 * f_1_1)
-    move_1_1 = t24 * (t25 + lambda_3_1 * (a_1_1_0 * t21 + a_2_1_0 * f_1_1))
-    norm_1 = 1 / np.sqrt(1 + t20 * t20)
-    cos_1 = norm_1 * (cos_0 + sin_0 * t20)
-    sin_1 = norm_1 * (sin_0 - cos_0 * t20)
+    t17 = (f_1_1 * lambda_1_1 + f_2_1 * lambda_2_1 + f_3_1 * lambda_3_1) / (g_2_1 * lambda_2_1 + g_3_1 * lambda_3_1)
+    t18 = g_2_1 * t17 - f_2_1
+    t19 = g_3_1 * t17 - f_3_1
+    t20 = lambda_1_1 * (a_3_1_1 * t18 - a_2_1_1 * t19) + lambda_2_1 * (a_1_1_1 * t19 + a_3_1_1 * f_1_1)
+    t21 = 1 / (lambda_1_1 * lambda_1_1 + lambda_2_1 * lambda_2_1 + lambda_3_1 * lambda_3_1)
+    move_1_0 = (t20 - lambda_3_1 * (a_1_1_1 * t18 + a_2_1_1 * f_1_1)) * t21
+    t22 = lambda_1_1 * (a_2_1_0 * t19 - a_3_1_0 * t18) - lambda_2_1 * (a_1_1_0 * t19 + a_3_1_0 * f_1_1)
+    move_1_1 = t21 * (t22 + lambda_3_1 * (a_1_1_0 * t18 + a_2_1_0 * f_1_1))
+    norm_1_of = 1 + t17 * t17
+    norm_12 = 1 / norm_1_of
+    norm_1 = norm_12 * np.sqrt(norm_1_of)
+    cos_1 = norm_1 * (cos_0 + sin_0 * t17)
+    sin_1 = norm_1 * (sin_0 - cos_0 * t17)
     a_1_1_on_0 = a_1_0_0 + move_1_0
     a_1_1_on_1 = a_1_0_1 + move_1_1
     a_1_2_0 = a_1_1_on_0 - points_00
     a_1_2_1 = a_1_1_on_1 - points_01
-    t26 = d_2_0 * cos_1
-    t27 = d_2_1 * sin_1
-    a_2_2_0 = a_1_1_on_0 + t26 - points_10 - t27
-    t28 = d_2_1 * cos_1
-    t29 = d_2_0 * sin_1
-    a_2_2_1 = a_1_1_on_1 + t28 + t29 - points_11
-    t30 = d_3_0 * cos_1
-    t31 = d_3_1 * sin_1
-    a_3_2_0 = a_1_1_on_0 + t30 - points_20 - t31
-    t32 = d_3_1 * cos_1
-    t33 = d_3_0 * sin_1
-    a_3_2_1 = a_1_1_on_1 + t32 + t33 - points_21
-    f_1_2 = 0.5 * (a_1_2_0 * a_1_2_0) + 0.5 * (a_1_2_1 * a_1_2_1) - t17
-    f_2_2 = 0.5 * (a_2_2_0 * a_2_2_0) + 0.5 * (a_2_2_1 * a_2_2_1) - t18
-    f_3_2 = 0.5 * (a_3_2_0 * a_3_2_0) + 0.5 * (a_3_2_1 * a_3_2_1) - t19
-    g_2_2 = a_2_2_1 * (t26 - t27) - a_2_2_0 * (t28 + t29)
-    g_3_2 = a_3_2_1 * (t30 - t31) - a_3_2_0 * (t32 + t33)
+    t23 = d_2_0 * cos_1
+    t24 = d_2_1 * sin_1
+    a_2_2_0 = a_1_1_on_0 + t23 - points_10 - t24
+    t25 = d_2_1 * cos_1
+    t26 = d_2_0 * sin_1
+    a_2_2_1 = a_1_1_on_1 + t25 + t26 - points_11
+    t27 = d_3_0 * cos_1
+    t28 = d_3_1 * sin_1
+    a_3_2_0 = a_1_1_on_0 + t27 - points_20 - t28
+    t29 = d_3_1 * cos_1
+    t30 = d_3_0 * sin_1
+    a_3_2_1 = a_1_1_on_1 + t29 + t30 - points_21
+    f_1_2 = 0.5 * (a_1_2_0 * a_1_2_0 + a_1_2_1 * a_1_2_1 - t14)
+    f_2_2 = 0.5 * (a_2_2_0 * a_2_2_0 + a_2_2_1 * a_2_2_1 - t13)
+    f_3_2 = 0.5 * (a_3_2_0 * a_3_2_0 + a_3_2_1 * a_3_2_1 - t15)
+    g_2_2 = a_2_2_1 * (t23 - t24) - a_2_2_0 * (t25 + t26)
+    g_3_2 = a_3_2_1 * (t27 - t28) - a_3_2_0 * (t29 + t30)
     lambda_1_2 = a_2_2_0 * a_3_2_1 - a_2_2_1 * a_3_2_0
     lambda_2_2 = a_1_2_1 * a_3_2_0 - a_1_2_0 * a_3_2_1
     lambda_3_2 = a_1_2_0 * a_2_2_1 - a_1_2_1 * a_2_2_0
-    t34 = (f_1_2 * lambda_1_2 + f_2_2 * lambda_2_2 + f_3_2 * lambda_3_2) / (g_2_2 * lambda_2_2 + g_3_2 * lambda_3_2)
-    t35 = g_2_2 * t34 - f_2_2
-    t36 = g_3_2 * t34 - f_3_2
-    t37 = lambda_1_2 * (a_3_2_1 * t35 - a_2_2_1 * t36) + lambda_2_2 * (a_1_2_1 * t36 + a_3_2_1 * f_1_2)
-    t38 = 1 / (lambda_1_2 * lambda_1_2 + lambda_2_2 * lambda_2_2 + lambda_3_2 * lambda_3_2)
-    move_2_0 = (t37 - lambda_3_2 * (a_1_2_1 * t35 + a_2_2_1 * f_1_2)) * t38
-    t39 = lambda_1_2 * (a_2_2_0 * t36 - a_3_2_0 * t35) - lambda_2_2 * (a_1_2_0 * t36 + a_3_2_0 * f_1_2)
-    move_2_1 = t38 * (t39 + lambda_3_2 * (a_1_2_0 * t35 + a_2_2_0 * f_1_2))
-    norm_2 = 1 / np.sqrt(1 + t34 * t34)
-    cos_2 = norm_2 * (cos_1 + sin_1 * t34)
-    sin_2 = norm_2 * (sin_1 - cos_1 * t34)
+    t31 = (f_1_2 * lambda_1_2 + f_2_2 * lambda_2_2 + f_3_2 * lambda_3_2) / (g_2_2 * lambda_2_2 + g_3_2 * lambda_3_2)
+    t32 = g_2_2 * t31 - f_2_2
+    t33 = g_3_2 * t31 - f_3_2
+    t34 = lambda_1_2 * (a_3_2_1 * t32 - a_2_2_1 * t33) + lambda_2_2 * (a_1_2_1 * t33 + a_3_2_1 * f_1_2)
+    t35 = 1 / (lambda_1_2 * lambda_1_2 + lambda_2_2 * lambda_2_2 + lambda_3_2 * lambda_3_2)
+    move_2_0 = (t34 - lambda_3_2 * (a_1_2_1 * t32 + a_2_2_1 * f_1_2)) * t35
+    t36 = lambda_1_2 * (a_2_2_0 * t33 - a_3_2_0 * t32) - lambda_2_2 * (a_1_2_0 * t33 + a_3_2_0 * f_1_2)
+    move_2_1 = t35 * (t36 + lambda_3_2 * (a_1_2_0 * t32 + a_2_2_0 * f_1_2))
+    norm_2_of = 1 + t31 * t31
+    norm_22 = 1 / norm_2_of
+    norm_2 = norm_22 * np.sqrt(norm_2_of)
+    cos_2 = norm_2 * (cos_1 + sin_1 * t31)
+    sin_2 = norm_2 * (sin_1 - cos_1 * t31)
     a_1_2_on_0 = a_1_1_on_0 + move_2_0
     a_1_2_on_1 = a_1_1_on_1 + move_2_1
     Rd_2_0 = d_2_0 * cos_2 - d_2_1 * sin_2
@@ -633,17 +634,17 @@ def assembly(root: Any, s: Any, anchor: Any, length: Any, points: Any) -> tuple[
     u_2_1 = cos_2 * a_2_1 - sin_2 * a_2_0
     u_3_0 = cos_2 * a_3_0 + sin_2 * a_3_1
     u_3_1 = cos_2 * a_3_1 - sin_2 * a_3_0
-    t40 = anchor_01 * u_1_0
-    t41 = anchor_00 * u_1_1
-    t42 = anchor_11 * u_2_0
-    t43 = anchor_10 * u_2_1
-    t44 = anchor_21 * u_3_0
-    t45 = anchor_20 * u_3_1
-    t46 = (t41 - t40) * (u_2_0 * u_3_1 - u_2_1 * u_3_0) + (t43 - t42) * (u_1_1 * u_3_0 - u_1_0 * u_3_1)
-    t47 = a_1_0 * a_1_0 + a_1_1 * a_1_1 - t14
-    t48 = a_2_0 * a_2_0 + a_2_1 * a_2_1 - t13
-    t49 = a_3_0 * a_3_0 + a_3_1 * a_3_1 - t15
-    t50 = t15 + (t13 + t14)
+    t37 = anchor_01 * u_1_0
+    t38 = anchor_00 * u_1_1
+    t39 = anchor_11 * u_2_0
+    t40 = anchor_10 * u_2_1
+    t41 = anchor_21 * u_3_0
+    t42 = anchor_20 * u_3_1
+    t43 = (t38 - t37) * (u_2_0 * u_3_1 - u_2_1 * u_3_0) + (t40 - t39) * (u_1_1 * u_3_0 - u_1_0 * u_3_1)
+    t44 = a_1_0 * a_1_0 + a_1_1 * a_1_1 - t14
+    t45 = a_2_0 * a_2_0 + a_2_1 * a_2_1 - t13
+    t46 = a_3_0 * a_3_0 + a_3_1 * a_3_1 - t15
+    t47 = t15 + (t13 + t14)
     return (
         (  # p
             s_00 + p_l_0,
@@ -653,15 +654,15 @@ def assembly(root: Any, s: Any, anchor: Any, length: Any, points: Any) -> tuple[
             np.arctan2(sin_2, cos_2),
         ),
         (  # redundant
-            np.arctan2(t40 - t41, anchor_00 * u_1_0 + anchor_01 * u_1_1),
-            np.arctan2(t42 - t43, anchor_10 * u_2_0 + anchor_11 * u_2_1),
-            np.arctan2(t44 - t45, anchor_20 * u_3_0 + anchor_21 * u_3_1),
+            np.arctan2(t37 - t38, anchor_00 * u_1_0 + anchor_01 * u_1_1),
+            np.arctan2(t39 - t40, anchor_10 * u_2_0 + anchor_11 * u_2_1),
+            np.arctan2(t41 - t42, anchor_20 * u_3_0 + anchor_21 * u_3_1),
         ),
         (  # det_J
-            t46 + (t45 - t44) * (u_1_0 * u_2_1 - u_1_1 * u_2_0),
+            t43 + (t42 - t41) * (u_1_0 * u_2_1 - u_1_1 * u_2_0),
         ),
         (  # miss
-            (t47 * t47 + t48 * t48 + t49 * t49) / (t50 * t50),
+            (t44 * t44 + t45 * t45 + t46 * t46) / (t47 * t47),
         ),
     )
 
@@ -713,7 +714,7 @@ def uniqueness(anchor: Any, length: Any, box: Any) -> tuple[Any, ...]:
 
 def newton_start(s: Any, anchor: Any, length: Any, p_near: Any, Q_near: Any) -> tuple[Any, ...]:
     """The pose nearby in the platform's plane, and whether steps from it are certain to converge.
-    Thesis: 3.2.2, (3.4) to (3.9).  (73 add, 101 multiply, 4 divide, 7 square root, 1 select)"""
+    Thesis: 3.2.2, (3.4) to (3.9).  (72 add, 92 multiply, 4 divide, 7 square root, 1 select)"""
     s_00, s_01, s_10, s_11, s_20, s_21 = s
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
     length_0, length_1, length_2 = length
@@ -737,45 +738,44 @@ def newton_start(s: Any, anchor: Any, length: Any, p_near: Any, Q_near: Any) -> 
     b_2_1 = a_1_1 + Rd_2_1 - s_12_1
     b_3_0 = a_1_0 + Rd_3_0 - s_13_0
     b_3_1 = a_1_1 + Rd_3_1 - s_13_1
-    t1 = d_2_0 * d_2_0
-    t2 = d_2_1 * d_2_1
-    t3 = d_3_0 * d_3_0
-    t4 = d_3_1 * d_3_1
-    L_2 = 0.5 * t1 + 0.5 * t2 + 0.5 * t3 + 0.5 * t4  # the platform's size, squared
+    t1 = d_2_0 * d_2_0 + d_2_1 * d_2_1
+    t2 = d_3_0 * d_3_0
+    t3 = d_3_1 * d_3_1
+    L_2 = (t1 + t2 + t3) * 0.5  # the platform's size, squared
     L = np.sqrt(L_2)
-    F_1 = 0.5 * (a_1_0 * a_1_0) + 0.5 * (a_1_1 * a_1_1) - 0.5 * (length_0 * length_0)
-    F_2 = 0.5 * (b_2_0 * b_2_0) + 0.5 * (b_2_1 * b_2_1) - 0.5 * (length_1 * length_1)
-    F_3 = 0.5 * (b_3_0 * b_3_0) + 0.5 * (b_3_1 * b_3_1) - 0.5 * (length_2 * length_2)
-    t5 = 1 / L
-    G_2 = (Rd_2_0 * b_2_1 - Rd_2_1 * b_2_0) * t5
-    G_3 = t5 * (Rd_3_0 * b_3_1 - Rd_3_1 * b_3_0)
+    F_1 = 0.5 * (a_1_0 * a_1_0 + a_1_1 * a_1_1 - length_0 * length_0)
+    F_2 = 0.5 * (b_2_0 * b_2_0 + b_2_1 * b_2_1 - length_1 * length_1)
+    F_3 = 0.5 * (b_3_0 * b_3_0 + b_3_1 * b_3_1 - length_2 * length_2)
+    t4 = 1 / L
+    G_2 = (Rd_2_0 * b_2_1 - Rd_2_1 * b_2_0) * t4
+    G_3 = t4 * (Rd_3_0 * b_3_1 - Rd_3_1 * b_3_0)
     mu_1 = b_2_0 * b_3_1 - b_2_1 * b_3_0
     mu_2 = a_1_1 * b_3_0 - a_1_0 * b_3_1
     mu_3 = a_1_0 * b_2_1 - a_1_1 * b_2_0
     det = G_2 * mu_2 + G_3 * mu_3
     inv_1_1 = b_2_1 * G_3 - b_3_1 * G_2
     inv_1_2 = b_3_0 * G_2 - b_2_0 * G_3
-    t6 = a_1_1 * G_3
+    t5 = a_1_1 * G_3
     inv_2_2 = a_1_0 * G_3
     inv_3_1 = a_1_1 * G_2
-    t7 = a_1_0 * G_2
-    t8 = inv_1_1 * inv_1_1 + inv_1_2 * inv_1_2 + t6 * t6 + inv_2_2 * inv_2_2 + inv_3_1 * inv_3_1
-    b_2 = (t8 + t7 * t7 + mu_1 * mu_1 + mu_2 * mu_2 + mu_3 * mu_3) / (det * det)  # b squared
-    t9 = F_1 * inv_1_1 - F_2 * t6 + F_3 * inv_3_1
-    t10 = F_1 * inv_1_2 + F_2 * inv_2_2 - F_3 * t7
-    t11 = F_1 * mu_1 + F_2 * mu_2 + F_3 * mu_3
-    step = np.sqrt(t9 * t9 + t10 * t10 + t11 * t11) / np.abs(det)  # n
-    q_2 = np.sqrt(t1 + t2)  # |d_i|
+    t6 = a_1_0 * G_2
+    t7 = inv_1_1 * inv_1_1 + inv_1_2 * inv_1_2 + t5 * t5 + inv_2_2 * inv_2_2 + inv_3_1 * inv_3_1
+    b_2 = (t7 + t6 * t6 + mu_1 * mu_1 + mu_2 * mu_2 + mu_3 * mu_3) / (det * det)  # b squared
+    t8 = F_1 * inv_1_1 - F_2 * t5 + F_3 * inv_3_1
+    t9 = F_1 * inv_1_2 + F_2 * inv_2_2 - F_3 * t6
+    t10 = F_1 * mu_1 + F_2 * mu_2 + F_3 * mu_3
+    step = np.sqrt(t8 * t8 + t9 * t9 + t10 * t10) / np.abs(det)  # n
+    q_2 = np.sqrt(t1)  # |d_i|
     o_2_0 = b_2_0 - Rd_2_0
     o_2_1 = b_2_1 - Rd_2_1
-    t12 = step * 2
-    t13 = 1 / L_2
-    bent_2 = q_2 * (np.sqrt(o_2_0 * o_2_0 + o_2_1 * o_2_1) + t12) * t13
-    q_3 = np.sqrt(t3 + t4)  # |d_i|
+    t11 = step * 2
+    t12 = 1 / L_2
+    bent_2 = q_2 * (np.sqrt(o_2_0 * o_2_0 + o_2_1 * o_2_1) + t11) * t12
+    q_3 = np.sqrt(t2 + t3)  # |d_i|
     o_3_0 = b_3_0 - Rd_3_0
     o_3_1 = b_3_1 - Rd_3_1
-    bent_3 = t13 * (q_3 * (t12 + np.sqrt(o_3_0 * o_3_0 + o_3_1 * o_3_1)))
-    t14 = 6 + bent_2 * bent_2 + bent_3 * bent_3 + t13 * (2 * (q_2 * q_2)) + t13 * (2 * (q_3 * q_3))
+    bent_3 = t12 * (q_3 * (t11 + np.sqrt(o_3_0 * o_3_0 + o_3_1 * o_3_1)))
+    t13 = 6 + bent_2 * bent_2 + bent_3 * bent_3 + t12 * (2 * (q_2 * q_2)) + t12 * (2 * (q_3 * q_3))
     return (
         (  # points
             0,
@@ -797,13 +797,13 @@ def newton_start(s: Any, anchor: Any, length: Any, p_near: Any, Q_near: Any) -> 
             Q_near_10,
         ),
         (  # kantorovich
-            t12 * np.sqrt(b_2 * t14),
+            t11 * np.sqrt(b_2 * t13),
         ),
     )
 
 
 def newton_step(state: Any, centre: Any, anchor: Any, length: Any, points: Any) -> tuple[Any, ...]:
-    """One Newton step of the links' lengths.  Thesis: 3.2.2, (3.4) to (3.9).  (63 add, 81 multiply, 4
+    """One Newton step of the links' lengths.  Thesis: 3.2.2, (3.4) to (3.9).  (63 add, 76 multiply, 4
     divide, 1 square root, 1 sine cosine)"""
     state_0, state_1, state_2, _state_3, _state_4 = state
     centre_0, centre_1 = centre
@@ -832,9 +832,9 @@ def newton_step(state: Any, centre: Any, anchor: Any, length: Any, points: Any) 
     t9 = d_3_1 * cos
     t10 = d_3_0 * sin
     a_3_on_1 = state_2 + t9 + t10 - points_21
-    f_1_on = 0.5 * (a_1_on_0 * a_1_on_0) + 0.5 * (a_1_on_1 * a_1_on_1) - 0.5 * (length_0 * length_0)
-    f_2_on = 0.5 * (a_2_on_0 * a_2_on_0) + 0.5 * (a_2_on_1 * a_2_on_1) - 0.5 * (length_1 * length_1)
-    f_3_on = 0.5 * (a_3_on_0 * a_3_on_0) + 0.5 * (a_3_on_1 * a_3_on_1) - 0.5 * (length_2 * length_2)
+    f_1_on = (a_1_on_0 * a_1_on_0 + a_1_on_1 * a_1_on_1 - length_0 * length_0) * 0.5
+    f_2_on = 0.5 * (a_2_on_0 * a_2_on_0 + a_2_on_1 * a_2_on_1 - length_1 * length_1)
+    f_3_on = 0.5 * (a_3_on_0 * a_3_on_0 + a_3_on_1 * a_3_on_1 - length_2 * length_2)
     g_2_on = a_2_on_1 * (t3 - t4) - a_2_on_0 * (t5 + t6)
     g_3_on = a_3_on_1 * (t7 - t8) - a_3_on_0 * (t9 + t10)
     lambda_1_on = a_2_on_0 * a_3_on_1 - a_2_on_1 * a_3_on_0
@@ -850,7 +850,9 @@ def newton_step(state: Any, centre: Any, anchor: Any, length: Any, points: Any) 
     t17 = lambda_1_on * (a_2_on_0 * t13 - a_3_on_0 * t12) - lambda_2_on * (a_1_on_0 * t13 + a_3_on_0 * f_1_on)
     move_on_1 = t16 * (t17 + lambda_3_on * (a_1_on_0 * t12 + a_2_on_0 * f_1_on))
     t18 = t11 * t11
-    norm_on = 1 / np.sqrt(1 + t18)
+    norm_on_of = 1 + t18
+    norm_on2 = 1 / norm_on_of
+    norm_on = norm_on2 * np.sqrt(norm_on_of)
     cos_on = norm_on * (cos + sin * t11)
     sin_on = norm_on * (sin - cos * t11)
     size = d_2_0 * d_2_0 + d_2_1 * d_2_1 + d_3_0 * d_3_0 + d_3_1 * d_3_1
@@ -930,8 +932,8 @@ def newton_pose(s: Any, state: Any, anchor: Any, length: Any, points: Any) -> tu
 def arm(g: Any) -> tuple[Any, ...]:
     """The redundant link where its angle is a half turn.  (no operations)"""
     return (
-        g.k[2],
-        g.k[3],
+        g.k[0],
+        g.k[1],
     )
 
 
@@ -969,7 +971,7 @@ def turns_3(measured: Any) -> tuple[Any, ...]:
 
 
 def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
-    """The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (55 add, 54
+    """The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (55 add, 49
     multiply, 2 divide, 3 square root, 2 arctangent, 4 select)"""
     s_00, s_01, s_10, s_11, s_20, s_21 = s
     turns_00, turns_01 = turns
@@ -989,8 +991,8 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
     w_3_1 = anchor_21 - e_1_1
     M = s_12_0 * w_2_0 + s_12_1 * w_2_1
     L = s_12_1 * w_2_0 - s_12_0 * w_2_1
-    t1 = 0.5 * (s_12_0 * s_12_0) + 0.5 * (s_12_1 * s_12_1) + 0.5 * (w_2_0 * w_2_0) + 0.5 * (w_2_1 * w_2_1)
-    N = t1 - 0.5 * (length_1 * length_1)
+    t1 = s_12_0 * s_12_0 + s_12_1 * s_12_1 + w_2_0 * w_2_0 + w_2_1 * w_2_1 - length_1 * length_1
+    N = t1 * 0.5
     ML_2 = L * L + M * M
     t2 = 1 / ML_2
     radicand_a = 1 - N * N * t2
@@ -1021,8 +1023,8 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
     sin_best = t5 + t11
     cos_other = t3 + t10
     sin_other = t5 - t11
-    t12 = 0.5 * miss_minus + 0.5 * miss_plus
-    t13 = 0.5 * sign * (miss_plus - miss_minus)
+    t12 = miss_plus + miss_minus
+    t13 = sign * (miss_plus - miss_minus)
     return (
         (  # radicand
             radicand_a,
@@ -1038,8 +1040,8 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
             np.arctan2(sin_other, cos_other),
         ),
         (  # mismatch
-            t12 + t13,
-            t12 - t13,
+            0.5 * (t12 + t13),
+            0.5 * (t12 - t13),
         ),
         (  # agreement
             tolerance - np.fmin(t7, t8),

@@ -24,27 +24,27 @@ def prepare(fields: Any) -> SimpleNamespace:
     platform_azimuth = fields["platform_azimuth"]
     e_r_0 = np.cos(platform_azimuth)
     e_r_1 = np.sin(platform_azimuth)
-    t1 = l_r * l_r
+    k_2 = l_r * l_r
     return SimpleNamespace(
         platform_azimuth=fields["platform_azimuth"],
         R_p=fields["R_p"],
         l_r=fields["l_r"],
         e_r=(e_r_0, e_r_1,),
         b=(R_p * e_r_0, R_p * e_r_1,),
-        k=(0.5 * t1, 1 / l_r, l_r * e_r_0, l_r * e_r_1, 1 / t1,),
+        k=(l_r * e_r_0, l_r * e_r_1, k_2, 1 / l_r, 1 / k_2,),
     )
 
 
 def end_point(g: Any, p: Any, Q: Any, redundant: Any) -> tuple[Any, ...]:
-    """End point of the sub-leg, arrangement (a).  Thesis: (1.37), 2.5.  (10 add, 12 multiply, 1 sine
+    """End point of the sub-leg, arrangement (a).  Thesis: (1.37), 2.5.  (10 add, 10 multiply, 1 sine
     cosine)"""
     p_0, p_1, p_2 = p
     Q_00, Q_01, _Q_02, Q_10, Q_11, _Q_12, Q_20, Q_21, _Q_22 = Q
     redundant, = redundant
-    l_c = g.l_r * np.cos(redundant)
-    l_s = g.l_r * np.sin(redundant)
-    s_l_0 = g.b[0] - g.e_r[0] * l_c - g.e_r[1] * l_s  # S_i in the platform frame
-    s_l_1 = g.b[1] + g.e_r[0] * l_s - g.e_r[1] * l_c
+    t1 = np.cos(redundant)
+    t2 = np.sin(redundant)
+    s_l_0 = g.b[0] - g.k[0] * t1 - g.k[1] * t2  # S_i in the platform frame
+    s_l_1 = g.b[1] + g.k[0] * t2 - g.k[1] * t1
     return (
         p_0 + Q_00 * s_l_0 + Q_01 * s_l_1,
         p_1 + Q_10 * s_l_0 + Q_11 * s_l_1,
@@ -84,7 +84,7 @@ def residual(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
     a_2 = p_2 + Qb_2 - s_2
     a2 = a_0 * a_0 + a_1 * a_1 + a_2 * a_2
     return (
-        a2 * 0.5 - g.k[0],
+        (a2 - g.k[2]) * 0.5,
         Q_02 * a_0 + Q_12 * a_1 + Q_22 * a_2,
     )
 
@@ -181,12 +181,12 @@ def line(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
 
 def line_of_redundant(g: Any, redundant: Any) -> tuple[Any, ...]:
     """The leg's line and end point in the platform frame from the redundant coordinate alone.  Thesis:
-    (1.33), (1.34).  (7 add, 8 multiply, 1 sine cosine)"""
+    (1.33), (1.34).  (7 add, 6 multiply, 1 sine cosine)"""
     redundant, = redundant
-    l_c = g.l_r * np.cos(redundant)
-    l_s = g.l_r * np.sin(redundant)
-    s_l_0 = g.b[0] - g.e_r[0] * l_c - g.e_r[1] * l_s  # S_i in the platform frame
-    s_l_1 = g.b[1] + g.e_r[0] * l_s - g.e_r[1] * l_c
+    t1 = np.cos(redundant)
+    t2 = np.sin(redundant)
+    s_l_0 = g.b[0] - g.k[0] * t1 - g.k[1] * t2  # S_i in the platform frame
+    s_l_1 = g.b[1] + g.k[0] * t2 - g.k[1] * t1
     a_0 = g.b[0] - s_l_0
     a_1 = g.b[1] - s_l_1
     return (
@@ -346,11 +346,11 @@ def joint(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
     Qb_1 = g.b[0] * Q_10 + g.b[1] * Q_11
     Qb_2 = g.b[0] * Q_20 + g.b[1] * Q_21
     a_0 = p_0 + Qb_0 - s_0  # (1.4)
-    x_r_0 = a_0 * g.k[1]  # from S_i to B_i
+    x_r_0 = a_0 * g.k[3]  # from S_i to B_i
     a_1 = p_1 + Qb_1 - s_1  # (1.4)
-    x_r_1 = g.k[1] * a_1  # from S_i to B_i
+    x_r_1 = g.k[3] * a_1  # from S_i to B_i
     a_2 = p_2 + Qb_2 - s_2  # (1.4)
-    x_r_2 = g.k[1] * a_2  # from S_i to B_i
+    x_r_2 = g.k[3] * a_2  # from S_i to B_i
     y_r_0 = Q_12 * x_r_2 - Q_22 * x_r_1
     y_r_1 = Q_22 * x_r_0 - Q_02 * x_r_2
     y_r_2 = Q_02 * x_r_1 - Q_12 * x_r_0
@@ -445,7 +445,7 @@ def solve(Q: Any, line: Any, point: Any, rate: Any) -> tuple[Any, ...]:
 def type_2(line: Any, point: Any, scale: Any) -> tuple[Any, ...]:
     """Factors of det J and margins.  Singular where the three redundant links' lines meet in a point
     or are parallel (det J_a = 0), or where S_1, S_2, S_3 are collinear (det J_n = 0; excluded for l
-    < 3 R_p / 4, (1.35)).  Thesis: 1.4, 2.3.2.  (12 add, 20 multiply, 2 divide)"""
+    < 3 R_p / 4, (1.35)).  Thesis: 1.4, 2.3.2.  (12 add, 18 multiply, 2 divide)"""
     line_00, line_01, _line_02, _line_03, _line_04, line_05, line_10, line_11, _line_12, _line_13, _line_14, line_15, line_20, line_21, _line_22, _line_23, _line_24, line_25 = line
     point_00, point_01, point_10, point_11, point_20, point_21 = point
     scale_00, scale_01, scale_10, scale_11, scale_20, scale_21 = scale
@@ -453,7 +453,7 @@ def type_2(line: Any, point: Any, scale: Any) -> tuple[Any, ...]:
     det_a = t1 + line_05 * (line_10 * line_21 - line_11 * line_20)  # det J_a
     t2 = point_01 * (point_20 - point_10) + point_10 * point_21 - point_00 * (point_21 - point_11)
     det_n = t2 - point_11 * point_20  # det J_n
-    R = scale_01 * (1 / 3) + scale_11 * (1 / 3) + scale_21 * (1 / 3)  # mean platform radius
+    R = (scale_21 + (scale_01 + scale_11)) * (1 / 3)  # mean platform radius
     return (
         (  # type_2
             det_a,
@@ -606,7 +606,7 @@ def tie(g: Any) -> tuple[Any, ...]:
 
 def sextic(s: Any, anchor: Any, length: Any, turned: Any) -> tuple[Any, ...]:
     """The sextic in tan(phi / 2) that holds the three end points.  Thesis: 3.2.1, (3.1) to (3.4).
-    (127 add, 178 multiply, 3 divide, 2 square root)"""
+    (123 add, 173 multiply, 3 divide, 2 square root)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
     length_0, length_1, length_2 = length
@@ -624,6 +624,9 @@ def sextic(s: Any, anchor: Any, length: Any, turned: Any) -> tuple[Any, ...]:
     s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1
     s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2
     s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0
+    y_n_0 = s_12_2 * s_n_1 - s_12_1 * s_n_2  # along y_1 or against it
+    y_n_1 = s_12_0 * s_n_2 - s_12_2 * s_n_0
+    y_n_2 = s_12_1 * s_n_0 - s_12_0 * s_n_1
     s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2
     s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
     t1 = d_2_0 * d_3_1
@@ -636,65 +639,66 @@ def sextic(s: Any, anchor: Any, length: Any, turned: Any) -> tuple[Any, ...]:
     s_n_w = s_n_2_a * sense_2
     flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
     v_1 = np.sqrt(s_12_2_a)  # |s_12|
-    t5 = 1 / v_1
-    x_1_0 = s_12_0 * t5  # (3.1)
-    x_1_1 = s_12_1 * t5
-    x_1_2 = s_12_2 * t5
-    t6 = 1 / np.sqrt(s_n_w)
-    z_1_0 = s_n_0 * sense * t6  # (3.2)
-    z_1_1 = t6 * (s_n_1 * sense)
-    z_1_2 = t6 * (s_n_2 * sense)
-    y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
-    y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
-    y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
-    r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2
-    r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2
-    points_10 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2
-    c_22 = d_2_0 * points_10
+    v_n = np.sqrt(s_n_w)
+    w_1 = 1 / v_1
+    w_n = sense / v_n  # 1 / |s_n|, negative where the legs go the other way
+    x_1_0 = s_12_0 * w_1  # (3.1)
+    x_1_1 = s_12_1 * w_1
+    x_1_2 = s_12_2 * w_1
+    z_1_0 = s_n_0 * w_n  # (3.2)
+    z_1_1 = s_n_1 * w_n
+    z_1_2 = s_n_2 * w_n
+    w_y = w_1 * w_n
+    y_1_0 = y_n_0 * w_y
+    y_1_1 = y_n_1 * w_y
+    y_1_2 = y_n_2 * w_y
+    r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
+    r_3_1 = w_n * (s_n_2_a * w_1)
+    c_22 = d_2_0 * v_1
     c_23 = d_2_0 * r_3_0 + d_2_1 * r_3_1
-    c_32 = d_3_0 * points_10
+    c_32 = d_3_0 * v_1
     c_33 = d_3_0 * r_3_0 + d_3_1 * r_3_1
-    s_22_a = points_10 * (anchor_01 - anchor_11)
+    s_22_a = v_1 * (anchor_01 - anchor_11)
     s_23 = d_2_0 * r_3_1 - d_2_1 * r_3_0
-    s_32 = points_10 * (anchor_01 - anchor_21)
+    s_32 = v_1 * (anchor_01 - anchor_21)
     s_33 = d_3_0 * r_3_1 - d_3_1 * r_3_0
-    t7 = d_2_0 * d_2_0 + d_2_1 * d_2_1 + points_10 * points_10
-    t8 = c_22 * 2
-    z2_0 = t7 - t8
+    t5 = s_12_2_a + (d_2_0 * d_2_0 + d_2_1 * d_2_1)
+    t6 = c_22 * 2
+    z2_0 = t5 - t6
     e2_1 = s_22_a * 4
-    z2_2 = t7 + t8
-    t9 = d_3_0 * d_3_0 + d_3_1 * d_3_1 + r_3_0 * r_3_0 + r_3_1 * r_3_1
-    t10 = c_33 * 2
-    z3_0 = t9 - t10
+    z2_2 = t5 + t6
+    t7 = d_3_0 * d_3_0 + d_3_1 * d_3_1 + r_3_0 * r_3_0 + r_3_1 * r_3_1
+    t8 = c_33 * 2
+    z3_0 = t7 - t8
     e3_1 = s_33 * 4
-    z3_2 = t9 + t10
-    t11 = length_1 * length_1
-    t12 = length_0 * length_0
-    e2_0 = t11 - z2_0 - t12
-    e2_2 = t11 - z2_2 - t12
-    t13 = length_2 * length_2
-    e3_0 = t13 - z3_0 - t12
-    e3_2 = t13 - z3_2 - t12
-    t14 = d_2_0 * d_3_0
-    t15 = d_2_1 * d_3_1
-    t16 = r_3_0 * points_10
-    w_0 = t14 + t15 + t16 - c_23 - c_32
-    t17 = s_23 * 2 + s_32 * 2
-    w_2 = t16 + (t15 + (t14 + (c_23 + c_32)))
-    t18 = r_3_1 * points_10
-    D_0 = t1 + s_32 + t18 - s_23 - t2
-    D_1 = c_23 * 2 - c_32 * 2
-    D_2 = t18 + (t1 + s_23) - s_32 - t2
+    z3_2 = t7 + t8
+    t9 = length_1 * length_1
+    t10 = length_0 * length_0
+    e2_0 = t9 - z2_0 - t10
+    e2_2 = t9 - z2_2 - t10
+    t11 = length_2 * length_2
+    e3_0 = t11 - z3_0 - t10
+    e3_2 = t11 - z3_2 - t10
+    t12 = d_2_0 * d_3_0
+    t13 = d_2_1 * d_3_1
+    t14 = v_1 * r_3_0
+    w_0 = t12 + t13 + t14 - c_23 - c_32
+    t15 = 2 * (s_23 + s_32)
+    w_2 = t14 + (t13 + (t12 + (c_23 + c_32)))
+    t16 = v_1 * r_3_1
+    D_0 = t1 + s_32 + t16 - s_23 - t2
+    D_1 = 2 * (c_23 - c_32)
+    D_2 = t16 + (t1 + s_23) - s_32 - t2
     e22_0 = e2_0 * e2_0
-    t19 = 2 * e2_0
-    e22_1 = e2_1 * t19
-    e22_2 = e2_1 * e2_1 + e2_2 * t19
+    t17 = 2 * e2_0
+    e22_1 = e2_1 * t17
+    e22_2 = e2_1 * e2_1 + e2_2 * t17
     e22_3 = e2_2 * (2 * e2_1)
     e22_4 = e2_2 * e2_2
     e33_0 = e3_0 * e3_0
-    t20 = 2 * e3_0
-    e33_1 = e3_1 * t20
-    e33_2 = e3_1 * e3_1 + e3_2 * t20
+    t18 = 2 * e3_0
+    e33_1 = e3_1 * t18
+    e33_2 = e3_1 * e3_1 + e3_2 * t18
     e33_3 = e3_2 * (2 * e3_1)
     e33_4 = e3_2 * e3_2
     e23_0 = e2_0 * e3_0
@@ -703,22 +707,22 @@ def sextic(s: Any, anchor: Any, length: Any, turned: Any) -> tuple[Any, ...]:
     e23_3 = e2_1 * e3_2 + e3_1 * e2_2
     e23_4 = e2_2 * e3_2
     DD_0 = D_0 * D_0
-    t21 = 2 * D_0
-    DD_1 = D_1 * t21
-    DD_2 = D_1 * D_1 + D_2 * t21
+    t19 = 2 * D_0
+    DD_1 = D_1 * t19
+    DD_2 = D_1 * D_1 + D_2 * t19
     DD_3 = D_2 * (2 * D_1)
     DD_4 = D_2 * D_2
-    t22 = 2 * e23_0
-    t23 = z3_0 * e22_1 - e3_1 * e22_0 - e2_1 * e33_0 + z2_0 * e33_1 - t12 * (4 * DD_1) + t17 * t22
-    t24 = 2 * e23_1
-    t25 = z3_2 * e22_0 - e3_1 * e22_1 + z3_0 * e22_2 + z2_2 * e33_0 - e2_1 * e33_1 + z2_0 * e33_2
-    t26 = 4 * t12
-    t27 = 2 * e23_2
-    t28 = z3_2 * e22_1 - e3_1 * e22_2 + z3_0 * e22_3 + z2_2 * e33_1 - e2_1 * e33_2 + z2_0 * e33_3
-    t29 = 2 * e23_3
-    t30 = z3_2 * e22_2 - e3_1 * e22_3 + z3_0 * e22_4 + z2_2 * e33_2 - e2_1 * e33_3 + z2_0 * e33_4
-    t31 = 2 * e23_4
-    t32 = z3_2 * e22_3 - e3_1 * e22_4 + z2_2 * e33_3 - e2_1 * e33_4 - t12 * (4 * DD_3) - w_2 * t29
+    t20 = 2 * e23_0
+    t21 = z3_0 * e22_1 - e3_1 * e22_0 - e2_1 * e33_0 + z2_0 * e33_1 - t10 * (4 * DD_1) + t15 * t20
+    t22 = 2 * e23_1
+    t23 = z3_2 * e22_0 - e3_1 * e22_1 + z3_0 * e22_2 + z2_2 * e33_0 - e2_1 * e33_1 + z2_0 * e33_2
+    t24 = 4 * t10
+    t25 = 2 * e23_2
+    t26 = z3_2 * e22_1 - e3_1 * e22_2 + z3_0 * e22_3 + z2_2 * e33_1 - e2_1 * e33_2 + z2_0 * e33_3
+    t27 = 2 * e23_3
+    t28 = z3_2 * e22_2 - e3_1 * e22_3 + z3_0 * e22_4 + z2_2 * e33_2 - e2_1 * e33_3 + z2_0 * e33_4
+    t29 = 2 * e23_4
+    t30 = z3_2 * e22_3 - e3_1 * e22_4 + z2_2 * e33_3 - e2_1 * e33_4 - t10 * (4 * DD_3) - w_2 * t27
     return (
         (  # sign
             1 - t4 * t4,
@@ -729,7 +733,7 @@ def sextic(s: Any, anchor: Any, length: Any, turned: Any) -> tuple[Any, ...]:
         (  # points
             0,
             0,
-            points_10,
+            v_1,
             0,
             r_3_0,
             r_3_1,
@@ -746,19 +750,19 @@ def sextic(s: Any, anchor: Any, length: Any, turned: Any) -> tuple[Any, ...]:
             z_1_2,
         ),
         (  # sextic
-            z3_0 * e22_0 + z2_0 * e33_0 - t12 * (4 * DD_0) - w_0 * t22,
-            t23 - w_0 * t24,
-            t25 - t26 * (DD_0 + DD_2) - w_2 * t22 + t17 * t24 - w_0 * t27,
-            t28 - t26 * (DD_1 + DD_3) - w_2 * t24 + t17 * t27 - w_0 * t29,
-            t30 - t26 * (DD_2 + DD_4) - w_2 * t27 + t17 * t29 - w_0 * t31,
-            t32 + t17 * t31,
-            z3_2 * e22_4 + z2_2 * e33_4 - t12 * (4 * DD_4) - w_2 * t31,
+            z3_0 * e22_0 + z2_0 * e33_0 - t10 * (4 * DD_0) - w_0 * t20,
+            t21 - w_0 * t22,
+            t23 - t24 * (DD_0 + DD_2) - w_2 * t20 + t15 * t22 - w_0 * t25,
+            t26 - t24 * (DD_1 + DD_3) - w_2 * t22 + t15 * t25 - w_0 * t27,
+            t28 - t24 * (DD_2 + DD_4) - w_2 * t25 + t15 * t27 - w_0 * t29,
+            t30 + t15 * t29,
+            z3_2 * e22_4 + z2_2 * e33_4 - t10 * (4 * DD_4) - w_2 * t29,
         ),
     )
 
 
 def assembly(root: Any, s: Any, anchor: Any, length: Any, points: Any, axes: Any) -> tuple[Any, ...]:
-    """The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (184 add, 232 multiply, 9
+    """The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (184 add, 224 multiply, 9
     divide, 2 square root, 3 arctangent)"""
     root_0, root_1 = root
     s_00, s_01, s_02, _s_10, _s_11, _s_12, _s_20, _s_21, _s_22 = s
@@ -794,7 +798,7 @@ def assembly(root: Any, s: Any, anchor: Any, length: Any, points: Any, axes: Any
     e_2 = t13 - t14 - z_2_0 * z_2_0 - z_2_1 * z_2_1
     t15 = length_2 * length_2
     e_3 = t15 - t14 - z_3_0 * z_3_0 - z_3_1 * z_3_1
-    t16 = 1 / (z_3_1 * (2 * z_2_0) - z_3_0 * (2 * z_2_1))
+    t16 = 1 / (2 * (z_2_0 * z_3_1 - z_2_1 * z_3_0))
     a_1_0_0 = (z_3_1 * e_2 - z_2_1 * e_3) * t16
     a_1_0_1 = t16 * (z_2_0 * e_3 - z_3_0 * e_2)
     a_1_1_0 = a_1_0_0 - points_00
@@ -803,63 +807,64 @@ def assembly(root: Any, s: Any, anchor: Any, length: Any, points: Any, axes: Any
     a_2_1_1 = t6 + (t5 + a_1_0_1) - points_11
     a_3_1_0 = t8 + a_1_0_0 - points_20 - t9
     a_3_1_1 = t11 + (t10 + a_1_0_1) - points_21
-    t17 = t14 * 0.5
-    f_1_1 = 0.5 * (a_1_1_0 * a_1_1_0) + 0.5 * (a_1_1_1 * a_1_1_1) - t17
-    t18 = t13 * 0.5
-    f_2_1 = 0.5 * (a_2_1_0 * a_2_1_0) + 0.5 * (a_2_1_1 * a_2_1_1) - t18
-    t19 = t15 * 0.5
-    f_3_1 = 0.5 * (a_3_1_0 * a_3_1_0) + 0.5 * (a_3_1_1 * a_3_1_1) - t19
+    f_1_1 = (a_1_1_0 * a_1_1_0 + a_1_1_1 * a_1_1_1 - t14) * 0.5
+    f_2_1 = 0.5 * (a_2_1_0 * a_2_1_0 + a_2_1_1 * a_2_1_1 - t13)
+    f_3_1 = 0.5 * (a_3_1_0 * a_3_1_0 + a_3_1_1 * a_3_1_1 - t15)
     g_2_1 = a_2_1_1 * (t3 - t4) - t7 * a_2_1_0
     g_3_1 = a_3_1_1 * (t8 - t9) - t12 * a_3_1_0
     lambda_1_1 = a_2_1_0 * a_3_1_1 - a_2_1_1 * a_3_1_0
     lambda_2_1 = a_1_1_1 * a_3_1_0 - a_1_1_0 * a_3_1_1
     lambda_3_1 = a_1_1_0 * a_2_1_1 - a_1_1_1 * a_2_1_0
-    t20 = (f_1_1 * lambda_1_1 + f_2_1 * lambda_2_1 + f_3_1 * lambda_3_1) / (g_2_1 * lambda_2_1 + g_3_1 * lambda_3_1)
-    t21 = g_2_1 * t20 - f_2_1
-    t22 = g_3_1 * t20 - f_3_1
-    t23 = lambda_1_1 * (a_3_1_1 * t21 - a_2_1_1 * t22) + lambda_2_1 * (a_1_1_1 * t22 + a_3_1_1 * f_1_1)
-    t24 = 1 / (lambda_1_1 * lambda_1_1 + lambda_2_1 * lambda_2_1 + lambda_3_1 * lambda_3_1)
-    move_1_0 = (t23 - lambda_3_1 * (a_1_1_1 * t21 + a_2_1_1 * f_1_1)) * t24
-    t25 = lambda_1_1 * (a_2_1_0 * t22 - a_3_1_0 * t21) - lambda_2_1 * (a_1_1_0 * t22 + a_3_1_0 * f_1_1)
-    move_1_1 = t24 * (t25 + lambda_3_1 * (a_1_1_0 * t21 + a_2_1_0 * f_1_1))
-    norm_1 = 1 / np.sqrt(1 + t20 * t20)
-    cos_1 = norm_1 * (cos_0 + sin_0 * t20)
-    sin_1 = norm_1 * (sin_0 - cos_0 * t20)
+    t17 = (f_1_1 * lambda_1_1 + f_2_1 * lambda_2_1 + f_3_1 * lambda_3_1) / (g_2_1 * lambda_2_1 + g_3_1 * lambda_3_1)
+    t18 = g_2_1 * t17 - f_2_1
+    t19 = g_3_1 * t17 - f_3_1
+    t20 = lambda_1_1 * (a_3_1_1 * t18 - a_2_1_1 * t19) + lambda_2_1 * (a_1_1_1 * t19 + a_3_1_1 * f_1_1)
+    t21 = 1 / (lambda_1_1 * lambda_1_1 + lambda_2_1 * lambda_2_1 + lambda_3_1 * lambda_3_1)
+    move_1_0 = (t20 - lambda_3_1 * (a_1_1_1 * t18 + a_2_1_1 * f_1_1)) * t21
+    t22 = lambda_1_1 * (a_2_1_0 * t19 - a_3_1_0 * t18) - lambda_2_1 * (a_1_1_0 * t19 + a_3_1_0 * f_1_1)
+    move_1_1 = t21 * (t22 + lambda_3_1 * (a_1_1_0 * t18 + a_2_1_0 * f_1_1))
+    norm_1_of = 1 + t17 * t17
+    norm_12 = 1 / norm_1_of
+    norm_1 = norm_12 * np.sqrt(norm_1_of)
+    cos_1 = norm_1 * (cos_0 + sin_0 * t17)
+    sin_1 = norm_1 * (sin_0 - cos_0 * t17)
     a_1_1_on_0 = a_1_0_0 + move_1_0
     a_1_1_on_1 = a_1_0_1 + move_1_1
     a_1_2_0 = a_1_1_on_0 - points_00
     a_1_2_1 = a_1_1_on_1 - points_01
-    t26 = d_2_0 * cos_1
-    t27 = d_2_1 * sin_1
-    a_2_2_0 = a_1_1_on_0 + t26 - points_10 - t27
-    t28 = d_2_1 * cos_1
-    t29 = d_2_0 * sin_1
-    a_2_2_1 = a_1_1_on_1 + t28 + t29 - points_11
-    t30 = d_3_0 * cos_1
-    t31 = d_3_1 * sin_1
-    a_3_2_0 = a_1_1_on_0 + t30 - points_20 - t31
-    t32 = d_3_1 * cos_1
-    t33 = d_3_0 * sin_1
-    a_3_2_1 = a_1_1_on_1 + t32 + t33 - points_21
-    f_1_2 = 0.5 * (a_1_2_0 * a_1_2_0) + 0.5 * (a_1_2_1 * a_1_2_1) - t17
-    f_2_2 = 0.5 * (a_2_2_0 * a_2_2_0) + 0.5 * (a_2_2_1 * a_2_2_1) - t18
-    f_3_2 = 0.5 * (a_3_2_0 * a_3_2_0) + 0.5 * (a_3_2_1 * a_3_2_1) - t19
-    g_2_2 = a_2_2_1 * (t26 - t27) - a_2_2_0 * (t28 + t29)
-    g_3_2 = a_3_2_1 * (t30 - t31) - a_3_2_0 * (t32 + t33)
+    t23 = d_2_0 * cos_1
+    t24 = d_2_1 * sin_1
+    a_2_2_0 = a_1_1_on_0 + t23 - points_10 - t24
+    t25 = d_2_1 * cos_1
+    t26 = d_2_0 * sin_1
+    a_2_2_1 = a_1_1_on_1 + t25 + t26 - points_11
+    t27 = d_3_0 * cos_1
+    t28 = d_3_1 * sin_1
+    a_3_2_0 = a_1_1_on_0 + t27 - points_20 - t28
+    t29 = d_3_1 * cos_1
+    t30 = d_3_0 * sin_1
+    a_3_2_1 = a_1_1_on_1 + t29 + t30 - points_21
+    f_1_2 = 0.5 * (a_1_2_0 * a_1_2_0 + a_1_2_1 * a_1_2_1 - t14)
+    f_2_2 = 0.5 * (a_2_2_0 * a_2_2_0 + a_2_2_1 * a_2_2_1 - t13)
+    f_3_2 = 0.5 * (a_3_2_0 * a_3_2_0 + a_3_2_1 * a_3_2_1 - t15)
+    g_2_2 = a_2_2_1 * (t23 - t24) - a_2_2_0 * (t25 + t26)
+    g_3_2 = a_3_2_1 * (t27 - t28) - a_3_2_0 * (t29 + t30)
     lambda_1_2 = a_2_2_0 * a_3_2_1 - a_2_2_1 * a_3_2_0
     lambda_2_2 = a_1_2_1 * a_3_2_0 - a_1_2_0 * a_3_2_1
     lambda_3_2 = a_1_2_0 * a_2_2_1 - a_1_2_1 * a_2_2_0
-    t34 = (f_1_2 * lambda_1_2 + f_2_2 * lambda_2_2 + f_3_2 * lambda_3_2) / (g_2_2 * lambda_2_2 + g_3_2 * lambda_3_2)
-    t35 = g_2_2 * t34 - f_2_2
-    t36 = g_3_2 * t34 - f_3_2
-    t37 = lambda_1_2 * (a_3_2_1 * t35 - a_2_2_1 * t36) + lambda_2_2 * (a_1_2_1 * t36 + a_3_2_1 * f_1_2)
-    t38 = 1 / (lambda_1_2 * lambda_1_2 + lambda_2_2 * lambda_2_2 + lambda_3_2 * lambda_3_2)
-    move_2_0 = (t37 - lambda_3_2 * (a_1_2_1 * t35 + a_2_2_1 * f_1_2)) * t38
-    t39 = lambda_1_2 * (a_2_2_0 * t36 - a_3_2_0 * t35) - lambda_2_2 * (a_1_2_0 * t36 + a_3_2_0 * f_1_2)
-    move_2_1 = t38 * (t39 + lambda_3_2 * (a_1_2_0 * t35 + a_2_2_0 * f_1_2))
-    norm_2 = 1 / np.sqrt(1 + t34 * t34)
-    cos_2 = norm_2 * (cos_1 + sin_1 * t34)
-    sin_2 = norm_2 * (sin_1 - cos_1 * t34)
+    t31 = (f_1_2 * lambda_1_2 + f_2_2 * lambda_2_2 + f_3_2 * lambda_3_2) / (g_2_2 * lambda_2_2 + g_3_2 * lambda_3_2)
+    t32 = g_2_2 * t31 - f_2_2
+    t33 = g_3_2 * t31 - f_3_2
+    t34 = lambda_1_2 * (a_3_2_1 * t32 - a_2_2_1 * t33) + lambda_2_2 * (a_1_2_1 * t33 + a_3_2_1 * f_1_2)
+    t35 = 1 / (lambda_1_2 * lambda_1_2 + lambda_2_2 * lambda_2_2 + lambda_3_2 * lambda_3_2)
+    move_2_0 = (t34 - lambda_3_2 * (a_1_2_1 * t32 + a_2_2_1 * f_1_2)) * t35
+    t36 = lambda_1_2 * (a_2_2_0 * t33 - a_3_2_0 * t32) - lambda_2_2 * (a_1_2_0 * t33 + a_3_2_0 * f_1_2)
+    move_2_1 = t35 * (t36 + lambda_3_2 * (a_1_2_0 * t32 + a_2_2_0 * f_1_2))
+    norm_2_of = 1 + t31 * t31
+    norm_22 = 1 / norm_2_of
+    norm_2 = norm_22 * np.sqrt(norm_2_of)
+    cos_2 = norm_2 * (cos_1 + sin_1 * t31)
+    sin_2 = norm_2 * (sin_1 - cos_1 * t31)
     a_1_2_on_0 = a_1_1_on_0 + move_2_0
     a_1_2_on_1 = a_1_1_on_1 + move_2_1
     Rd_2_0 = d_2_0 * cos_2 - d_2_1 * sin_2
@@ -880,18 +885,18 @@ def assembly(root: Any, s: Any, anchor: Any, length: Any, points: Any, axes: Any
     u_2_1 = cos_2 * a_2_1 - sin_2 * a_2_0
     u_3_0 = cos_2 * a_3_0 + sin_2 * a_3_1
     u_3_1 = cos_2 * a_3_1 - sin_2 * a_3_0
-    t40 = anchor_01 * u_1_0
-    t41 = anchor_00 * u_1_1
-    t42 = anchor_11 * u_2_0
-    t43 = anchor_10 * u_2_1
-    t44 = anchor_21 * u_3_0
-    t45 = anchor_20 * u_3_1
-    t46 = (t41 - t40) * (u_2_0 * u_3_1 - u_2_1 * u_3_0) + (t43 - t42) * (u_1_1 * u_3_0 - u_1_0 * u_3_1)
-    det_J_a = (points_10 * points_21 - points_11 * points_20) * (t46 + (t45 - t44) * (u_1_0 * u_2_1 - u_1_1 * u_2_0))
-    t47 = a_1_0 * a_1_0 + a_1_1 * a_1_1 - t14
-    t48 = a_2_0 * a_2_0 + a_2_1 * a_2_1 - t13
-    t49 = a_3_0 * a_3_0 + a_3_1 * a_3_1 - t15
-    t50 = t15 + (t13 + t14)
+    t37 = anchor_01 * u_1_0
+    t38 = anchor_00 * u_1_1
+    t39 = anchor_11 * u_2_0
+    t40 = anchor_10 * u_2_1
+    t41 = anchor_21 * u_3_0
+    t42 = anchor_20 * u_3_1
+    t43 = (t38 - t37) * (u_2_0 * u_3_1 - u_2_1 * u_3_0) + (t40 - t39) * (u_1_1 * u_3_0 - u_1_0 * u_3_1)
+    det_J_a = (points_10 * points_21 - points_11 * points_20) * (t43 + (t42 - t41) * (u_1_0 * u_2_1 - u_1_1 * u_2_0))
+    t44 = a_1_0 * a_1_0 + a_1_1 * a_1_1 - t14
+    t45 = a_2_0 * a_2_0 + a_2_1 * a_2_1 - t13
+    t46 = a_3_0 * a_3_0 + a_3_1 * a_3_1 - t15
+    t47 = t15 + (t13 + t14)
     return (
         (  # p
             s_00 + axes_00 * p_l_0 + axes_01 * p_l_1,
@@ -910,15 +915,15 @@ def assembly(root: Any, s: Any, anchor: Any, length: Any, points: Any, axes: Any
             axes_22,
         ),
         (  # redundant
-            np.arctan2(t40 - t41, anchor_00 * u_1_0 + anchor_01 * u_1_1),
-            np.arctan2(t42 - t43, anchor_10 * u_2_0 + anchor_11 * u_2_1),
-            np.arctan2(t44 - t45, anchor_20 * u_3_0 + anchor_21 * u_3_1),
+            np.arctan2(t37 - t38, anchor_00 * u_1_0 + anchor_01 * u_1_1),
+            np.arctan2(t39 - t40, anchor_10 * u_2_0 + anchor_11 * u_2_1),
+            np.arctan2(t41 - t42, anchor_20 * u_3_0 + anchor_21 * u_3_1),
         ),
         (  # det_J
             det_J_a,
         ),
         (  # miss
-            (t47 * t47 + t48 * t48 + t49 * t49) / (t50 * t50),
+            (t44 * t44 + t45 * t45 + t46 * t46) / (t47 * t47),
         ),
     )
 
@@ -970,7 +975,7 @@ def uniqueness(anchor: Any, length: Any, box: Any) -> tuple[Any, ...]:
 
 def newton_start(s: Any, anchor: Any, length: Any, p_near: Any, Q_near: Any) -> tuple[Any, ...]:
     """The pose nearby in the platform's plane, and whether steps from it are certain to converge.
-    Thesis: 3.2.2, (3.4) to (3.9).  (107 add, 164 multiply, 8 divide, 10 square root, 1 select)"""
+    Thesis: 3.2.2, (3.4) to (3.9).  (100 add, 157 multiply, 8 divide, 10 square root, 1 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
     length_0, length_1, length_2 = length
@@ -989,6 +994,9 @@ def newton_start(s: Any, anchor: Any, length: Any, p_near: Any, Q_near: Any) -> 
     s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1
     s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2
     s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0
+    y_n_0 = s_12_2 * s_n_1 - s_12_1 * s_n_2  # along y_1 or against it
+    y_n_1 = s_12_0 * s_n_2 - s_12_2 * s_n_0
+    y_n_2 = s_12_1 * s_n_0 - s_12_0 * s_n_1
     s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2
     s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
     sense = d_2_0 * d_3_1 - d_2_1 * d_3_0  # positive where the legs go round z_1
@@ -996,26 +1004,27 @@ def newton_start(s: Any, anchor: Any, length: Any, p_near: Any, Q_near: Any) -> 
     s_n_w = s_n_2_a * sense_2
     flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
     v_1 = np.sqrt(s_12_2_a)  # |s_12|
-    t1 = 1 / v_1
-    x_1_0 = s_12_0 * t1  # (3.1)
-    x_1_1 = s_12_1 * t1
-    x_1_2 = s_12_2 * t1
-    t2 = 1 / np.sqrt(s_n_w)
-    z_1_0 = s_n_0 * sense * t2  # (3.2)
-    z_1_1 = t2 * (s_n_1 * sense)
-    z_1_2 = t2 * (s_n_2 * sense)
-    y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
-    y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
-    y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
-    r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2
-    r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2
-    t3 = s_12_0 * x_1_0
-    t4 = s_12_1 * x_1_1
-    t5 = s_12_2 * x_1_2
-    c = Q_near_00 * x_1_0 + Q_near_10 * x_1_1 + Q_near_20 * x_1_2
-    s_a = Q_near_00 * y_1_0 + Q_near_10 * y_1_1 + Q_near_20 * y_1_2
-    norm = 1 / np.sqrt(c * c + s_a * s_a)
-    cos = c * norm
+    v_n = np.sqrt(s_n_w)
+    w_1 = 1 / v_1
+    w_n = sense / v_n  # 1 / |s_n|, negative where the legs go the other way
+    x_1_0 = s_12_0 * w_1  # (3.1)
+    x_1_1 = s_12_1 * w_1
+    x_1_2 = s_12_2 * w_1
+    z_1_0 = s_n_0 * w_n  # (3.2)
+    z_1_1 = s_n_1 * w_n
+    z_1_2 = s_n_2 * w_n
+    w_y = w_1 * w_n
+    y_1_0 = y_n_0 * w_y
+    y_1_1 = y_n_1 * w_y
+    y_1_2 = y_n_2 * w_y
+    r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
+    r_3_1 = w_n * (s_n_2_a * w_1)
+    c = Q_near_00 * s_12_0 + Q_near_10 * s_12_1 + Q_near_20 * s_12_2
+    s_a = sense * (Q_near_00 * y_n_0 + Q_near_10 * y_n_1 + Q_near_20 * y_n_2)
+    norm_of = s_a * s_a + s_n_w * (c * c)
+    norm2 = 1 / norm_of
+    norm = norm2 * np.sqrt(norm_of)
+    cos = v_n * (c * norm)
     sin = s_a * norm
     arm_0 = p_near_0 + anchor_00 * Q_near_00 + anchor_01 * Q_near_01 - s_00  # S_1 to B_1
     arm_1 = p_near_1 + anchor_00 * Q_near_10 + anchor_01 * Q_near_11 - s_01
@@ -1026,49 +1035,48 @@ def newton_start(s: Any, anchor: Any, length: Any, p_near: Any, Q_near: Any) -> 
     Rd_2_1 = d_2_1 * cos + d_2_0 * sin
     Rd_3_0 = d_3_0 * cos - d_3_1 * sin
     Rd_3_1 = d_3_1 * cos + d_3_0 * sin
-    b_2_0 = a_1_0 + Rd_2_0 - t3 - t4 - t5  # S_i to B_i
+    b_2_0 = a_1_0 + Rd_2_0 - v_1  # S_i to B_i
     b_2_1 = a_1_1 + Rd_2_1
     b_3_0 = a_1_0 + Rd_3_0 - r_3_0
     b_3_1 = a_1_1 + Rd_3_1 - r_3_1
-    t6 = d_2_0 * d_2_0
-    t7 = d_2_1 * d_2_1
-    t8 = d_3_0 * d_3_0
-    t9 = d_3_1 * d_3_1
-    L_2 = 0.5 * t6 + 0.5 * t7 + 0.5 * t8 + 0.5 * t9  # the platform's size, squared
+    t1 = d_2_0 * d_2_0 + d_2_1 * d_2_1
+    t2 = d_3_0 * d_3_0
+    t3 = d_3_1 * d_3_1
+    L_2 = (t1 + t2 + t3) * 0.5  # the platform's size, squared
     L = np.sqrt(L_2)
-    F_1 = 0.5 * (a_1_0 * a_1_0) + 0.5 * (a_1_1 * a_1_1) - 0.5 * (length_0 * length_0)
-    F_2 = 0.5 * (b_2_0 * b_2_0) + 0.5 * (b_2_1 * b_2_1) - 0.5 * (length_1 * length_1)
-    F_3 = 0.5 * (b_3_0 * b_3_0) + 0.5 * (b_3_1 * b_3_1) - 0.5 * (length_2 * length_2)
-    t10 = 1 / L
-    G_2 = (Rd_2_0 * b_2_1 - Rd_2_1 * b_2_0) * t10
-    G_3 = t10 * (Rd_3_0 * b_3_1 - Rd_3_1 * b_3_0)
+    F_1 = 0.5 * (a_1_0 * a_1_0 + a_1_1 * a_1_1 - length_0 * length_0)
+    F_2 = 0.5 * (b_2_0 * b_2_0 + b_2_1 * b_2_1 - length_1 * length_1)
+    F_3 = 0.5 * (b_3_0 * b_3_0 + b_3_1 * b_3_1 - length_2 * length_2)
+    t4 = 1 / L
+    G_2 = (Rd_2_0 * b_2_1 - Rd_2_1 * b_2_0) * t4
+    G_3 = t4 * (Rd_3_0 * b_3_1 - Rd_3_1 * b_3_0)
     mu_1 = b_2_0 * b_3_1 - b_2_1 * b_3_0
     mu_2 = a_1_1 * b_3_0 - a_1_0 * b_3_1
     mu_3 = a_1_0 * b_2_1 - a_1_1 * b_2_0
     det = G_2 * mu_2 + G_3 * mu_3
     inv_1_1 = b_2_1 * G_3 - b_3_1 * G_2
     inv_1_2 = b_3_0 * G_2 - b_2_0 * G_3
-    t11 = a_1_1 * G_3
+    t5 = a_1_1 * G_3
     inv_2_2 = a_1_0 * G_3
     inv_3_1 = a_1_1 * G_2
-    t12 = a_1_0 * G_2
-    t13 = inv_1_1 * inv_1_1 + inv_1_2 * inv_1_2 + t11 * t11 + inv_2_2 * inv_2_2 + inv_3_1 * inv_3_1
-    b_2 = (t13 + t12 * t12 + mu_1 * mu_1 + mu_2 * mu_2 + mu_3 * mu_3) / (det * det)  # b squared
-    t14 = F_1 * inv_1_1 - F_2 * t11 + F_3 * inv_3_1
-    t15 = F_1 * inv_1_2 + F_2 * inv_2_2 - F_3 * t12
-    t16 = F_1 * mu_1 + F_2 * mu_2 + F_3 * mu_3
-    step = np.sqrt(t14 * t14 + t15 * t15 + t16 * t16) / np.abs(det)  # n
-    q_2 = np.sqrt(t6 + t7)  # |d_i|
+    t6 = a_1_0 * G_2
+    t7 = inv_1_1 * inv_1_1 + inv_1_2 * inv_1_2 + t5 * t5 + inv_2_2 * inv_2_2 + inv_3_1 * inv_3_1
+    b_2 = (t7 + t6 * t6 + mu_1 * mu_1 + mu_2 * mu_2 + mu_3 * mu_3) / (det * det)  # b squared
+    t8 = F_1 * inv_1_1 - F_2 * t5 + F_3 * inv_3_1
+    t9 = F_1 * inv_1_2 + F_2 * inv_2_2 - F_3 * t6
+    t10 = F_1 * mu_1 + F_2 * mu_2 + F_3 * mu_3
+    step = np.sqrt(t8 * t8 + t9 * t9 + t10 * t10) / np.abs(det)  # n
+    q_2 = np.sqrt(t1)  # |d_i|
     o_2_0 = b_2_0 - Rd_2_0
     o_2_1 = b_2_1 - Rd_2_1
-    t17 = step * 2
-    t18 = 1 / L_2
-    bent_2 = q_2 * (np.sqrt(o_2_0 * o_2_0 + o_2_1 * o_2_1) + t17) * t18
-    q_3 = np.sqrt(t8 + t9)  # |d_i|
+    t11 = step * 2
+    t12 = 1 / L_2
+    bent_2 = q_2 * (np.sqrt(o_2_0 * o_2_0 + o_2_1 * o_2_1) + t11) * t12
+    q_3 = np.sqrt(t2 + t3)  # |d_i|
     o_3_0 = b_3_0 - Rd_3_0
     o_3_1 = b_3_1 - Rd_3_1
-    bent_3 = t18 * (q_3 * (t17 + np.sqrt(o_3_0 * o_3_0 + o_3_1 * o_3_1)))
-    t19 = 6 + bent_2 * bent_2 + bent_3 * bent_3 + t18 * (2 * (q_2 * q_2)) + t18 * (2 * (q_3 * q_3))
+    bent_3 = t12 * (q_3 * (t11 + np.sqrt(o_3_0 * o_3_0 + o_3_1 * o_3_1)))
+    t13 = 6 + bent_2 * bent_2 + bent_3 * bent_3 + t12 * (2 * (q_2 * q_2)) + t12 * (2 * (q_3 * q_3))
     return (
         (  # flatness
             flatness_0,
@@ -1076,7 +1084,7 @@ def newton_start(s: Any, anchor: Any, length: Any, p_near: Any, Q_near: Any) -> 
         (  # points
             0,
             0,
-            t3 + t4 + t5,
+            v_1,
             0,
             r_3_0,
             r_3_1,
@@ -1104,13 +1112,13 @@ def newton_start(s: Any, anchor: Any, length: Any, p_near: Any, Q_near: Any) -> 
             sin,
         ),
         (  # kantorovich
-            t17 * np.sqrt(b_2 * t19),
+            t11 * np.sqrt(b_2 * t13),
         ),
     )
 
 
 def newton_step(state: Any, centre: Any, anchor: Any, length: Any, points: Any) -> tuple[Any, ...]:
-    """One Newton step of the links' lengths.  Thesis: 3.2.2, (3.4) to (3.9).  (63 add, 81 multiply, 4
+    """One Newton step of the links' lengths.  Thesis: 3.2.2, (3.4) to (3.9).  (63 add, 76 multiply, 4
     divide, 1 square root, 1 sine cosine)"""
     state_0, state_1, state_2, _state_3, _state_4 = state
     centre_0, centre_1 = centre
@@ -1139,9 +1147,9 @@ def newton_step(state: Any, centre: Any, anchor: Any, length: Any, points: Any) 
     t9 = d_3_1 * cos
     t10 = d_3_0 * sin
     a_3_on_1 = state_2 + t9 + t10 - points_21
-    f_1_on = 0.5 * (a_1_on_0 * a_1_on_0) + 0.5 * (a_1_on_1 * a_1_on_1) - 0.5 * (length_0 * length_0)
-    f_2_on = 0.5 * (a_2_on_0 * a_2_on_0) + 0.5 * (a_2_on_1 * a_2_on_1) - 0.5 * (length_1 * length_1)
-    f_3_on = 0.5 * (a_3_on_0 * a_3_on_0) + 0.5 * (a_3_on_1 * a_3_on_1) - 0.5 * (length_2 * length_2)
+    f_1_on = (a_1_on_0 * a_1_on_0 + a_1_on_1 * a_1_on_1 - length_0 * length_0) * 0.5
+    f_2_on = 0.5 * (a_2_on_0 * a_2_on_0 + a_2_on_1 * a_2_on_1 - length_1 * length_1)
+    f_3_on = 0.5 * (a_3_on_0 * a_3_on_0 + a_3_on_1 * a_3_on_1 - length_2 * length_2)
     g_2_on = a_2_on_1 * (t3 - t4) - a_2_on_0 * (t5 + t6)
     g_3_on = a_3_on_1 * (t7 - t8) - a_3_on_0 * (t9 + t10)
     lambda_1_on = a_2_on_0 * a_3_on_1 - a_2_on_1 * a_3_on_0
@@ -1157,7 +1165,9 @@ def newton_step(state: Any, centre: Any, anchor: Any, length: Any, points: Any) 
     t17 = lambda_1_on * (a_2_on_0 * t13 - a_3_on_0 * t12) - lambda_2_on * (a_1_on_0 * t13 + a_3_on_0 * f_1_on)
     move_on_1 = t16 * (t17 + lambda_3_on * (a_1_on_0 * t12 + a_2_on_0 * f_1_on))
     t18 = t11 * t11
-    norm_on = 1 / np.sqrt(1 + t18)
+    norm_on_of = 1 + t18
+    norm_on2 = 1 / norm_on_of
+    norm_on = norm_on2 * np.sqrt(norm_on_of)
     cos_on = norm_on * (cos + sin * t11)
     sin_on = norm_on * (sin - cos * t11)
     size = d_2_0 * d_2_0 + d_2_1 * d_2_1 + d_3_0 * d_3_0 + d_3_1 * d_3_1
@@ -1247,8 +1257,8 @@ def newton_pose(s: Any, state: Any, anchor: Any, length: Any, points: Any, axes:
 def arm(g: Any) -> tuple[Any, ...]:
     """The redundant link where its angle is a half turn.  (no operations)"""
     return (
-        g.k[2],
-        g.k[3],
+        g.k[0],
+        g.k[1],
     )
 
 
@@ -1286,7 +1296,7 @@ def turns_3(measured: Any) -> tuple[Any, ...]:
 
 
 def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
-    """The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (98 add, 131
+    """The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (93 add, 124
     multiply, 5 divide, 5 square root, 4 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     turns_00, turns_01 = turns
@@ -1305,6 +1315,9 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
     s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1
     s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2
     s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0
+    y_n_0 = s_12_2 * s_n_1 - s_12_1 * s_n_2  # along y_1 or against it
+    y_n_1 = s_12_0 * s_n_2 - s_12_2 * s_n_0
+    y_n_2 = s_12_1 * s_n_0 - s_12_0 * s_n_1
     s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2
     s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
     sense = (anchor_10 - anchor_00) * (anchor_21 - anchor_01) - (anchor_11 - anchor_01) * (anchor_20 - anchor_00)  # positive where the legs go round z_1
@@ -1312,63 +1325,64 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
     s_n_w = s_n_2_a * sense_2
     flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
     v_1 = np.sqrt(s_12_2_a)  # |s_12|
-    t1 = 1 / v_1
-    x_1_0 = s_12_0 * t1  # (3.1)
-    x_1_1 = s_12_1 * t1
-    x_1_2 = s_12_2 * t1
-    t2 = 1 / np.sqrt(s_n_w)
-    z_1_0 = s_n_0 * sense * t2  # (3.2)
-    z_1_1 = t2 * (s_n_1 * sense)
-    z_1_2 = t2 * (s_n_2 * sense)
-    y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
-    y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
-    y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
-    r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2
-    r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2
+    v_n = np.sqrt(s_n_w)
+    w_1 = 1 / v_1
+    w_n = sense / v_n  # 1 / |s_n|, negative where the legs go the other way
+    x_1_0 = s_12_0 * w_1  # (3.1)
+    x_1_1 = s_12_1 * w_1
+    x_1_2 = s_12_2 * w_1
+    z_1_0 = s_n_0 * w_n  # (3.2)
+    z_1_1 = s_n_1 * w_n
+    z_1_2 = s_n_2 * w_n
+    w_y = w_1 * w_n
+    y_1_0 = y_n_0 * w_y
+    y_1_1 = y_n_1 * w_y
+    y_1_2 = y_n_2 * w_y
+    r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
+    r_3_1 = w_n * (s_n_2_a * w_1)
     w_2_0 = anchor_10 - e_1_0  # S_1 to B_i
     w_2_1 = anchor_11 - e_1_1
     w_3_0 = anchor_20 - e_1_0
     w_3_1 = anchor_21 - e_1_1
-    t3 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2
-    M = w_2_0 * t3
-    L = t3 * (e_1_1 - anchor_11)
-    N = 0.5 * (w_2_0 * w_2_0) + 0.5 * (w_2_1 * w_2_1) + 0.5 * (t3 * t3) - 0.5 * (length_1 * length_1)
-    ML_2 = L * L + M * M
-    t4 = 1 / ML_2
-    radicand_a = 1 - N * N * t4
-    root = np.sqrt(t4 * radicand_a)
-    middle = N * t4
-    t5 = M * middle
-    t6 = L * root
-    cos_plus = t5 - t6
-    t7 = L * middle
-    t8 = M * root
-    sin_plus = t7 + t8
+    M = v_1 * w_2_0
+    t1 = v_1 * w_2_1
+    N = (s_12_2_a + w_2_0 * w_2_0 + w_2_1 * w_2_1 - length_1 * length_1) * 0.5
+    ML_2 = t1 * t1 + M * M
+    t2 = 1 / ML_2
+    radicand_a = 1 - N * N * t2
+    root = np.sqrt(t2 * radicand_a)
+    middle = N * t2
+    t3 = M * middle
+    t4 = t1 * root
+    cos_plus = t3 + t4
+    t5 = t1 * middle
+    t6 = M * root
+    sin_plus = t6 - t5
     a_3_plus_0 = w_3_0 * cos_plus - r_3_0 - w_3_1 * sin_plus  # S_3 to B_3
     a_3_plus_1 = w_3_1 * cos_plus + w_3_0 * sin_plus - r_3_1
     miss_plus = np.sqrt(a_3_plus_0 * a_3_plus_0 + a_3_plus_1 * a_3_plus_1) - length_2
-    cos_minus = t5 + t6
-    sin_minus = t7 - t8
-    a_3_minus_0 = w_3_0 * cos_minus - r_3_0 - w_3_1 * sin_minus  # S_3 to B_3
-    a_3_minus_1 = w_3_1 * cos_minus + w_3_0 * sin_minus - r_3_1
+    cos_minus = t3 - t4
+    t7 = t5 + t6
+    a_3_minus_0 = w_3_0 * cos_minus - r_3_0 + w_3_1 * t7  # S_3 to B_3
+    a_3_minus_1 = w_3_1 * cos_minus - w_3_0 * t7 - r_3_1
     miss_minus = np.sqrt(a_3_minus_0 * a_3_minus_0 + a_3_minus_1 * a_3_minus_1) - length_2
-    t9 = np.abs(miss_plus)
-    t10 = np.abs(miss_minus)
-    gap = t10 - t9
-    t11 = gap + 1e-300
-    sign = t11 / np.abs(t11)
+    t8 = np.abs(miss_plus)
+    t9 = np.abs(miss_minus)
+    gap = t9 - t8
+    t10 = gap + 1e-300
+    sign = t10 / np.abs(t10)
+    t11 = t4 * sign
+    cos_best = t3 + t11
     t12 = t6 * sign
-    cos_best = t5 - t12
-    t13 = t8 * sign
-    sin_best = t7 + t13
-    cos_other = t5 + t12
-    sin_other = t7 - t13
+    sin_best = t12 - t5
+    cos_other = t3 - t11
+    t13 = t5 + t12
     t14 = e_1_1 * sin_best - e_1_0 * cos_best
     t15 = e_1_1 * cos_best + e_1_0 * sin_best
-    t16 = e_1_1 * sin_other - e_1_0 * cos_other
-    t17 = e_1_1 * cos_other + e_1_0 * sin_other
-    t18 = 0.5 * miss_minus + 0.5 * miss_plus
-    t19 = 0.5 * sign * (miss_plus - miss_minus)
+    t16 = e_1_1 * t13 + e_1_0 * cos_other
+    t17 = e_1_0 * t13 - e_1_1 * cos_other
+    t18 = miss_plus + miss_minus
+    t19 = sign * (miss_plus - miss_minus)
     return (
         (  # flatness
             flatness_0,
@@ -1380,9 +1394,9 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
             s_00 + x_1_0 * t14 - y_1_0 * t15,
             s_01 + x_1_1 * t14 - y_1_1 * t15,
             s_02 + x_1_2 * t14 - y_1_2 * t15,
-            s_00 + x_1_0 * t16 - y_1_0 * t17,
-            s_01 + x_1_1 * t16 - y_1_1 * t17,
-            s_02 + x_1_2 * t16 - y_1_2 * t17,
+            s_00 - x_1_0 * t16 + y_1_0 * t17,
+            s_01 - x_1_1 * t16 + y_1_1 * t17,
+            s_02 - x_1_2 * t16 + y_1_2 * t17,
         ),
         (  # Q
             x_1_0 * cos_best + y_1_0 * sin_best,
@@ -1394,29 +1408,29 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
             x_1_2 * cos_best + y_1_2 * sin_best,
             y_1_2 * cos_best - x_1_2 * sin_best,
             z_1_2,
-            x_1_0 * cos_other + y_1_0 * sin_other,
-            y_1_0 * cos_other - x_1_0 * sin_other,
+            x_1_0 * cos_other - y_1_0 * t13,
+            y_1_0 * cos_other + x_1_0 * t13,
             z_1_0,
-            x_1_1 * cos_other + y_1_1 * sin_other,
-            y_1_1 * cos_other - x_1_1 * sin_other,
+            x_1_1 * cos_other - y_1_1 * t13,
+            y_1_1 * cos_other + x_1_1 * t13,
             z_1_1,
-            x_1_2 * cos_other + y_1_2 * sin_other,
-            y_1_2 * cos_other - x_1_2 * sin_other,
+            x_1_2 * cos_other - y_1_2 * t13,
+            y_1_2 * cos_other + x_1_2 * t13,
             z_1_2,
         ),
         (  # mismatch
-            t18 + t19,
-            t18 - t19,
+            0.5 * (t18 + t19),
+            0.5 * (t18 - t19),
         ),
         (  # agreement
-            tolerance - np.fmin(t9, t10),
+            tolerance - np.fmin(t8, t9),
         ),
     )
 
 
 def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and two redundant coordinates.
-    Thesis: 3.2.4, (3.24).  (49 add, 68 multiply, 5 divide, 3 square root, 1 select)"""
+    Thesis: 3.2.4, (3.24).  (45 add, 65 multiply, 5 divide, 3 square root, 1 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     turns_00, turns_01, turns_10, turns_11 = turns
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
@@ -1435,6 +1449,9 @@ def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleran
     s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1
     s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2
     s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0
+    y_n_0 = s_12_2 * s_n_1 - s_12_1 * s_n_2  # along y_1 or against it
+    y_n_1 = s_12_0 * s_n_2 - s_12_2 * s_n_0
+    y_n_2 = s_12_1 * s_n_0 - s_12_0 * s_n_1
     s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2
     s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
     sense = (anchor_10 - anchor_00) * (anchor_21 - anchor_01) - (anchor_11 - anchor_01) * (anchor_20 - anchor_00)  # positive where the legs go round z_1
@@ -1442,28 +1459,29 @@ def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleran
     s_n_w = s_n_2_a * sense_2
     flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
     v_1 = np.sqrt(s_12_2_a)  # |s_12|
-    t1 = 1 / v_1
-    x_1_0 = s_12_0 * t1  # (3.1)
-    x_1_1 = s_12_1 * t1
-    x_1_2 = s_12_2 * t1
-    t2 = 1 / np.sqrt(s_n_w)
-    z_1_0 = s_n_0 * sense * t2  # (3.2)
-    z_1_1 = t2 * (s_n_1 * sense)
-    z_1_2 = t2 * (s_n_2 * sense)
-    y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
-    y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
-    y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
-    r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2
-    r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2
-    points_10 = s_12_0 * x_1_0 + s_12_1 * x_1_1 + s_12_2 * x_1_2
+    v_n = np.sqrt(s_n_w)
+    w_1 = 1 / v_1
+    w_n = sense / v_n  # 1 / |s_n|, negative where the legs go the other way
+    x_1_0 = s_12_0 * w_1  # (3.1)
+    x_1_1 = s_12_1 * w_1
+    x_1_2 = s_12_2 * w_1
+    z_1_0 = s_n_0 * w_n  # (3.2)
+    z_1_1 = s_n_1 * w_n
+    z_1_2 = s_n_2 * w_n
+    w_y = w_1 * w_n
+    y_1_0 = y_n_0 * w_y
+    y_1_1 = y_n_1 * w_y
+    y_1_2 = y_n_2 * w_y
+    r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
+    r_3_1 = w_n * (s_n_2_a * w_1)
     d_12_0 = e_2_0 - e_1_0
     d_12_1 = e_2_1 - e_1_1
     d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1
-    t3 = e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1 + points_10 * points_10
-    t4 = 1 / d_12_2
-    cos = points_10 * d_12_0 * t4
-    sin = t4 * (points_10 * (e_1_1 - e_2_1))
-    gap_0 = points_10 - np.sqrt(d_12_2)
+    spread_0 = d_12_2 / (s_12_2_a + (e_1_0 * e_1_0 + e_1_1 * e_1_1 + e_2_0 * e_2_0 + e_2_1 * e_2_1))
+    t1 = 1 / d_12_2
+    cos = v_1 * d_12_0 * t1
+    sin = t1 * (v_1 * (e_1_1 - e_2_1))
+    gap_0 = v_1 - np.sqrt(d_12_2)
     return (
         (  # flatness
             flatness_0,
@@ -1471,7 +1489,7 @@ def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleran
         (  # points
             0,
             0,
-            points_10,
+            v_1,
             0,
             r_3_0,
             r_3_1,
@@ -1494,7 +1512,7 @@ def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleran
             e_2_1,
         ),
         (  # spread
-            d_12_2 / t3,
+            spread_0,
         ),
         (  # linear
             cos,
@@ -1515,7 +1533,7 @@ def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleran
 
 def three_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and three redundant coordinates.
-    Thesis: 3.2.5, (3.30).  (65 add, 84 multiply, 5 divide, 7 square root, 5 select)"""
+    Thesis: 3.2.5, (3.30).  (59 add, 82 multiply, 5 divide, 7 square root, 5 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     turns_00, turns_01, turns_10, turns_11, turns_20, turns_21 = turns
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
@@ -1536,6 +1554,9 @@ def three_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toler
     s_n_0 = s_12_1 * s_13_2 - s_12_2 * s_13_1
     s_n_1 = s_12_2 * s_13_0 - s_12_0 * s_13_2
     s_n_2 = s_12_0 * s_13_1 - s_12_1 * s_13_0
+    y_n_0 = s_12_2 * s_n_1 - s_12_1 * s_n_2  # along y_1 or against it
+    y_n_1 = s_12_0 * s_n_2 - s_12_2 * s_n_0
+    y_n_2 = s_12_1 * s_n_0 - s_12_0 * s_n_1
     s_12_2_a = s_12_0 * s_12_0 + s_12_1 * s_12_1 + s_12_2 * s_12_2
     s_n_2_a = s_n_0 * s_n_0 + s_n_1 * s_n_1 + s_n_2 * s_n_2
     sense = (anchor_10 - anchor_00) * (anchor_21 - anchor_01) - (anchor_11 - anchor_01) * (anchor_20 - anchor_00)  # positive where the legs go round z_1
@@ -1543,23 +1564,21 @@ def three_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toler
     s_n_w = s_n_2_a * sense_2
     flatness_0 = s_n_w / (s_12_2_a * sense_2 * (s_13_0 * s_13_0 + s_13_1 * s_13_1 + s_13_2 * s_13_2))
     v_1 = np.sqrt(s_12_2_a)  # |s_12|
-    t1 = 1 / v_1
-    x_1_0 = s_12_0 * t1  # (3.1)
-    x_1_1 = s_12_1 * t1
-    x_1_2 = s_12_2 * t1
-    t2 = 1 / np.sqrt(s_n_w)
-    z_1_0 = s_n_0 * sense * t2  # (3.2)
-    z_1_1 = t2 * (s_n_1 * sense)
-    z_1_2 = t2 * (s_n_2 * sense)
-    y_1_0 = x_1_2 * z_1_1 - x_1_1 * z_1_2
-    y_1_1 = x_1_0 * z_1_2 - x_1_2 * z_1_0
-    y_1_2 = x_1_1 * z_1_0 - x_1_0 * z_1_1
-    r_3_0 = s_13_0 * x_1_0 + s_13_1 * x_1_1 + s_13_2 * x_1_2
-    r_3_1 = s_13_0 * y_1_0 + s_13_1 * y_1_1 + s_13_2 * y_1_2
-    t3 = s_12_0 * x_1_0
-    t4 = s_12_1 * x_1_1
-    t5 = s_12_2 * x_1_2
-    points_10 = t3 + t4 + t5
+    v_n = np.sqrt(s_n_w)
+    w_1 = 1 / v_1
+    w_n = sense / v_n  # 1 / |s_n|, negative where the legs go the other way
+    x_1_0 = s_12_0 * w_1  # (3.1)
+    x_1_1 = s_12_1 * w_1
+    x_1_2 = s_12_2 * w_1
+    z_1_0 = s_n_0 * w_n  # (3.2)
+    z_1_1 = s_n_1 * w_n
+    z_1_2 = s_n_2 * w_n
+    w_y = w_1 * w_n
+    y_1_0 = y_n_0 * w_y
+    y_1_1 = y_n_1 * w_y
+    y_1_2 = y_n_2 * w_y
+    r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
+    r_3_1 = w_n * (s_n_2_a * w_1)
     d_12_0 = e_2_0 - e_1_0
     d_12_1 = e_2_1 - e_1_1
     d_13_0 = e_3_0 - e_1_0
@@ -1567,20 +1586,20 @@ def three_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toler
     area = d_12_0 * d_13_1 - d_12_1 * d_13_0
     d_2_0 = d_12_0 * d_12_0 + d_12_1 * d_12_1
     d_2_1 = d_13_0 * d_13_0 + d_13_1 * d_13_1
-    t6 = 1 / area
-    u_x_0 = (points_10 * d_13_1 - r_3_0 * d_12_1) * t6
-    u_x_1 = t6 * (r_3_1 * (e_1_1 - e_2_1))
-    u_y_0 = t6 * (r_3_0 * d_12_0 - points_10 * d_13_0)
-    u_y_1 = t6 * (r_3_1 * d_12_0)
-    gap_0 = points_10 - np.sqrt(d_2_0)
-    t7 = r_3_1 * r_3_1
-    r_2_1 = r_3_0 * r_3_0 + t7
+    t1 = 1 / area
+    u_x_0 = (v_1 * d_13_1 - r_3_0 * d_12_1) * t1
+    u_x_1 = t1 * (r_3_1 * (e_1_1 - e_2_1))
+    u_y_0 = t1 * (r_3_0 * d_12_0 - v_1 * d_13_0)
+    u_y_1 = t1 * (r_3_1 * d_12_0)
+    gap_0 = v_1 - np.sqrt(d_2_0)
+    t2 = r_3_1 * r_3_1
+    r_2_1 = r_3_0 * r_3_0 + t2
     gap_1 = np.sqrt(r_2_1) - np.sqrt(d_2_1)
-    t8 = r_3_0 - t3 - t4 - t5
-    r_2_2 = t7 + t8 * t8
-    t9 = d_13_0 - d_12_0
-    t10 = d_13_1 - d_12_1
-    d_2_2 = t9 * t9 + t10 * t10
+    t3 = r_3_0 - v_1
+    r_2_2 = t2 + t3 * t3
+    t4 = d_13_0 - d_12_0
+    t5 = d_13_1 - d_12_1
+    d_2_2 = t4 * t4 + t5 * t5
     gap_2 = np.sqrt(r_2_2) - np.sqrt(d_2_2)
     return (
         (  # flatness
@@ -1589,7 +1608,7 @@ def three_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toler
         (  # points
             0,
             0,
-            points_10,
+            v_1,
             0,
             r_3_0,
             r_3_1,

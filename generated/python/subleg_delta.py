@@ -76,7 +76,7 @@ def prepare(fields: Any) -> SimpleNamespace:
 
 
 def forward(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
-    """End point of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (48 add, 65 multiply,
+    """End point of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (48 add, 61 multiply,
     2 divide, 1 square root, 3 sine cosine, 1 select)"""
     theta_0, theta_1, theta_2 = theta
     s_near_0, s_near_1, s_near_2 = s_near
@@ -108,8 +108,8 @@ def forward(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
     n_1 = g_12_2 * g_13_0 - g_12_0 * g_13_2
     n_2 = g_12_0 * g_13_1 - g_12_1 * g_13_0
     n2 = n_0 * n_0 + n_1 * n_1 + n_2 * n_2
-    q_2 = 0.5 * (g_12_0 * g_12_0) + 0.5 * (g_12_1 * g_12_1) + 0.5 * (g_12_2 * g_12_2)
-    q_3 = 0.5 * (g_13_0 * g_13_0) + 0.5 * (g_13_1 * g_13_1) + 0.5 * (g_13_2 * g_13_2)
+    q_2 = (g_12_0 * g_12_0 + g_12_1 * g_12_1 + g_12_2 * g_12_2) * 0.5
+    q_3 = 0.5 * (g_13_0 * g_13_0 + g_13_1 * g_13_1 + g_13_2 * g_13_2)
     t4 = 1 / n2
     foot_0 = (q_2 * (g_13_1 * n_2 - g_13_2 * n_1) + q_3 * (g_12_2 * n_1 - g_12_1 * n_2)) * t4  # in the plane of the centres
     foot_1 = t4 * (q_2 * (g_13_2 * n_0 - g_13_0 * n_2) + q_3 * (g_12_0 * n_2 - g_12_2 * n_0))
@@ -132,7 +132,7 @@ def forward(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
 
 def forward_posture(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
     """End point and posture of the (Delta) sub-leg from its actuated joints.  Thesis: 3.5.  (72 add,
-    83 multiply, 2 divide, 1 square root, 3 sine cosine, 1 select)"""
+    79 multiply, 2 divide, 1 square root, 3 sine cosine, 1 select)"""
     theta_0, theta_1, theta_2 = theta
     s_near_0, s_near_1, s_near_2 = s_near
     cos_1 = np.cos(theta_0)
@@ -172,8 +172,8 @@ def forward_posture(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
     n_1 = g_12_2 * g_13_0 - g_12_0 * g_13_2
     n_2 = g_12_0 * g_13_1 - g_12_1 * g_13_0
     n2 = n_0 * n_0 + n_1 * n_1 + n_2 * n_2
-    q_2 = 0.5 * (g_12_0 * g_12_0) + 0.5 * (g_12_1 * g_12_1) + 0.5 * (g_12_2 * g_12_2)
-    q_3 = 0.5 * (g_13_0 * g_13_0) + 0.5 * (g_13_1 * g_13_1) + 0.5 * (g_13_2 * g_13_2)
+    q_2 = (g_12_0 * g_12_0 + g_12_1 * g_12_1 + g_12_2 * g_12_2) * 0.5
+    q_3 = 0.5 * (g_13_0 * g_13_0 + g_13_1 * g_13_1 + g_13_2 * g_13_2)
     t13 = 1 / n2
     foot_0 = (q_2 * (g_13_1 * n_2 - g_13_2 * n_1) + q_3 * (g_12_2 * n_1 - g_12_1 * n_2)) * t13  # in the plane of the centres
     foot_1 = t13 * (q_2 * (g_13_2 * n_0 - g_13_0 * n_2) + q_3 * (g_12_0 * n_2 - g_12_2 * n_0))
@@ -232,7 +232,7 @@ def forward_posture(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
 
 def forward_all(g: Any, theta: Any) -> tuple[Any, ...]:
     """End points of the (Delta) sub-leg in every assembly mode: first the one on the side of the
-    normal; NaN where the loop cannot close.  Thesis: 3.5.  (45 add, 61 multiply, 1 divide, 1 square
+    normal; NaN where the loop cannot close.  Thesis: 3.5.  (45 add, 57 multiply, 1 divide, 1 square
     root, 3 sine cosine)"""
     theta_0, theta_1, theta_2 = theta
     cos_1 = np.cos(theta_0)
@@ -263,8 +263,8 @@ def forward_all(g: Any, theta: Any) -> tuple[Any, ...]:
     n_1 = g_12_2 * g_13_0 - g_12_0 * g_13_2
     n_2 = g_12_0 * g_13_1 - g_12_1 * g_13_0
     n2 = n_0 * n_0 + n_1 * n_1 + n_2 * n_2
-    q_2 = 0.5 * (g_12_0 * g_12_0) + 0.5 * (g_12_1 * g_12_1) + 0.5 * (g_12_2 * g_12_2)
-    q_3 = 0.5 * (g_13_0 * g_13_0) + 0.5 * (g_13_1 * g_13_1) + 0.5 * (g_13_2 * g_13_2)
+    q_2 = (g_12_0 * g_12_0 + g_12_1 * g_12_1 + g_12_2 * g_12_2) * 0.5
+    q_3 = 0.5 * (g_13_0 * g_13_0 + g_13_1 * g_13_1 + g_13_2 * g_13_2)
     t4 = 1 / n2
     foot_0 = (q_2 * (g_13_1 * n_2 - g_13_2 * n_1) + q_3 * (g_12_2 * n_1 - g_12_1 * n_2)) * t4  # in the plane of the centres
     foot_1 = t4 * (q_2 * (g_13_2 * n_0 - g_13_0 * n_2) + q_3 * (g_12_0 * n_2 - g_12_2 * n_0))

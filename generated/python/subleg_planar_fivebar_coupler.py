@@ -35,13 +35,14 @@ def prepare(fields: Any) -> SimpleNamespace:
     apart_1 = l_0 * e_r_0
     o_0 = R_b * e_r_0 + t1 * 0.5
     o_1 = R_b * e_r_1 - apart_1 * 0.5
-    k_7 = 1 - l_5 / l_6
+    k_6 = 1 - l_5 / l_6
+    k_0 = l_3 * l_3
     t2 = l_6 - l_5
     t3 = l_4 - l_6
     t4 = l_4 + l_6
     t5 = l_2 - l_3
     t6 = l_2 + l_3
-    k_17 = 1 / l_6
+    k_16 = 1 / l_6
     return SimpleNamespace(
         azimuth=fields["azimuth"],
         R_b=fields["R_b"],
@@ -53,7 +54,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         l_6=fields["l_6"],
         o=(o_0, o_1,),
         o_12=(apart_0, apart_1,),
-        k=(l_3 * l_3, t2 * t2, 1 / k_7, t3 * t3, t4 * t4, l_4 * l_4, l_6 * l_6, k_7, t5 * t5, t6 * t6, l_2 * l_2, np.abs(t5), np.abs(t3), 1 - k_7, 1 / (l_3 * l_6), 1 / (l_4 * l_6), 1 / (l_2 * l_3), k_17, 1 - l_5 * k_17, o_0 - t1, apart_1 + o_1,),
+        k=(k_0, t2 * t2, 1 / k_6, t3 * t3, t4 * t4, l_4 * l_4 - l_6 * l_6, k_6, t5 * t5, t6 * t6, l_2 * l_2 - k_0, np.abs(t5), np.abs(t3), 1 - k_6, 1 / (l_3 * l_6), 1 / (l_4 * l_6), 1 / (l_2 * l_3), k_16, 1 - l_5 * k_16, o_0 - t1, apart_1 + o_1,),
     )
 
 
@@ -181,7 +182,7 @@ def forward_all(g: Any, theta: Any) -> tuple[Any, ...]:
 
 def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     """Actuated joints of the (RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN
-    where the end point is out of reach.  Thesis: 2.2.3, 2.5.  (22 add, 22 multiply, 1 divide, 2
+    where the end point is out of reach.  Thesis: 2.2.3, 2.5.  (20 add, 22 multiply, 1 divide, 2
     square root, 2 arctangent, 1 select)"""
     s_0, s_1 = s
     mode_0, mode_1 = mode
@@ -190,18 +191,18 @@ def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     d2 = d_0 * d_0 + d_1 * d_1
     h2 = (d2 - g.k[3]) * (g.k[4] - d2)  # 4 a^2 b^2 sin^2
     S = mode_0 * np.sqrt(h2)  # 2 a b sin
-    A = d2 + g.k[5] - g.k[6]  # 2 a (a + b cos)
+    A = d2 + g.k[5]  # 2 a (a + b cos)
     n = d_0 * A + d_1 * S
     m = d_1 * A - d_0 * S
     t1 = 1 / d2
     u_1_0 = n * 0.5 * t1
     u_1_1 = t1 * (m * 0.5)
-    p_0 = u_1_0 + g.k[7] * (d_0 - u_1_0) - g.o_12[0]  # u_1 + w - o_12
-    p_1 = u_1_1 + g.k[7] * (d_1 - u_1_1) - g.o_12[1]
+    p_0 = u_1_0 + g.k[6] * (d_0 - u_1_0) - g.o_12[0]  # u_1 + w - o_12
+    p_1 = u_1_1 + g.k[6] * (d_1 - u_1_1) - g.o_12[1]
     d2_2 = p_0 * p_0 + p_1 * p_1
-    h2_2 = (d2_2 - g.k[8]) * (g.k[9] - d2_2)  # 4 a^2 b^2 sin^2
+    h2_2 = (d2_2 - g.k[7]) * (g.k[8] - d2_2)  # 4 a^2 b^2 sin^2
     S_2 = mode_1 * np.sqrt(h2_2)  # 2 a b sin
-    A_2 = d2_2 + g.k[10] - g.k[0]  # 2 a (a + b cos)
+    A_2 = d2_2 + g.k[9]  # 2 a (a + b cos)
     n_2 = p_0 * A_2 + p_1 * S_2
     m_2 = p_1 * A_2 - p_0 * S_2
     return (
@@ -217,7 +218,7 @@ def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
 
 def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     """Every working mode of the (RR-RRR) sub-leg, in the order elbow+/rod+, elbow+/rod-, elbow-/rod+,
-    elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.2.3, 2.5.  (41 add, 33 multiply, 1
+    elbow-/rod-; NaN where a mode does not exist.  Thesis: 2.2.3, 2.5.  (38 add, 33 multiply, 1
     divide, 3 square root, 6 arctangent, 3 select)"""
     s_0, s_1 = s
     d_0 = s_0 - g.o[0]  # r - o
@@ -225,7 +226,7 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     d2 = d_0 * d_0 + d_1 * d_1
     h2 = (d2 - g.k[3]) * (g.k[4] - d2)  # 4 a^2 b^2 sin^2
     S = np.sqrt(h2)  # 2 a b sin
-    A = d2 + g.k[5] - g.k[6]  # 2 a (a + b cos)
+    A = d2 + g.k[5]  # 2 a (a + b cos)
     t1 = d_0 * A
     t2 = d_1 * S
     n = t1 + t2
@@ -236,12 +237,12 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     t5 = 1 / d2
     u_1_0 = n * 0.5 * t5
     u_1_1 = t5 * (m * 0.5)
-    p_0 = u_1_0 + g.k[7] * (d_0 - u_1_0) - g.o_12[0]  # u_1 + w - o_12
-    p_1 = u_1_1 + g.k[7] * (d_1 - u_1_1) - g.o_12[1]
+    p_0 = u_1_0 + g.k[6] * (d_0 - u_1_0) - g.o_12[0]  # u_1 + w - o_12
+    p_1 = u_1_1 + g.k[6] * (d_1 - u_1_1) - g.o_12[1]
     d2_2 = p_0 * p_0 + p_1 * p_1
-    h2_2 = (d2_2 - g.k[8]) * (g.k[9] - d2_2)  # 4 a^2 b^2 sin^2
+    h2_2 = (d2_2 - g.k[7]) * (g.k[8] - d2_2)  # 4 a^2 b^2 sin^2
     S_2 = np.sqrt(h2_2)  # 2 a b sin
-    A_2 = d2_2 + g.k[10] - g.k[0]  # 2 a (a + b cos)
+    A_2 = d2_2 + g.k[9]  # 2 a (a + b cos)
     t6 = p_0 * A_2
     t7 = p_1 * S_2
     n_2 = t6 + t7
@@ -255,12 +256,12 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     theta_0_a = np.arctan2(m_a, n_a)
     u_1_0_a = t5 * (0.5 * n_a)
     u_1_1_a = t5 * (0.5 * m_a)
-    p_0_a = u_1_0_a + g.k[7] * (d_0 - u_1_0_a) - g.o_12[0]  # u_1 + w - o_12
-    p_1_a = u_1_1_a + g.k[7] * (d_1 - u_1_1_a) - g.o_12[1]
+    p_0_a = u_1_0_a + g.k[6] * (d_0 - u_1_0_a) - g.o_12[0]  # u_1 + w - o_12
+    p_1_a = u_1_1_a + g.k[6] * (d_1 - u_1_1_a) - g.o_12[1]
     d2_2_a = p_0_a * p_0_a + p_1_a * p_1_a
-    h2_2_a = (d2_2_a - g.k[8]) * (g.k[9] - d2_2_a)  # 4 a^2 b^2 sin^2
+    h2_2_a = (d2_2_a - g.k[7]) * (g.k[8] - d2_2_a)  # 4 a^2 b^2 sin^2
     S_2_a = np.sqrt(h2_2_a)  # 2 a b sin
-    A_2_a = g.k[10] + d2_2_a - g.k[0]  # 2 a (a + b cos)
+    A_2_a = g.k[9] + d2_2_a  # 2 a (a + b cos)
     t10 = p_0_a * A_2_a
     t11 = p_1_a * S_2_a
     n_2_b = t10 + t11
@@ -287,7 +288,7 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
 
 
 def reach(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
-    """Distance by which the end point lies outside the reach of the (RR-RRR) sub-leg.  (22 add, 16
+    """Distance by which the end point lies outside the reach of the (RR-RRR) sub-leg.  (21 add, 16
     multiply, 1 divide, 3 square root, 3 select)"""
     s_0, s_1 = s
     mode_0, _mode_1 = mode
@@ -296,17 +297,17 @@ def reach(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     d2 = d_0 * d_0 + d_1 * d_1
     h2 = (d2 - g.k[3]) * (g.k[4] - d2)  # 4 a^2 b^2 sin^2
     S = mode_0 * np.sqrt(h2)  # 2 a b sin
-    A = d2 + g.k[5] - g.k[6]  # 2 a (a + b cos)
+    A = d2 + g.k[5]  # 2 a (a + b cos)
     n = d_0 * A + d_1 * S
     m = d_1 * A - d_0 * S
     t1 = 1 / d2
     u_1_0 = n * 0.5 * t1
     u_1_1 = t1 * (m * 0.5)
-    p_0 = u_1_0 + g.k[7] * (d_0 - u_1_0) - g.o_12[0]  # u_1 + w - o_12
-    p_1 = u_1_1 + g.k[7] * (d_1 - u_1_1) - g.o_12[1]
+    p_0 = u_1_0 + g.k[6] * (d_0 - u_1_0) - g.o_12[0]  # u_1 + w - o_12
+    p_1 = u_1_1 + g.k[6] * (d_1 - u_1_1) - g.o_12[1]
     reach_2 = np.sqrt(p_0 * p_0 + p_1 * p_1)
     reach_1 = np.sqrt(d2)
-    excess_a = np.fmax(np.fmax(reach_2 - g.l_2 - g.l_3, g.k[11] - reach_2), np.fmax(reach_1 - g.l_4 - g.l_6, g.k[12] - reach_1))
+    excess_a = np.fmax(np.fmax(reach_2 - g.l_2 - g.l_3, g.k[10] - reach_2), np.fmax(reach_1 - g.l_4 - g.l_6, g.k[11] - reach_1))
     return (
         excess_a,
     )
@@ -341,17 +342,17 @@ def jacobian(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
     u_2_0, u_2_1 = u_2
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[7]
+    t1 = v_1_0 * g.k[6]
     v_2_0 = u_1_0 + t1 - g.o_12[0] - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[7]
+    t2 = v_1_1 * g.k[6]
     v_2_1 = u_1_1 + t2 - g.o_12[1] - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     t3 = u_2_0 * v_2_1
     t4 = u_2_1 * v_2_0
     b_33 = t3 - t4  # v_2^T (e_3 x u_2)
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = g.k[7] * b_22
+    t5 = g.k[6] * b_22
     t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
     m_00 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
     m_01 = t6 * (v_1_1 * (t4 - t3))
@@ -365,7 +366,7 @@ def jacobian(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
             m_11,
         ),
         (  # regularity
-            np.abs(delta * g.k[14]),
+            np.abs(delta * g.k[13]),
         ),
     )
 
@@ -379,17 +380,17 @@ def project(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
     N_00, N_01 = N
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[7]
+    t1 = v_1_0 * g.k[6]
     v_2_0 = u_1_0 + t1 - g.o_12[0] - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[7]
+    t2 = v_1_1 * g.k[6]
     v_2_1 = u_1_1 + t2 - g.o_12[1] - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     t3 = u_2_0 * v_2_1
     t4 = u_2_1 * v_2_0
     b_33 = t3 - t4  # v_2^T (e_3 x u_2)
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = g.k[7] * b_22
+    t5 = g.k[6] * b_22
     t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
     m_00 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
     m_01 = t6 * (v_1_1 * (t4 - t3))
@@ -401,7 +402,7 @@ def project(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
             N_00 * m_01 + N_01 * m_11,
         ),
         (  # regularity
-            np.abs(delta * g.k[14]),
+            np.abs(delta * g.k[13]),
         ),
     )
 
@@ -415,26 +416,26 @@ def velocity(g: Any, d: Any, u_1: Any, u_2: Any, theta_dot: Any) -> tuple[Any, .
     theta_dot_0, theta_dot_1 = theta_dot
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[7]
+    t1 = v_1_0 * g.k[6]
     v_2_0 = u_1_0 + t1 - g.o_12[0] - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[7]
+    t2 = v_1_1 * g.k[6]
     v_2_1 = u_1_1 + t2 - g.o_12[1] - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
     w_0 = b_22 * theta_dot_0  # B theta_dot
     w_1 = b_32 * theta_dot_0 + b_33 * theta_dot_1
     t3 = 1 / (t1 * v_2_1 - v_2_0 * t2)
-    v_l_0 = (w_0 * (g.k[7] * v_2_1) - v_1_1 * w_1) * t3  # velocity in the leg's frame
-    v_l_1 = t3 * (v_1_0 * w_1 - w_0 * (g.k[7] * v_2_0))
+    v_l_0 = (w_0 * (g.k[6] * v_2_1) - v_1_1 * w_1) * t3  # velocity in the leg's frame
+    v_l_1 = t3 * (v_1_0 * w_1 - w_0 * (g.k[6] * v_2_0))
     return (
         (  # s_dot
             v_l_0,
             v_l_1,
         ),
         (  # regularity
-            np.abs(delta * g.k[14]),
+            np.abs(delta * g.k[13]),
         ),
     )
 
@@ -458,15 +459,15 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     u_2_1 = g.l_2 * t4
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t5 = v_1_0 * g.k[7]
+    t5 = v_1_0 * g.k[6]
     v_2_0 = u_1_0 + t5 - g.o_12[0] - u_2_0  # (1.15)
-    t6 = v_1_1 * g.k[7]
+    t6 = v_1_1 * g.k[6]
     v_2_1 = u_1_1 + t6 - g.o_12[1] - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t7 = theta_dot_0 * (g.k[7] * b_22)
+    t7 = theta_dot_0 * (g.k[6] * b_22)
     t8 = theta_dot_0 * b_32 + theta_dot_1 * b_33
     t9 = 1 / (t5 * v_2_1 - v_2_0 * t6)
     s_dot_0 = (v_2_1 * t7 - v_1_1 * t8) * t9
@@ -477,12 +478,12 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     t13 = g.l_2 * (theta_dot_1 * t3)
     t14 = s_dot_0 + t10
     t15 = s_dot_1 - t11
-    t16 = g.k[7] * t14
+    t16 = g.k[6] * t14
     t17 = t12 + (t16 - t10)
-    t18 = g.k[7] * t15
+    t18 = g.k[6] * t15
     t19 = t11 + t18 - t13
-    t20 = theta_dot_0 * (g.k[7] * (u_1_0 * t15 - v_1_1 * t10 - (v_1_0 * t11 + u_1_1 * t14)))
-    t21 = theta_dot_0 * (g.k[13] * (v_2_0 * t11 + u_1_1 * t17 - (u_1_0 * t19 - v_2_1 * t10)))
+    t20 = theta_dot_0 * (g.k[6] * (u_1_0 * t15 - v_1_1 * t10 - (v_1_0 * t11 + u_1_1 * t14)))
+    t21 = theta_dot_0 * (g.k[12] * (v_2_0 * t11 + u_1_1 * t17 - (u_1_0 * t19 - v_2_1 * t10)))
     t22 = t21 + theta_dot_1 * (u_2_0 * t19 - v_2_1 * t12 - (v_2_0 * t13 + u_2_1 * t17))
     t23 = v_2_1 * t16 + t5 * t19 - (t6 * t17 + v_2_0 * t18)
     return (
@@ -495,7 +496,7 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
             t9 * (t8 * t14 + v_1_0 * t22 - (t7 * t17 + v_2_0 * t20) - s_dot_1 * t23),
         ),
         (  # regularity
-            np.abs(delta * g.k[14]),
+            np.abs(delta * g.k[13]),
         ),
     )
 
@@ -510,13 +511,13 @@ def rates(g: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> tuple[Any, ...]:
     s_dot_0, s_dot_1 = s_dot
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    v_2_0 = u_1_0 + v_1_0 * g.k[7] - g.o_12[0] - u_2_0  # (1.15)
-    v_2_1 = u_1_1 + v_1_1 * g.k[7] - g.o_12[1] - u_2_1
+    v_2_0 = u_1_0 + v_1_0 * g.k[6] - g.o_12[0] - u_2_0  # (1.15)
+    v_2_1 = u_1_1 + v_1_1 * g.k[6] - g.o_12[1] - u_2_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
     w_0 = v_1_0 * s_dot_0 + v_1_1 * s_dot_1  # A s_dot
-    w_1 = v_2_0 * (g.k[7] * s_dot_0) + v_2_1 * (g.k[7] * s_dot_1)
+    w_1 = v_2_0 * (g.k[6] * s_dot_0) + v_2_1 * (g.k[6] * s_dot_1)
     t1 = 1 / b_22
     return (
         (  # theta_dot
@@ -524,7 +525,7 @@ def rates(g: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> tuple[Any, ...]:
             (w_1 - t1 * (b_32 * w_0)) / b_33,
         ),
         (  # regularity
-            np.fmin(np.abs(b_22 * g.k[15]), np.abs(b_33 * g.k[16])),
+            np.fmin(np.abs(b_22 * g.k[14]), np.abs(b_33 * g.k[15])),
         ),
     )
 
@@ -537,19 +538,19 @@ def determinant(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
     u_2_0, u_2_1 = u_2
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    v_2_0 = u_1_0 + v_1_0 * g.k[7] - g.o_12[0] - u_2_0  # (1.15)
-    v_2_1 = u_1_1 + v_1_1 * g.k[7] - g.o_12[1] - u_2_1
+    v_2_0 = u_1_0 + v_1_0 * g.k[6] - g.o_12[0] - u_2_0  # (1.15)
+    v_2_1 = u_1_1 + v_1_1 * g.k[6] - g.o_12[1] - u_2_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
     b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
     return (
         (  # det_M
-            b_22 * b_33 / (g.k[7] * delta),
+            b_22 * b_33 / (g.k[6] * delta),
         ),
         (  # factors
-            b_22 * g.k[15],
-            b_33 * g.k[16],
-            delta * g.k[14],
+            b_22 * g.k[14],
+            b_33 * g.k[15],
+            delta * g.k[13],
         ),
     )
 
@@ -564,17 +565,17 @@ def gram(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
     N_00, N_01 = N
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[7]
+    t1 = v_1_0 * g.k[6]
     v_2_0 = u_1_0 + t1 - g.o_12[0] - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[7]
+    t2 = v_1_1 * g.k[6]
     v_2_1 = u_1_1 + t2 - g.o_12[1] - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     t3 = u_2_0 * v_2_1
     t4 = u_2_1 * v_2_0
     b_33 = t3 - t4  # v_2^T (e_3 x u_2)
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = g.k[7] * b_22
+    t5 = g.k[6] * b_22
     t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
     m_00 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
     m_01 = t6 * (v_1_1 * (t4 - t3))
@@ -607,7 +608,7 @@ def gram(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
             k_00 * k_00 + k_01 * k_01,
         ),
         (  # regularity
-            np.abs(delta * g.k[14]),
+            np.abs(delta * g.k[13]),
         ),
     )
 
@@ -620,8 +621,8 @@ def passive(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
     u_2_0, u_2_1 = u_2
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    v_2_0 = u_1_0 + v_1_0 * g.k[18] - g.o_12[0] - u_2_0  # (1.15)
-    v_2_1 = u_1_1 + v_1_1 * g.k[18] - g.o_12[1] - u_2_1
+    v_2_0 = u_1_0 + v_1_0 * g.k[17] - g.o_12[0] - u_2_0  # (1.15)
+    v_2_1 = u_1_1 + v_1_1 * g.k[17] - g.o_12[1] - u_2_1
     return (
         (  # passive
             np.arctan2(u_1_0 * v_1_1 - u_1_1 * v_1_0, u_1_0 * v_1_0 + u_1_1 * v_1_1),
@@ -629,8 +630,8 @@ def passive(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
             np.arctan2(v_1_1 * v_2_0 - v_1_0 * v_2_1, v_1_0 * v_2_0 + v_1_1 * v_2_1),
         ),
         (  # link
-            v_1_0 * g.k[17],
-            v_1_1 * g.k[17],
+            v_1_0 * g.k[16],
+            v_1_1 * g.k[16],
         ),
     )
 
@@ -641,17 +642,17 @@ def points(g: Any, d: Any, u_1: Any, u_2: Any, s: Any) -> tuple[Any, ...]:
     u_1_0, u_1_1 = u_1
     u_2_0, u_2_1 = u_2
     s_0, s_1 = s
-    p_0 = u_1_0 + g.k[7] * (d_0 - u_1_0)
-    p_1 = u_1_1 + g.k[7] * (d_1 - u_1_1)
+    p_0 = u_1_0 + g.k[6] * (d_0 - u_1_0)
+    p_1 = u_1_1 + g.k[6] * (d_1 - u_1_1)
     return (
         g.o[0],
         g.o[1],
+        g.k[18],
         g.k[19],
-        g.k[20],
         g.o[0] + u_1_0,
         g.o[1] + u_1_1,
-        u_2_0 + g.k[19],
-        u_2_1 + g.k[20],
+        u_2_0 + g.k[18],
+        u_2_1 + g.k[19],
         g.o[0] + p_0,
         g.o[1] + p_1,
         s_0,
@@ -669,17 +670,17 @@ def transmission(g: Any, d: Any, u_1: Any, u_2: Any, N: Any, along: Any) -> tupl
     along_0, along_1 = along
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[7]
+    t1 = v_1_0 * g.k[6]
     v_2_0 = u_1_0 + t1 - g.o_12[0] - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[7]
+    t2 = v_1_1 * g.k[6]
     v_2_1 = u_1_1 + t2 - g.o_12[1] - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     t3 = u_2_0 * v_2_1
     t4 = u_2_1 * v_2_0
     b_33 = t3 - t4  # v_2^T (e_3 x u_2)
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = g.k[7] * b_22
+    t5 = g.k[6] * b_22
     t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
     m_00 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
     m_01 = t6 * (v_1_1 * (t4 - t3))
@@ -693,7 +694,7 @@ def transmission(g: Any, d: Any, u_1: Any, u_2: Any, N: Any, along: Any) -> tupl
             along_0 * m_01 + along_1 * m_11,
         ),
         (  # regularity
-            np.abs(delta * g.k[14]),
+            np.abs(delta * g.k[13]),
         ),
     )
 
@@ -775,13 +776,13 @@ def end_force(g: Any, d: Any, u_1: Any, u_2: Any, actuator_forces: Any) -> tuple
     actuator_forces_0, actuator_forces_1 = actuator_forces
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    v_2_0 = u_1_0 + v_1_0 * g.k[7] - g.o_12[0] - u_2_0  # (1.15)
-    v_2_1 = u_1_1 + v_1_1 * g.k[7] - g.o_12[1] - u_2_1
+    v_2_0 = u_1_0 + v_1_0 * g.k[6] - g.o_12[0] - u_2_0  # (1.15)
+    v_2_1 = u_1_1 + v_1_1 * g.k[6] - g.o_12[1] - u_2_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
-    w_1 = g.k[7] * v_2_0  # A s_dot
-    w_1_a = g.k[7] * v_2_1
+    w_1 = g.k[6] * v_2_0  # A s_dot
+    w_1_a = g.k[6] * v_2_1
     t1 = 1 / b_22
     t2 = 1 / b_33
     g_l_0 = v_1_0 * actuator_forces_0 * t1 + actuator_forces_1 * (w_1 - t1 * (v_1_0 * b_32)) * t2  # in the leg's frame
@@ -792,6 +793,6 @@ def end_force(g: Any, d: Any, u_1: Any, u_2: Any, actuator_forces: Any) -> tuple
             g_l_1,
         ),
         (  # regularity
-            np.fmin(np.abs(b_22 * g.k[15]), np.abs(b_33 * g.k[16])),
+            np.fmin(np.abs(b_22 * g.k[14]), np.abs(b_33 * g.k[15])),
         ),
     )

@@ -41,6 +41,8 @@ def prepare(fields: Any) -> SimpleNamespace:
     c_1 = R_b * e_b_1 + t4
     t5 = l_2 - l_3
     t6 = l_2 + l_3
+    t7 = l_2 * l_2
+    t8 = l_3 * l_3
     return SimpleNamespace(
         azimuth=fields["azimuth"],
         R_b=fields["R_b"],
@@ -53,7 +55,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         e_x=(-e_t_1 * e_1_2, e_t_0 * e_1_2, -(e_t_1 * t2 + e_t_0 * e_1_1),),
         e_1=(-t2, e_1_1, e_1_2,),
         e_t=(e_t_0, e_t_1, 0,),
-        k=(t5 * t5, t6 * t6, l_2 * l_2, l_3 * l_3, np.abs(t5), 1 / (l_2 * l_3), 1 / l_3, t3 + c_0, c_1 - t4, 0,),
+        k=(t5 * t5, t6 * t6, t7 + t8, t7 - t8, np.abs(t5), 1 / (l_2 * l_3), 1 / l_3, t3 + c_0, c_1 - t4, 0,),
     )
 
 
@@ -101,7 +103,7 @@ def forward_posture(g: Any, theta: Any) -> tuple[Any, ...]:
 
 def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     """Actuated joints of the PRR sub-leg in one working mode.  The mode is given by signs; NaN where
-    the end point is out of reach.  Thesis: 2.4.1, 2.5.  (17 add, 16 multiply, 1 square root, 2
+    the end point is out of reach.  Thesis: 2.4.1, 2.5.  (15 add, 16 multiply, 1 square root, 2
     arctangent)"""
     s_0, s_1, s_2 = s
     mode_0, = mode
@@ -113,8 +115,8 @@ def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     d2 = d_0 * d_0 + d_1 * d_1
     h2 = (d2 - g.k[0]) * (g.k[1] - d2)  # 4 a^2 b^2 sin^2
     S = mode_0 * np.sqrt(h2)  # 2 a b sin
-    C = d2 - g.k[2] - g.k[3]  # 2 a b cos
-    A = d2 + g.k[2] - g.k[3]  # 2 a (a + b cos)
+    C = d2 - g.k[2]  # 2 a b cos
+    A = d2 + g.k[3]  # 2 a (a + b cos)
     n = d_0 * A + d_1 * S
     m = d_1 * A - d_0 * S
     return (
@@ -131,7 +133,7 @@ def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
 
 def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     """Every working mode of the PRR sub-leg, in the order elbow+, elbow-; NaN where a mode does not
-    exist.  Thesis: 2.4.1, 2.5.  (19 add, 15 multiply, 1 square root, 4 arctangent)"""
+    exist.  Thesis: 2.4.1, 2.5.  (17 add, 15 multiply, 1 square root, 4 arctangent)"""
     s_0, s_1, s_2 = s
     arm_0 = s_0 - g.c[0]  # s - c
     arm_1 = s_1 - g.c[1]
@@ -141,8 +143,8 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     d2 = d_0 * d_0 + d_1 * d_1
     h2 = (d2 - g.k[0]) * (g.k[1] - d2)  # 4 a^2 b^2 sin^2
     S = np.sqrt(h2)  # 2 a b sin
-    C = d2 - g.k[2] - g.k[3]  # 2 a b cos
-    A = d2 + g.k[2] - g.k[3]  # 2 a (a + b cos)
+    C = d2 - g.k[2]  # 2 a b cos
+    A = d2 + g.k[3]  # 2 a (a + b cos)
     t1 = d_0 * A
     t2 = d_1 * S
     n = t1 + t2

@@ -39,13 +39,14 @@ def prepare(fields: Any) -> SimpleNamespace:
     c_0 = R_b * e_t_1 - t4
     t5 = l_1 * t3
     c_1 = R_b * e_r_1 - t5
-    k_7 = 1 - l_5 / l_6
+    k_6 = 1 - l_5 / l_6
+    k_0 = l_3 * l_3
     t6 = l_6 - l_5
     t7 = l_4 - l_6
     t8 = l_4 + l_6
     t9 = l_2 - l_3
     t10 = l_2 + l_3
-    k_18 = 1 / l_6
+    k_17 = 1 / l_6
     return SimpleNamespace(
         azimuth=fields["azimuth"],
         R_b=fields["R_b"],
@@ -60,7 +61,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         e_x=(-e_t_1 * e_1_2, -e_r_1 * e_1_2, -(e_t_1 * t2 + e_r_1 * t3),),
         e_1=(-t2, -t3, e_1_2,),
         e_t=(-e_r_1, e_t_1, 0,),
-        k=(l_3 * l_3, t6 * t6, 1 / k_7, t7 * t7, t8 * t8, l_4 * l_4, l_6 * l_6, k_7, t9 * t9, t10 * t10, l_2 * l_2, np.abs(t9), np.abs(t7), 1 - k_7, 1 / (l_3 * l_6), 1 / t8, 1 / (l_4 * l_6), 1 / (l_2 * l_3), k_18, 1 - l_5 * k_18, t4 + c_0, t5 + c_1, 0,),
+        k=(k_0, t6 * t6, 1 / k_6, t7 * t7, t8 * t8, l_4 * l_4 - l_6 * l_6, k_6, t9 * t9, t10 * t10, l_2 * l_2 - k_0, np.abs(t9), np.abs(t7), 1 - k_6, 1 / (l_3 * l_6), 1 / t8, 1 / (l_4 * l_6), 1 / (l_2 * l_3), k_17, 1 - l_5 * k_17, t4 + c_0, t5 + c_1, 0,),
     )
 
 
@@ -217,7 +218,7 @@ def forward_all(g: Any, theta: Any) -> tuple[Any, ...]:
 
 def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     """Actuated joints of the R(RR-RRR) sub-leg in one working mode.  The mode is given by signs; NaN
-    where the end point is out of reach.  Thesis: App. B.  (27 add, 34 multiply, 1 divide, 3 square
+    where the end point is out of reach.  Thesis: App. B.  (25 add, 34 multiply, 1 divide, 3 square
     root, 3 arctangent, 1 select)"""
     s_0, s_1, s_2 = s
     mode_0, mode_1, mode_2 = mode
@@ -232,18 +233,18 @@ def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     d2 = r2 + y * y
     h2 = (d2 - g.k[3]) * (g.k[4] - d2)  # 4 a^2 b^2 sin^2
     S = mode_1 * np.sqrt(h2)  # 2 a b sin
-    A = d2 + g.k[5] - g.k[6]  # 2 a (a + b cos)
+    A = d2 + g.k[5]  # 2 a (a + b cos)
     n = r * A + y * S
     m = y * A - r * S
     t1 = 1 / d2
     u_1_0 = n * 0.5 * t1
     u_1_1 = t1 * (m * 0.5)
-    p_0 = u_1_0 + g.k[7] * (r - u_1_0)  # u_1 + w - o_12
-    p_1 = u_1_1 + g.k[7] * (y - u_1_1)
+    p_0 = u_1_0 + g.k[6] * (r - u_1_0)  # u_1 + w - o_12
+    p_1 = u_1_1 + g.k[6] * (y - u_1_1)
     d2_2 = p_0 * p_0 + p_1 * p_1
-    h2_2 = (d2_2 - g.k[8]) * (g.k[9] - d2_2)  # 4 a^2 b^2 sin^2
+    h2_2 = (d2_2 - g.k[7]) * (g.k[8] - d2_2)  # 4 a^2 b^2 sin^2
     S_2 = mode_2 * np.sqrt(h2_2)  # 2 a b sin
-    A_2 = d2_2 + g.k[10] - g.k[0]  # 2 a (a + b cos)
+    A_2 = d2_2 + g.k[9]  # 2 a (a + b cos)
     n_2 = p_0 * A_2 + p_1 * S_2
     m_2 = p_1 * A_2 - p_0 * S_2
     return (
@@ -261,7 +262,7 @@ def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
 def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     """Every working mode of the R(RR-RRR) sub-leg, in the order front/elbow+/rod+, front/elbow+/rod-,
     front/elbow-/rod+, front/elbow-/rod-, back/elbow+/rod+, back/elbow+/rod-, back/elbow-/rod+,
-    back/elbow-/rod-; NaN where a mode does not exist.  Thesis: App. B.  (67 add, 58 multiply, 1
+    back/elbow-/rod-; NaN where a mode does not exist.  Thesis: App. B.  (62 add, 58 multiply, 1
     divide, 6 square root, 14 arctangent, 7 select)"""
     s_0, s_1, s_2 = s
     d_0 = s_0 - g.c[0]  # s - c
@@ -276,7 +277,7 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     d2 = r2 + y * y
     h2 = (d2 - g.k[3]) * (g.k[4] - d2)  # 4 a^2 b^2 sin^2
     S = np.sqrt(h2)  # 2 a b sin
-    A = d2 + g.k[5] - g.k[6]  # 2 a (a + b cos)
+    A = d2 + g.k[5]  # 2 a (a + b cos)
     t1 = r * A
     t2 = y * S
     n = t1 + t2
@@ -287,13 +288,13 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     t5 = 1 / d2
     u_1_0 = n * 0.5 * t5
     u_1_1 = t5 * (m * 0.5)
-    p_0 = u_1_0 + g.k[7] * (r - u_1_0)  # u_1 + w - o_12
-    p_1 = u_1_1 + g.k[7] * (y - u_1_1)
+    p_0 = u_1_0 + g.k[6] * (r - u_1_0)  # u_1 + w - o_12
+    p_1 = u_1_1 + g.k[6] * (y - u_1_1)
     t6 = p_1 * p_1
     d2_2 = p_0 * p_0 + t6
-    h2_2 = (d2_2 - g.k[8]) * (g.k[9] - d2_2)  # 4 a^2 b^2 sin^2
+    h2_2 = (d2_2 - g.k[7]) * (g.k[8] - d2_2)  # 4 a^2 b^2 sin^2
     S_2 = np.sqrt(h2_2)  # 2 a b sin
-    A_2 = d2_2 + g.k[10] - g.k[0]  # 2 a (a + b cos)
+    A_2 = d2_2 + g.k[9]  # 2 a (a + b cos)
     t7 = p_0 * A_2
     t8 = p_1 * S_2
     n_2 = t7 + t8
@@ -307,13 +308,13 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     theta_1_a = np.arctan2(m_a, n_a)
     u_1_0_a = t5 * (0.5 * n_a)
     u_1_1_a = t5 * (0.5 * m_a)
-    p_0_a = u_1_0_a + g.k[7] * (r - u_1_0_a)  # u_1 + w - o_12
-    p_1_a = u_1_1_a + g.k[7] * (y - u_1_1_a)
+    p_0_a = u_1_0_a + g.k[6] * (r - u_1_0_a)  # u_1 + w - o_12
+    p_1_a = u_1_1_a + g.k[6] * (y - u_1_1_a)
     t11 = p_1_a * p_1_a
     d2_2_a = p_0_a * p_0_a + t11
-    h2_2_a = (d2_2_a - g.k[8]) * (g.k[9] - d2_2_a)  # 4 a^2 b^2 sin^2
+    h2_2_a = (d2_2_a - g.k[7]) * (g.k[8] - d2_2_a)  # 4 a^2 b^2 sin^2
     S_2_a = np.sqrt(h2_2_a)  # 2 a b sin
-    A_2_a = g.k[10] + d2_2_a - g.k[0]  # 2 a (a + b cos)
+    A_2_a = g.k[9] + d2_2_a  # 2 a (a + b cos)
     t12 = p_0_a * A_2_a
     t13 = p_1_a * S_2_a
     n_2_b = t12 + t13
@@ -326,11 +327,11 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     n_b = t2 - t1
     theta_1_b = np.arctan2(m_a, n_b)
     u_1_0_b = t5 * (0.5 * n_b)
-    p_0_b = u_1_0_b - g.k[7] * (r + u_1_0_b)  # u_1 + w - o_12
+    p_0_b = u_1_0_b - g.k[6] * (r + u_1_0_b)  # u_1 + w - o_12
     d2_2_b = t11 + p_0_b * p_0_b
-    h2_2_b = (d2_2_b - g.k[8]) * (g.k[9] - d2_2_b)  # 4 a^2 b^2 sin^2
+    h2_2_b = (d2_2_b - g.k[7]) * (g.k[8] - d2_2_b)  # 4 a^2 b^2 sin^2
     S_2_b = np.sqrt(h2_2_b)  # 2 a b sin
-    A_2_b = g.k[10] + d2_2_b - g.k[0]  # 2 a (a + b cos)
+    A_2_b = g.k[9] + d2_2_b  # 2 a (a + b cos)
     t16 = p_0_b * A_2_b
     t17 = p_1_a * S_2_b
     n_2_d = t16 + t17
@@ -341,11 +342,11 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     m_2_e = t18 + t19
     n_c = -n
     theta_1_c = np.arctan2(m, n_c)
-    p_0_c = g.k[7] * (u_1_0 - r) - u_1_0  # u_1 + w - o_12
+    p_0_c = g.k[6] * (u_1_0 - r) - u_1_0  # u_1 + w - o_12
     d2_2_c = t6 + p_0_c * p_0_c
-    h2_2_c = (d2_2_c - g.k[8]) * (g.k[9] - d2_2_c)  # 4 a^2 b^2 sin^2
+    h2_2_c = (d2_2_c - g.k[7]) * (g.k[8] - d2_2_c)  # 4 a^2 b^2 sin^2
     S_2_c = np.sqrt(h2_2_c)  # 2 a b sin
-    A_2_c = g.k[10] + d2_2_c - g.k[0]  # 2 a (a + b cos)
+    A_2_c = g.k[9] + d2_2_c  # 2 a (a + b cos)
     t20 = p_0_c * A_2_c
     t21 = p_1 * S_2_c
     n_2_f = t20 + t21
@@ -389,7 +390,7 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
 
 
 def reach(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
-    """Distance by which the end point lies outside the reach of the R(RR-RRR) sub-leg.  (27 add, 26
+    """Distance by which the end point lies outside the reach of the R(RR-RRR) sub-leg.  (26 add, 26
     multiply, 1 divide, 4 square root, 3 select)"""
     s_0, s_1, s_2 = s
     mode_0, mode_1, _mode_2 = mode
@@ -404,17 +405,17 @@ def reach(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     d2 = r2 + y * y
     h2 = (d2 - g.k[3]) * (g.k[4] - d2)  # 4 a^2 b^2 sin^2
     S = mode_1 * np.sqrt(h2)  # 2 a b sin
-    A = d2 + g.k[5] - g.k[6]  # 2 a (a + b cos)
+    A = d2 + g.k[5]  # 2 a (a + b cos)
     n = r * A + y * S
     m = y * A - r * S
     t1 = 1 / d2
     u_1_0 = n * 0.5 * t1
     u_1_1 = t1 * (m * 0.5)
-    p_0 = u_1_0 + g.k[7] * (r - u_1_0)  # u_1 + w - o_12
-    p_1 = u_1_1 + g.k[7] * (y - u_1_1)
+    p_0 = u_1_0 + g.k[6] * (r - u_1_0)  # u_1 + w - o_12
+    p_1 = u_1_1 + g.k[6] * (y - u_1_1)
     reach_2 = np.sqrt(p_0 * p_0 + p_1 * p_1)
     reach_1 = np.sqrt(d2)
-    excess_a = np.fmax(np.fmax(reach_2 - g.l_2 - g.l_3, g.k[11] - reach_2), np.fmax(reach_1 - g.l_4 - g.l_6, g.k[12] - reach_1))
+    excess_a = np.fmax(np.fmax(reach_2 - g.l_2 - g.l_3, g.k[10] - reach_2), np.fmax(reach_1 - g.l_4 - g.l_6, g.k[11] - reach_1))
     return (
         excess_a,
     )
@@ -469,17 +470,17 @@ def jacobian(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any,
     u_2_0, u_2_1 = u_2
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[7]
+    t1 = v_1_0 * g.k[6]
     v_2_0 = u_1_0 + t1 - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[7]
+    t2 = v_1_1 * g.k[6]
     v_2_1 = u_1_1 + t2 - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     t3 = u_2_0 * v_2_1
     t4 = u_2_1 * v_2_0
     b_33 = t3 - t4  # v_2^T (e_3 x u_2)
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = g.k[7] * b_22
+    t5 = g.k[6] * b_22
     t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
     m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
     m_02 = t6 * (v_1_1 * (t4 - t3))
@@ -498,7 +499,7 @@ def jacobian(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any,
             g.e_1[2] * m_12 + x_2 * m_02,
         ),
         (  # regularity
-            np.abs(delta * g.k[14]),
+            np.abs(delta * g.k[13]),
         ),
     )
 
@@ -514,17 +515,17 @@ def project(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tup
     N_00, N_01, N_02, N_10, N_11, N_12 = N
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[7]
+    t1 = v_1_0 * g.k[6]
     v_2_0 = u_1_0 + t1 - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[7]
+    t2 = v_1_1 * g.k[6]
     v_2_1 = u_1_1 + t2 - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     t3 = u_2_0 * v_2_1
     t4 = u_2_1 * v_2_0
     b_33 = t3 - t4  # v_2^T (e_3 x u_2)
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = g.k[7] * b_22
+    t5 = g.k[6] * b_22
     t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
     m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
     m_02 = t6 * (v_1_1 * (t4 - t3))
@@ -546,7 +547,7 @@ def project(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tup
             m_02 * n_10 + m_12 * n_11,
         ),
         (  # regularity
-            np.abs(delta * g.k[14]),
+            np.abs(delta * g.k[13]),
         ),
     )
 
@@ -562,20 +563,20 @@ def velocity(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, theta_dot: An
     theta_dot_0, theta_dot_1, theta_dot_2 = theta_dot
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[7]
+    t1 = v_1_0 * g.k[6]
     v_2_0 = u_1_0 + t1 - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[7]
+    t2 = v_1_1 * g.k[6]
     v_2_1 = u_1_1 + t2 - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
     t3 = d_0 * theta_dot_0
     w_1 = b_22 * theta_dot_1  # B theta_dot
     w_2 = b_32 * theta_dot_1 + b_33 * theta_dot_2
     t4 = 1 / (t1 * v_2_1 - v_2_0 * t2)
-    v_l_0 = (w_1 * (g.k[7] * v_2_1) - v_1_1 * w_2) * t4  # velocity in the leg's frame
-    v_l_1 = t4 * (v_1_0 * w_2 - w_1 * (g.k[7] * v_2_0))
+    v_l_0 = (w_1 * (g.k[6] * v_2_1) - v_1_1 * w_2) * t4  # velocity in the leg's frame
+    v_l_1 = t4 * (v_1_0 * w_2 - w_1 * (g.k[6] * v_2_0))
     return (
         (  # s_dot
             g.e_1[0] * v_l_1 - e_2_0 * t3 + x_0 * v_l_0,
@@ -583,7 +584,7 @@ def velocity(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, theta_dot: An
             g.e_1[2] * v_l_1 - e_2_2 * t3 + x_2 * v_l_0,
         ),
         (  # regularity
-            np.abs(delta * g.k[14]),
+            np.abs(delta * g.k[13]),
         ),
     )
 
@@ -618,16 +619,16 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     u_2_1 = g.l_2 * t4
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t5 = v_1_0 * g.k[7]
+    t5 = v_1_0 * g.k[6]
     v_2_0 = u_1_0 + t5 - u_2_0  # (1.15)
-    t6 = v_1_1 * g.k[7]
+    t6 = v_1_1 * g.k[6]
     v_2_1 = u_1_1 + t6 - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
     t7 = theta_dot_1 * b_32 + theta_dot_2 * b_33
-    t8 = theta_dot_1 * (g.k[7] * b_22)
+    t8 = theta_dot_1 * (g.k[6] * b_22)
     t9 = v_1_0 * t7 - v_2_0 * t8
     t10 = 1 / (t5 * v_2_1 - v_2_0 * t6)
     t11 = g.e_1[0] * t9 * t10
@@ -652,13 +653,13 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     t27 = g.l_2 * (theta_dot_2 * t3)
     t28 = t23 + t24
     t29 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2 - t25
-    t30 = g.k[7] * t28
+    t30 = g.k[6] * t28
     t31 = t26 + (t30 - t24)
-    t32 = g.k[7] * t29
+    t32 = g.k[6] * t29
     t33 = t25 + t32 - t27
-    t34 = theta_dot_1 * (g.k[13] * (v_2_0 * t25 + u_1_1 * t31 - (u_1_0 * t33 - v_2_1 * t24)))
+    t34 = theta_dot_1 * (g.k[12] * (v_2_0 * t25 + u_1_1 * t31 - (u_1_0 * t33 - v_2_1 * t24)))
     t35 = t34 + theta_dot_2 * (u_2_0 * t33 - v_2_1 * t26 - (v_2_0 * t27 + u_2_1 * t31))
-    t36 = theta_dot_1 * (g.k[7] * (u_1_0 * t29 - v_1_1 * t24 - (v_1_0 * t25 + u_1_1 * t28)))
+    t36 = theta_dot_1 * (g.k[6] * (u_1_0 * t29 - v_1_1 * t24 - (v_1_0 * t25 + u_1_1 * t28)))
     t37 = t7 * t28 + v_1_0 * t35 - (t8 * t31 + v_2_0 * t36)
     t38 = v_2_1 * t30 + t5 * t33 - (t6 * t31 + v_2_0 * t32)
     t39 = t8 * t33 + v_2_1 * t36 - (t7 * t29 + v_1_1 * t35)
@@ -677,7 +678,7 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
             bias_2,
         ),
         (  # regularity
-            np.abs(delta * g.k[14]),
+            np.abs(delta * g.k[13]),
         ),
     )
 
@@ -694,18 +695,18 @@ def rates(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> t
     s_dot_0, s_dot_1, s_dot_2 = s_dot
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    v_2_0 = u_1_0 + v_1_0 * g.k[7] - u_2_0  # (1.15)
-    v_2_1 = u_1_1 + v_1_1 * g.k[7] - u_2_1
+    v_2_0 = u_1_0 + v_1_0 * g.k[6] - u_2_0  # (1.15)
+    v_2_1 = u_1_1 + v_1_1 * g.k[6] - u_2_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
     v_l_0 = x_0 * s_dot_0 + x_1 * s_dot_1 + x_2 * s_dot_2  # velocity in the leg's frame
     v_l_1 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2
     v_l_2 = e_2_0 * s_dot_0 + e_2_1 * s_dot_1 + e_2_2 * s_dot_2
     w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1  # A s_dot
-    w_2 = v_l_0 * (g.k[7] * v_2_0) + v_l_1 * (g.k[7] * v_2_1)
+    w_2 = v_l_0 * (g.k[6] * v_2_0) + v_l_1 * (g.k[6] * v_2_1)
     t1 = 1 / b_22
-    regularity_a = np.fmin(np.fmin(np.abs(d_0 * g.k[15]), np.abs(b_22 * g.k[16])), np.abs(b_33 * g.k[17]))
+    regularity_a = np.fmin(np.fmin(np.abs(d_0 * g.k[14]), np.abs(b_22 * g.k[15])), np.abs(b_33 * g.k[16]))
     return (
         (  # theta_dot
             -v_l_2 / d_0,
@@ -726,8 +727,8 @@ def determinant(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
     u_2_0, u_2_1 = u_2
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    v_2_0 = u_1_0 + v_1_0 * g.k[7] - u_2_0  # (1.15)
-    v_2_1 = u_1_1 + v_1_1 * g.k[7] - u_2_1
+    v_2_0 = u_1_0 + v_1_0 * g.k[6] - u_2_0  # (1.15)
+    v_2_1 = u_1_1 + v_1_1 * g.k[6] - u_2_1
     t1 = u_1_0 * v_1_1
     t2 = u_1_1 * v_1_0
     b_22 = t1 - t2  # v_1^T (e_2 x u_1)
@@ -735,13 +736,13 @@ def determinant(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
     return (
         (  # det_M
-            d_0 * (b_33 * (t2 - t1)) / (g.k[7] * delta),
+            d_0 * (b_33 * (t2 - t1)) / (g.k[6] * delta),
         ),
         (  # factors
-            d_0 * g.k[15],
-            b_22 * g.k[16],
-            b_33 * g.k[17],
-            delta * g.k[14],
+            d_0 * g.k[14],
+            b_22 * g.k[15],
+            b_33 * g.k[16],
+            delta * g.k[13],
         ),
     )
 
@@ -758,17 +759,17 @@ def gram(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[
     N_00, N_01, N_02, N_10, N_11, N_12 = N
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[7]
+    t1 = v_1_0 * g.k[6]
     v_2_0 = u_1_0 + t1 - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[7]
+    t2 = v_1_1 * g.k[6]
     v_2_1 = u_1_1 + t2 - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     t3 = u_2_0 * v_2_1
     t4 = u_2_1 * v_2_0
     b_33 = t3 - t4  # v_2^T (e_3 x u_2)
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = g.k[7] * b_22
+    t5 = g.k[6] * b_22
     t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
     m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
     m_02 = t6 * (v_1_1 * (t4 - t3))
@@ -829,7 +830,7 @@ def gram(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[
             t8 * t8 + k_11 * k_11 + k_12 * k_12,
         ),
         (  # regularity
-            np.abs(delta * g.k[14]),
+            np.abs(delta * g.k[13]),
         ),
     )
 
@@ -844,10 +845,10 @@ def passive(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, 
     u_2_0, u_2_1 = u_2
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    v_2_0 = u_1_0 + v_1_0 * g.k[19] - u_2_0  # (1.15)
-    v_2_1 = u_1_1 + v_1_1 * g.k[19] - u_2_1
-    dir_0 = v_1_0 * g.k[18]  # direction of the last link in (x, e_1)
-    dir_1 = v_1_1 * g.k[18]
+    v_2_0 = u_1_0 + v_1_0 * g.k[18] - u_2_0  # (1.15)
+    v_2_1 = u_1_1 + v_1_1 * g.k[18] - u_2_1
+    dir_0 = v_1_0 * g.k[17]  # direction of the last link in (x, e_1)
+    dir_1 = v_1_1 * g.k[17]
     along_0 = x_0 * dir_0 + g.e_1[0] * dir_1
     along_1 = x_1 * dir_0 + g.e_1[1] * dir_1
     along_2 = x_2 * dir_0 + g.e_1[2] * dir_1
@@ -881,12 +882,12 @@ def points(g: Any, x: Any, d: Any, u_1: Any, u_2: Any, s: Any) -> tuple[Any, ...
     u_1_0, u_1_1 = u_1
     u_2_0, u_2_1 = u_2
     s_0, s_1, s_2 = s
-    p_0 = u_1_0 + g.k[7] * (d_0 - u_1_0)
-    p_1 = u_1_1 + g.k[7] * (d_1 - u_1_1)
+    p_0 = u_1_0 + g.k[6] * (d_0 - u_1_0)
+    p_1 = u_1_1 + g.k[6] * (d_1 - u_1_1)
     return (
+        g.k[19],
         g.k[20],
         g.k[21],
-        g.k[22],
         g.c[0],
         g.c[1],
         g.c[2],
@@ -917,17 +918,17 @@ def transmission(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any, a
     along_0, along_1, along_2 = along
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[7]
+    t1 = v_1_0 * g.k[6]
     v_2_0 = u_1_0 + t1 - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[7]
+    t2 = v_1_1 * g.k[6]
     v_2_1 = u_1_1 + t2 - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     t3 = u_2_0 * v_2_1
     t4 = u_2_1 * v_2_0
     b_33 = t3 - t4  # v_2^T (e_3 x u_2)
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = g.k[7] * b_22
+    t5 = g.k[6] * b_22
     t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
     m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
     m_02 = t6 * (v_1_1 * (t4 - t3))
@@ -955,7 +956,7 @@ def transmission(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any, a
             m_02 * n_20 + m_12 * n_21,
         ),
         (  # regularity
-            np.abs(delta * g.k[14]),
+            np.abs(delta * g.k[13]),
         ),
     )
 
@@ -1100,19 +1101,19 @@ def end_force(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, actuator_for
     actuator_forces_0, actuator_forces_1, actuator_forces_2 = actuator_forces
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    v_2_0 = u_1_0 + v_1_0 * g.k[7] - u_2_0  # (1.15)
-    v_2_1 = u_1_1 + v_1_1 * g.k[7] - u_2_1
+    v_2_0 = u_1_0 + v_1_0 * g.k[6] - u_2_0  # (1.15)
+    v_2_1 = u_1_1 + v_1_1 * g.k[6] - u_2_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[13] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
+    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
     b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
-    w_2 = g.k[7] * v_2_0  # A s_dot
-    w_2_a = g.k[7] * v_2_1
+    w_2 = g.k[6] * v_2_0  # A s_dot
+    w_2_a = g.k[6] * v_2_1
     t1 = 1 / b_22
     t2 = 1 / b_33
     g_l_0 = v_1_0 * actuator_forces_1 * t1 + actuator_forces_2 * (w_2 - t1 * (v_1_0 * b_32)) * t2  # in the leg's frame
     g_l_1 = t1 * (v_1_1 * actuator_forces_1) + t2 * (actuator_forces_2 * (w_2_a - t1 * (v_1_1 * b_32)))
     t3 = actuator_forces_0 / d_0
-    regularity_a = np.fmin(np.fmin(np.abs(d_0 * g.k[15]), np.abs(b_22 * g.k[16])), np.abs(b_33 * g.k[17]))
+    regularity_a = np.fmin(np.fmin(np.abs(d_0 * g.k[14]), np.abs(b_22 * g.k[15])), np.abs(b_33 * g.k[16]))
     return (
         (  # end_force
             g.e_1[0] * g_l_1 - e_2_0 * t3 + x_0 * g_l_0,

@@ -38,6 +38,8 @@ def prepare(fields: Any) -> SimpleNamespace:
     c_1 = R_b * e_r_1 - t5
     t6 = l_2 - l_3
     t7 = l_2 + l_3
+    t8 = l_2 * l_2
+    t9 = l_3 * l_3
     return SimpleNamespace(
         azimuth=fields["azimuth"],
         R_b=fields["R_b"],
@@ -49,7 +51,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         e_x=(-e_t_1 * e_1_2, -e_r_1 * e_1_2, -(e_t_1 * t2 + e_r_1 * t3),),
         e_1=(-t2, -t3, e_1_2,),
         e_t=(-e_r_1, e_t_1, 0,),
-        k=(t6 * t6, t7 * t7, l_2 * l_2, l_3 * l_3, np.abs(t6), 1 / t7, 1 / (l_2 * l_3), 1 / l_3, t4 + c_0, t5 + c_1, 0,),
+        k=(t6 * t6, t7 * t7, t8 + t9, t8 - t9, np.abs(t6), 1 / t7, 1 / (l_2 * l_3), 1 / l_3, t4 + c_0, t5 + c_1, 0,),
     )
 
 
@@ -117,7 +119,7 @@ def forward_posture(g: Any, theta: Any) -> tuple[Any, ...]:
 
 def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     """Actuated joints of the RRR sub-leg in one working mode.  The mode is given by signs; NaN where
-    the end point is out of reach.  Thesis: 1.5, 2.5.  (18 add, 20 multiply, 2 square root, 3
+    the end point is out of reach.  Thesis: 1.5, 2.5.  (16 add, 20 multiply, 2 square root, 3
     arctangent)"""
     s_0, s_1, s_2 = s
     mode_0, mode_1 = mode
@@ -132,8 +134,8 @@ def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
     d2 = r2 + y * y
     h2 = (d2 - g.k[0]) * (g.k[1] - d2)  # 4 a^2 b^2 sin^2
     S = mode_1 * np.sqrt(h2)  # 2 a b sin
-    C = d2 - g.k[2] - g.k[3]  # 2 a b cos
-    A = d2 + g.k[2] - g.k[3]  # 2 a (a + b cos)
+    C = d2 - g.k[2]  # 2 a b cos
+    A = d2 + g.k[3]  # 2 a (a + b cos)
     n = r * A + y * S
     m = y * A - r * S
     return (
@@ -150,7 +152,7 @@ def inverse(g: Any, s: Any, mode: Any) -> tuple[Any, ...]:
 
 def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     """Every working mode of the RRR sub-leg, in the order front/elbow+, front/elbow-, back/elbow+,
-    back/elbow-; NaN where a mode does not exist.  Thesis: 1.5, 2.5.  (21 add, 16 multiply, 2 square
+    back/elbow-; NaN where a mode does not exist.  Thesis: 1.5, 2.5.  (19 add, 16 multiply, 2 square
     root, 8 arctangent)"""
     s_0, s_1, s_2 = s
     d_0 = s_0 - g.c[0]  # s - c
@@ -165,8 +167,8 @@ def inverse_all(g: Any, s: Any) -> tuple[Any, ...]:
     d2 = r2 + y * y
     h2 = (d2 - g.k[0]) * (g.k[1] - d2)  # 4 a^2 b^2 sin^2
     S = np.sqrt(h2)  # 2 a b sin
-    C = d2 - g.k[2] - g.k[3]  # 2 a b cos
-    A = d2 + g.k[2] - g.k[3]  # 2 a (a + b cos)
+    C = d2 - g.k[2]  # 2 a b cos
+    A = d2 + g.k[3]  # 2 a (a + b cos)
     t1 = r * A
     t2 = y * S
     n = t1 + t2

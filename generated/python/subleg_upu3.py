@@ -77,31 +77,30 @@ def prepare(fields: Any) -> SimpleNamespace:
         e_t=(-e_r_1, e_t_1, 0,),
         g=(g_00, g_01, c_2, g_10, g_11, c_2, g_20, g_21, c_2,),
         x=(x_1_0, x_1_1, 0, x_2_0, x_2_1, 0, x_3_0, x_3_1, 0,),
-        k=(0, k_1, 0.5 * (t12 * t12) + 0.5 * (t13 * t13), 0.5 * (t14 * t14) + 0.5 * (t15 * t15), t15 * k_1, -t13 * k_1, 1 / (k_1 * k_1), -t14 * k_1, t12 * k_1, 1 / (r_g * (r_g * r_g)), 1 / r_g,),
+        k=(0, k_1, t12 * t12 + t13 * t13, t14 * t14 + t15 * t15, t15 * k_1, -t13 * k_1, 1 / (k_1 * k_1), -t14 * k_1, t12 * k_1, 1 / (r_g * (r_g * r_g)), 1 / r_g,),
     )
 
 
 def forward(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
-    """End point of the (3-UPU) sub-leg from its actuated joints.  Thesis: 3.5.  (22 add, 25 multiply,
+    """End point of the (3-UPU) sub-leg from its actuated joints.  Thesis: 3.5.  (22 add, 24 multiply,
     1 divide, 1 square root, 1 select)"""
     theta_0, theta_1, theta_2 = theta
     s_near_0, s_near_1, s_near_2 = s_near
     t1 = theta_0 * theta_0
-    t2 = 0.5 * t1
-    q_2 = g.k[2] + t2 - 0.5 * (theta_1 * theta_1)
-    q_3 = t2 + g.k[3] - 0.5 * (theta_2 * theta_2)
+    q_2 = (g.k[2] + t1 - theta_1 * theta_1) * 0.5
+    q_3 = 0.5 * (t1 + g.k[3] - theta_2 * theta_2)
     foot_0 = (q_2 * g.k[4] + q_3 * g.k[5]) * g.k[6]  # in the plane of the centres
     foot_1 = g.k[6] * (q_2 * g.k[7] + q_3 * g.k[8])
     foot_2 = g.k[6] * (g.k[0] * q_2 + g.k[0] * q_3)
     h2 = g.k[6] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2)
     side = g.k[0] * (s_near_0 - g.g[0]) + g.k[0] * (s_near_1 - g.g[1]) + g.k[1] * (s_near_2 - g.g[2])
-    t3 = side + 1e-300
-    height = t3 * np.sqrt(h2) / np.abs(t3)
-    t4 = g.k[0] * height
+    t2 = side + 1e-300
+    height = t2 * np.sqrt(h2) / np.abs(t2)
+    t3 = g.k[0] * height
     return (
         (  # s
-            g.g[0] + foot_0 + t4,
-            t4 + (g.g[1] + foot_1),
+            g.g[0] + foot_0 + t3,
+            t3 + (g.g[1] + foot_1),
             g.g[2] + foot_2 + g.k[1] * height,
         ),
         (  # radicand
@@ -112,23 +111,22 @@ def forward(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
 
 def forward_posture(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
     """End point and posture of the (3-UPU) sub-leg from its actuated joints.  Thesis: 3.5.  (31 add,
-    25 multiply, 1 divide, 1 square root, 1 select)"""
+    24 multiply, 1 divide, 1 square root, 1 select)"""
     theta_0, theta_1, theta_2 = theta
     s_near_0, s_near_1, s_near_2 = s_near
     t1 = theta_0 * theta_0
-    t2 = 0.5 * t1
-    q_2 = g.k[2] + t2 - 0.5 * (theta_1 * theta_1)
-    q_3 = t2 + g.k[3] - 0.5 * (theta_2 * theta_2)
+    q_2 = (g.k[2] + t1 - theta_1 * theta_1) * 0.5
+    q_3 = 0.5 * (t1 + g.k[3] - theta_2 * theta_2)
     foot_0 = (q_2 * g.k[4] + q_3 * g.k[5]) * g.k[6]  # in the plane of the centres
     foot_1 = g.k[6] * (q_2 * g.k[7] + q_3 * g.k[8])
     foot_2 = g.k[6] * (g.k[0] * q_2 + g.k[0] * q_3)
     h2 = g.k[6] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2)
     side = g.k[0] * (s_near_0 - g.g[0]) + g.k[0] * (s_near_1 - g.g[1]) + g.k[1] * (s_near_2 - g.g[2])
-    t3 = side + 1e-300
-    height = t3 * np.sqrt(h2) / np.abs(t3)
-    t4 = g.k[0] * height
-    s_0 = g.g[0] + foot_0 + t4
-    s_1 = t4 + (g.g[1] + foot_1)
+    t2 = side + 1e-300
+    height = t2 * np.sqrt(h2) / np.abs(t2)
+    t3 = g.k[0] * height
+    s_0 = g.g[0] + foot_0 + t3
+    s_1 = t3 + (g.g[1] + foot_1)
     s_2 = g.g[2] + foot_2 + g.k[1] * height
     w_1_0 = s_0 - g.g[0]  # strut 1
     w_1_1 = s_1 - g.g[1]
@@ -169,30 +167,29 @@ def forward_posture(g: Any, theta: Any, s_near: Any) -> tuple[Any, ...]:
 
 def forward_all(g: Any, theta: Any) -> tuple[Any, ...]:
     """End points of the (3-UPU) sub-leg in every assembly mode: first the one on the side of the
-    normal; NaN where the loop cannot close.  Thesis: 3.5.  (19 add, 21 multiply, 1 square root)"""
+    normal; NaN where the loop cannot close.  Thesis: 3.5.  (19 add, 20 multiply, 1 square root)"""
     theta_0, theta_1, theta_2 = theta
     t1 = theta_0 * theta_0
-    t2 = 0.5 * t1
-    q_2 = g.k[2] + t2 - 0.5 * (theta_1 * theta_1)
-    q_3 = t2 + g.k[3] - 0.5 * (theta_2 * theta_2)
+    q_2 = (g.k[2] + t1 - theta_1 * theta_1) * 0.5
+    q_3 = 0.5 * (t1 + g.k[3] - theta_2 * theta_2)
     foot_0 = (q_2 * g.k[4] + q_3 * g.k[5]) * g.k[6]  # in the plane of the centres
     foot_1 = g.k[6] * (q_2 * g.k[7] + q_3 * g.k[8])
     foot_2 = g.k[6] * (g.k[0] * q_2 + g.k[0] * q_3)
     h2 = g.k[6] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2)
     height = np.sqrt(h2)
-    t3 = g.g[0] + foot_0
-    t4 = g.k[0] * height
-    t5 = g.g[1] + foot_1
-    t6 = g.g[2] + foot_2
-    t7 = g.k[1] * height
+    t2 = g.g[0] + foot_0
+    t3 = g.k[0] * height
+    t4 = g.g[1] + foot_1
+    t5 = g.g[2] + foot_2
+    t6 = g.k[1] * height
     return (
         (  # s
+            t2 + t3,
             t3 + t4,
-            t4 + t5,
-            t6 + t7,
-            t3 - t4,
-            t5 - t4,
-            t6 - t7,
+            t5 + t6,
+            t2 - t3,
+            t4 - t3,
+            t5 - t6,
         ),
         (  # radicand
             h2,

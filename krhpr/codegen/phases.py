@@ -21,6 +21,9 @@ from krhpr.codegen.passes import remove_dead_code
 
 _CHEAP = frozenset({Op.CONST, Op.INPUT, Op.ADD, Op.SUB, Op.NEG, Op.MUL})
 
+_SLOW = {Op.DIV: 4, Op.SQRT: 5, Op.SIN: 15, Op.COS: 15, Op.ATAN2: 20}
+"""Operations that take longer than an addition, and about how many times."""
+
 
 @dataclass(frozen=True)
 class Tail:
@@ -38,6 +41,14 @@ class Phases:
     body: Kernel
     tails: tuple[Tail, ...]
     tail_size: int
+
+    def covers(self, port: str) -> bool:
+        """Whether every element of an input is part of an angle, which is then finite only if they are."""
+        if self.angles is None:
+            return False
+        read = {node.value for _, node in self.angles.graph if isinstance(node.value, InputRef)}
+        sizes = [candidate.size for candidate in self.angles.inputs if candidate.name == port]
+        return bool(sizes) and all(InputRef(port, index) in read for index in range(sizes[0]))
 
 
 def split(kernel: Kernel) -> Phases:
@@ -91,16 +102,32 @@ def _leading_angles(kernel: Kernel) -> dict[int, int]:
 
 
 def _trailing_arctangents(kernel: Kernel) -> tuple[tuple[Tail, ...], list[tuple[int, int]]]:
-    """Outputs made of arctangents that nothing else reads, and the operands of each arctangent."""
+    """Outputs made of arctangents that nothing else reads, and the operands of each arctangent.
+
+    Those that have less to wait for come first: processors look ahead by a limited number of instructions.
+    """
     graph, needed = kernel.graph, kernel.graph.needed(kernel.result_nodes)
     read = {a for index, node in graph if needed[index] for a in node.args}
-    tails: list[Tail] = []
-    slots: dict[int, int] = {}
-    for port in kernel.outputs:
-        nodes = kernel.results[port.name]
-        if all(graph.nodes[node].op is Op.ATAN2 and node not in read for node in nodes):
-            tails.append(Tail(port, tuple(slots.setdefault(node, len(slots)) for node in nodes)))
-    return tuple(tails), [(graph.nodes[node].args[0], graph.nodes[node].args[1]) for node in slots]
+    ends = [
+        (port, nodes)
+        for port in kernel.outputs
+        for nodes in (kernel.results[port.name],)
+        if all(graph.nodes[node].op is Op.ATAN2 and node not in read for node in nodes)
+    ]
+    waits = _waits(graph)
+    found = sorted({node for _, nodes in ends for node in nodes}, key=lambda node: (waits[node], node))
+    slots = {node: slot for slot, node in enumerate(found)}
+    tails = tuple(Tail(port, tuple(slots[node] for node in nodes)) for port, nodes in ends)
+    return tails, [(graph.nodes[node].args[0], graph.nodes[node].args[1]) for node in found]
+
+
+def _waits(graph: Graph) -> list[int]:
+    """How long each node waits for its operands, in units of an addition."""
+    waits: list[int] = []
+    for _, node in graph:
+        own = 0 if node.op in (Op.CONST, Op.INPUT) else _SLOW.get(node.op, 1)
+        waits.append(own + max((waits[operand] for operand in node.args), default=0))
+    return waits
 
 
 def _angle_kernel(kernel: Kernel, arguments: list[int]) -> Kernel | None:

@@ -129,6 +129,11 @@ class KernelWriter:
         self._place[found**2] = self._node(square)
         return found
 
+    def inverse_root(self, name: str, square: Any, note: str = "") -> Any:
+        """1 / sqrt(square), named, as the root times the reciprocal: neither need wait for the other."""
+        square = self.let(f"{name}_of", square)
+        return self.let(name, sp.sqrt(square) * self.let(f"{name}2", 1 / square), note)
+
     def atan2(self, y: Any, x: Any) -> sp.Symbol:
         """The angle of (x, y) in (-pi, pi], kept as one operation (SymPy would rewrite special cases)."""
         return self._symbol(self._graph.atan2(self._convert(y), self._convert(x)))
@@ -292,6 +297,9 @@ class KernelWriter:
         if e.is_Rational:
             return graph.constant(Fraction(int(e.p), int(e.q)))
         if e.is_Add:
+            common, rest = e.primitive()
+            if sum(abs(term.as_coeff_Mul()[0]) == common for term in e.args) > 1 and common != 1:
+                return graph.mul(self._node(rest), self._node(common))  # SymPy has multiplied it out
             positive = [term for term in e.args if not term.could_extract_minus_sign()]
             negative = [-term for term in e.args if term.could_extract_minus_sign()]
             if not positive:

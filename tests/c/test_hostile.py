@@ -82,7 +82,7 @@ BROKEN = {
     "no NaN for an invalid input": ("krhpr.h", "x[k] = (double)NAN;", "(void)x;", "is not NaN"),
     "no check of the inputs": (
         "krhpr_lanes.h",
-        "return !krhpr_any((krhpr_ints)(taint != krhpr_all(0.0)));",
+        "return krhpr_every((krhpr_ints)(taint == krhpr_all(0.0)));",
         "(void)taint;\n    return 1;",
         "for infinite input",
     ),
@@ -99,7 +99,7 @@ BROKEN = {
         "is not written whole",
     ),
     "an element too far": ("krhpr_lanes.h", "if (i + lane < 3)", "if (i + lane < 4)", "AddressSanitizer"),
-    "a batch that repeats one element": ("source", "k * in_step[0]", "0 * in_step[0]", "batch: "),
+    "a batch that repeats one element": ("batch", "k * in_step[0]", "0 * in_step[0]", "batch: "),
     "lanes that repeat the first": ("krhpr_poses.h", "here - 1) * step", "here - 1) * 0", "batch: "),
     "even and odd poses in each other's places": (
         "krhpr_poses.h",
@@ -125,7 +125,25 @@ BROKEN = {
         "krhpr_load(from + k)",
         "soa: ",
     ),
-    "a leg's limit that nobody looks at": ("source", "        fine &= ", "        (void)", "batch: status"),
+    "a leg's limit that nobody looks at": ("batch", "        fine &= ", "        (void)", "batch: status"),
+    "a limit of legs side by side that nobody looks at": (
+        "single",
+        "        fine &= ",
+        "        (void)",
+        "not NaN|status",
+    ),
+    "angles that nobody looks at": (
+        "single",
+        "!KRHPR_LIKELY(near) && ",
+        "0 && ",
+        "for infinite input|for NaN",
+    ),
+    "angles of a batch that nobody looks at": (
+        "batch",
+        "near && krhpr_every",
+        "(near || 1) && krhpr_every",
+        "batch: ",
+    ),
 }
 
 
@@ -137,7 +155,7 @@ def test_a_broken_promise_is_seen(what: str, build: Build, tmp_path: Path) -> No
     kind, good, bad, said = BROKEN[what]
     folder = tmp_path / "spoilt"
     shutil.copytree(SOURCES, folder)
-    names = {"source": f"krhpr_{robot}_batch.c"}
+    names = {"single": f"krhpr_{robot}.c", "batch": f"krhpr_{robot}_batch.c"}
     spoilt = folder / names.get(kind, kind)
     text = spoilt.read_text()
     assert good in text

@@ -11,23 +11,21 @@
 #include "krhpr_dual.h"
 
 /* `end_point` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.37), 2.5.
- * (18 add, 26 multiply, 1 sine cosine) */
+ * (18 add, 22 multiply, 1 sine cosine) */
 KRHPR_STATIC void krhpr_platform_planar_a_end_point_tangent(
     const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *p, const krhpr_dual *Q,
     const krhpr_dual *redundant, krhpr_dual *KRHPR_RESTRICT s)
 {
     double h1, h2; krhpr_sincos(redundant[0].v, &h1, &h2);
-    const double l_c = g->l_r[i] * h2;
-    const double l_s = g->l_r[i] * h1;
-    const double r_l_0 = g->b[0][i] - g->e_r[0][i] * l_c - g->e_r[1][i] * l_s;
-    const double r_l_1 = g->b[1][i] + g->e_r[0][i] * l_s - g->e_r[1][i] * l_c;
+    const double r_l_0 = g->b[0][i] - g->k[0][i] * h2 - g->k[1][i] * h1;
+    const double r_l_1 = g->b[1][i] + g->k[0][i] * h1 - g->k[1][i] * h2;
     s[0].v = p[0].v + Q[0].v * r_l_0 + Q[1].v * r_l_1;
     s[1].v = p[1].v + Q[2].v * r_l_0 + Q[3].v * r_l_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->l_r[i] * (h1 * redundant[0].t[k]);
-        const double t2 = g->l_r[i] * (h2 * redundant[0].t[k]);
-        const double t3 = g->e_r[0][i] * t1 - g->e_r[1][i] * t2;
-        const double t4 = g->e_r[0][i] * t2 + g->e_r[1][i] * t1;
+        const double t1 = h1 * redundant[0].t[k];
+        const double t2 = h2 * redundant[0].t[k];
+        const double t3 = g->k[0][i] * t1 - g->k[1][i] * t2;
+        const double t4 = g->k[0][i] * t2 + g->k[1][i] * t1;
         const double t5 = p[0].t[k] + (r_l_0 * Q[0].t[k] + Q[0].v * t3) + (r_l_1 * Q[1].t[k] + Q[1].v * t4);
         const double t6 = p[1].t[k] + (r_l_0 * Q[2].t[k] + Q[2].v * t3) + (r_l_1 * Q[3].t[k] + Q[3].v * t4);
         s[0].t[k] = t5;
@@ -72,7 +70,7 @@ KRHPR_STATIC void krhpr_platform_planar_a_residual_tangent(
     const double a_0 = p[0].v + Qb_0 - s[0].v;
     const double a_1 = p[1].v + Qb_1 - s[1].v;
     const double a2 = a_0 * a_0 + a_1 * a_1;
-    residual[0].v = a2 * 0.5 - g->k[0][i];
+    residual[0].v = (a2 - g->k[2][i]) * 0.5;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = a_0 * (p[0].t[k] + (g->b[0][i] * Q[0].t[k] + g->b[1][i] * Q[1].t[k]) - s[0].t[k]);
         const double t2 = a_1 * (p[1].t[k] + (g->b[0][i] * Q[2].t[k] + g->b[1][i] * Q[3].t[k]) - s[1].t[k]);
@@ -158,16 +156,14 @@ KRHPR_STATIC void krhpr_platform_planar_a_line_tangent(
 }
 
 /* `line_of_redundant` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.33),
- * (1.34).  (11 add, 18 multiply, 1 sine cosine) */
+ * (1.34).  (11 add, 14 multiply, 1 sine cosine) */
 KRHPR_STATIC void krhpr_platform_planar_a_line_of_redundant_tangent(
     const krhpr_platform_planar_a_geometry *g, int i, const krhpr_dual *redundant,
     krhpr_dual *KRHPR_RESTRICT line, krhpr_dual *KRHPR_RESTRICT point, krhpr_dual *KRHPR_RESTRICT scale)
 {
     double h1, h2; krhpr_sincos(redundant[0].v, &h1, &h2);
-    const double l_c = g->l_r[i] * h2;
-    const double l_s = g->l_r[i] * h1;
-    const double r_l_0 = g->b[0][i] - g->e_r[0][i] * l_c - g->e_r[1][i] * l_s;
-    const double r_l_1 = g->b[1][i] + g->e_r[0][i] * l_s - g->e_r[1][i] * l_c;
+    const double r_l_0 = g->b[0][i] - g->k[0][i] * h2 - g->k[1][i] * h1;
+    const double r_l_1 = g->b[1][i] + g->k[0][i] * h1 - g->k[1][i] * h2;
     const double a_0 = g->b[0][i] - r_l_0;
     const double a_1 = g->b[1][i] - r_l_1;
     line[0].v = a_0;
@@ -178,11 +174,11 @@ KRHPR_STATIC void krhpr_platform_planar_a_line_of_redundant_tangent(
     scale[0].v = g->l_r[i];
     scale[1].v = g->R_p[i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = g->l_r[i] * (h1 * redundant[0].t[k]);
-        const double t2 = g->l_r[i] * (h2 * redundant[0].t[k]);
-        const double t3 = g->e_r[0][i] * t1;
-        const double t4 = g->e_r[1][i] * t2;
-        const double t5 = g->e_r[0][i] * t2 + g->e_r[1][i] * t1;
+        const double t1 = h1 * redundant[0].t[k];
+        const double t2 = h2 * redundant[0].t[k];
+        const double t3 = g->k[0][i] * t1;
+        const double t4 = g->k[1][i] * t2;
+        const double t5 = g->k[0][i] * t2 + g->k[1][i] * t1;
         const double t6 = t4 - t3;
         line[0].t[k] = t6;
         line[1].t[k] = -t5;
@@ -318,8 +314,8 @@ KRHPR_STATIC void krhpr_platform_planar_a_joint_tangent(
     const double h2 = g->e_r[1][i] * a_x - g->e_r[0][i] * a_y;
     const double h1 = g->e_r[0][i] * a_x + g->e_r[1][i] * a_y;
     const double h3 = 1.0 / (h1 * h1 + h2 * h2);
-    redundant_link[0].v = a_0 * g->k[1][i];
-    redundant_link[1].v = g->k[1][i] * a_1;
+    redundant_link[0].v = a_0 * g->k[3][i];
+    redundant_link[1].v = g->k[3][i] * a_1;
     platform_joint[0].v = krhpr_atan2(h2, h1);
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = p[0].t[k] + (g->b[0][i] * Q[0].t[k] + g->b[1][i] * Q[1].t[k]) - s[0].t[k];
@@ -327,8 +323,8 @@ KRHPR_STATIC void krhpr_platform_planar_a_joint_tangent(
         const double t3 = a_0 * Q[0].t[k] + Q[0].v * t1 + (a_1 * Q[2].t[k] + Q[2].v * t2);
         const double t4 = a_0 * Q[1].t[k] + Q[1].v * t1 + (a_1 * Q[3].t[k] + Q[3].v * t2);
         const double t5 = h1 * (g->e_r[1][i] * t3 - g->e_r[0][i] * t4) - h2 * (g->e_r[0][i] * t3 + g->e_r[1][i] * t4);
-        redundant_link[0].t[k] = g->k[1][i] * t1;
-        redundant_link[1].t[k] = g->k[1][i] * t2;
+        redundant_link[0].t[k] = g->k[3][i] * t1;
+        redundant_link[1].t[k] = g->k[3][i] * t2;
         platform_joint[0].t[k] = h3 * t5;
     }
 }
@@ -425,7 +421,7 @@ KRHPR_STATIC void krhpr_platform_planar_a_solve_tangent(
 }
 
 /* `type_2` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4, 2.3.2.  (27
- * add, 44 multiply, 2 divide) */
+ * add, 40 multiply, 2 divide) */
 KRHPR_STATIC void krhpr_platform_planar_a_type_2_tangent(
     const krhpr_dual *line, const krhpr_dual *point, const krhpr_dual *scale,
     krhpr_dual *KRHPR_RESTRICT type_2, krhpr_dual *KRHPR_RESTRICT margins)
@@ -435,7 +431,7 @@ KRHPR_STATIC void krhpr_platform_planar_a_type_2_tangent(
     const double h2 = line[5].v * line[6].v - line[3].v * line[8].v;
     const double h3 = line[3].v * line[7].v - line[4].v * line[6].v;
     const double det_a = line[0].v * h1 + line[1].v * h2 + line[2].v * h3;
-    const double R = scale[1].v * (1.0 / 3.0) + scale[3].v * (1.0 / 3.0) + scale[5].v * (1.0 / 3.0);
+    const double R = (scale[5].v + (scale[1].v + scale[3].v)) * (1.0 / 3.0);
     const double h4 = scale[0].v * R;
     const double h5 = scale[2].v * h4;
     const double t1 = scale[4].v * h5;
@@ -448,10 +444,10 @@ KRHPR_STATIC void krhpr_platform_planar_a_type_2_tangent(
         const double t3 = line[6].v * line[5].t[k] + line[5].v * line[6].t[k] - (line[8].v * line[3].t[k] + line[3].v * line[8].t[k]);
         const double t4 = line[7].v * line[3].t[k] + line[3].v * line[7].t[k] - (line[6].v * line[4].t[k] + line[4].v * line[6].t[k]);
         const double t5 = h1 * line[0].t[k] + line[0].v * t2 + (h2 * line[1].t[k] + line[1].v * t3) + (h3 * line[2].t[k] + line[2].v * t4);
-        const double t6 = (1.0 / 3.0) * scale[1].t[k] + (1.0 / 3.0) * scale[3].t[k] + (1.0 / 3.0) * scale[5].t[k];
-        const double t7 = scale[4].v * (h4 * scale[2].t[k] + scale[2].v * (R * scale[0].t[k] + scale[0].v * t6));
+        const double t6 = R * scale[0].t[k] + scale[0].v * ((1.0 / 3.0) * (scale[5].t[k] + (scale[1].t[k] + scale[3].t[k])));
+        const double t7 = h6 * (h5 * scale[4].t[k] + scale[4].v * (h4 * scale[2].t[k] + scale[2].v * t6));
         type_2[0].t[k] = t5;
-        margins[0].t[k] = -h7 * (t5 - h6 * (h5 * scale[4].t[k] + t7));
+        margins[0].t[k] = -h7 * (t5 - t7);
     }
 }
 
@@ -584,7 +580,7 @@ KRHPR_STATIC void krhpr_platform_planar_a_tie_tangent(
 }
 
 /* `sextic` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.1, (3.1) to
- * (3.4).  (336 add, 370 multiply) */
+ * (3.4).  (336 add, 366 multiply) */
 KRHPR_STATIC void krhpr_platform_planar_a_sextic_tangent(
     const krhpr_dual *s, const krhpr_dual *anchor, const krhpr_dual *length,
     krhpr_dual *KRHPR_RESTRICT points, krhpr_dual *KRHPR_RESTRICT sextic)
@@ -627,14 +623,14 @@ KRHPR_STATIC void krhpr_platform_planar_a_sextic_tangent(
     const double t9 = s_12_0 * s_13_0;
     const double t10 = s_12_1 * s_13_1;
     const double w_0 = t7 + t8 + t9 + t10 - c_23 - c_32;
-    const double h11 = s_23 * 2.0 + s_32 * 2.0;
+    const double h11 = 2.0 * (s_23 + s_32);
     const double w_2 = t10 + (t9 + (t8 + (t7 + (c_23 + c_32))));
     const double t11 = d_2_0 * d_3_1;
     const double t12 = s_12_0 * s_13_1;
     const double t13 = d_2_1 * d_3_0;
     const double t14 = s_12_1 * s_13_0;
     const double D_0 = s_32 + t11 + t12 - s_23 - t13 - t14;
-    const double D_1 = c_23 * 2.0 - c_32 * 2.0;
+    const double D_1 = 2.0 * (c_23 - c_32);
     const double D_2 = t12 + (s_23 + t11) - s_32 - t13 - t14;
     const double e22_0 = e2_0 * e2_0;
     const double h1 = 2.0 * e2_0;
@@ -739,14 +735,14 @@ KRHPR_STATIC void krhpr_platform_planar_a_sextic_tangent(
         const double t62 = s_13_0 * t24 + s_12_0 * t26;
         const double t63 = s_13_1 * t25 + s_12_1 * t27;
         const double t64 = t60 + t61 + t62 + t63 - t28 - t29;
-        const double t65 = 2.0 * t30 + 2.0 * t31;
+        const double t65 = 2.0 * (t30 + t31);
         const double t66 = t63 + (t62 + (t61 + (t60 + (t28 + t29))));
         const double t67 = d_3_1 * t20 + d_2_0 * t23;
         const double t68 = s_13_1 * t24 + s_12_0 * t27;
         const double t69 = d_3_0 * t21 + d_2_1 * t22;
         const double t70 = s_13_0 * t25 + s_12_1 * t26;
         const double t71 = t31 + t67 + t68 - t30 - t69 - t70;
-        const double t72 = 2.0 * t28 - 2.0 * t29;
+        const double t72 = 2.0 * (t28 - t29);
         const double t73 = t68 + (t30 + t67) - t31 - t69 - t70;
         const double t74 = e2_0 * t54;
         const double t75 = t74 + t74;
@@ -814,7 +810,7 @@ KRHPR_STATIC void krhpr_platform_planar_a_sextic_tangent(
 }
 
 /* `assembly` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.1, (3.1) to
- * (3.4).  (548 add, 618 multiply, 16 divide, 2 square root, 4 arctangent) */
+ * (3.4).  (550 add, 604 multiply, 18 divide, 2 square root, 4 arctangent) */
 KRHPR_STATIC void krhpr_platform_planar_a_assembly_tangent(
     const krhpr_dual *root, const krhpr_dual *s, const krhpr_dual *anchor, const krhpr_dual *length,
     const krhpr_dual *points, krhpr_dual *KRHPR_RESTRICT p, krhpr_dual *KRHPR_RESTRICT phi,
@@ -837,96 +833,94 @@ KRHPR_STATIC void krhpr_platform_planar_a_assembly_tangent(
     const double z_2_0 = t3 - points[2].v - t4;
     const double t5 = d_2_1 * cos_0;
     const double t6 = d_2_0 * sin_0;
-    const double h10 = t5 + t6;
-    const double z_2_1 = h10 - points[3].v;
+    const double h8 = t5 + t6;
+    const double z_2_1 = h8 - points[3].v;
     const double t7 = d_3_0 * cos_0;
     const double t8 = d_3_1 * sin_0;
     const double z_3_0 = t7 - points[4].v - t8;
     const double t9 = d_3_1 * cos_0;
     const double t10 = d_3_0 * sin_0;
-    const double h12 = t9 + t10;
-    const double z_3_1 = h12 - points[5].v;
+    const double h10 = t9 + t10;
+    const double z_3_1 = h10 - points[5].v;
     const double t11 = length[1].v * length[1].v;
     const double t12 = length[0].v * length[0].v;
     const double e_2 = t11 - t12 - z_2_0 * z_2_0 - z_2_1 * z_2_1;
     const double t13 = length[2].v * length[2].v;
     const double e_3 = t13 - t12 - z_3_0 * z_3_0 - z_3_1 * z_3_1;
-    const double h7 = z_3_1 * e_2 - z_2_1 * e_3;
-    const double h4 = 2.0 * z_2_0;
-    const double h5 = 2.0 * z_2_1;
-    const double h6 = 1.0 / (z_3_1 * h4 - z_3_0 * h5);
-    const double a_1_0_0 = h7 * h6;
-    const double h8 = z_2_0 * e_3 - z_3_0 * e_2;
-    const double a_1_0_1 = h6 * h8;
+    const double h5 = z_3_1 * e_2 - z_2_1 * e_3;
+    const double h4 = 1.0 / (2.0 * (z_2_0 * z_3_1 - z_2_1 * z_3_0));
+    const double a_1_0_0 = h5 * h4;
+    const double h6 = z_2_0 * e_3 - z_3_0 * e_2;
+    const double a_1_0_1 = h4 * h6;
     const double a_1_1_0 = a_1_0_0 - points[0].v;
     const double a_1_1_1 = a_1_0_1 - points[1].v;
     const double a_2_1_0 = t3 + a_1_0_0 - points[2].v - t4;
     const double a_2_1_1 = t6 + (t5 + a_1_0_1) - points[3].v;
     const double a_3_1_0 = t7 + a_1_0_0 - points[4].v - t8;
     const double a_3_1_1 = t10 + (t9 + a_1_0_1) - points[5].v;
-    const double t14 = t12 * 0.5;
-    const double f_1_1 = 0.5 * (a_1_1_0 * a_1_1_0) + 0.5 * (a_1_1_1 * a_1_1_1) - t14;
-    const double t15 = t11 * 0.5;
-    const double f_2_1 = 0.5 * (a_2_1_0 * a_2_1_0) + 0.5 * (a_2_1_1 * a_2_1_1) - t15;
-    const double t16 = t13 * 0.5;
-    const double f_3_1 = 0.5 * (a_3_1_0 * a_3_1_0) + 0.5 * (a_3_1_1 * a_3_1_1) - t16;
-    const double h9 = t3 - t4;
-    const double g_2_1 = a_2_1_1 * h9 - h10 * a_2_1_0;
-    const double h11 = t7 - t8;
-    const double g_3_1 = a_3_1_1 * h11 - h12 * a_3_1_0;
+    const double f_1_1 = (a_1_1_0 * a_1_1_0 + a_1_1_1 * a_1_1_1 - t12) * 0.5;
+    const double f_2_1 = 0.5 * (a_2_1_0 * a_2_1_0 + a_2_1_1 * a_2_1_1 - t11);
+    const double f_3_1 = 0.5 * (a_3_1_0 * a_3_1_0 + a_3_1_1 * a_3_1_1 - t13);
+    const double h7 = t3 - t4;
+    const double g_2_1 = a_2_1_1 * h7 - h8 * a_2_1_0;
+    const double h9 = t7 - t8;
+    const double g_3_1 = a_3_1_1 * h9 - h10 * a_3_1_0;
     const double lambda_1_1 = a_2_1_0 * a_3_1_1 - a_2_1_1 * a_3_1_0;
     const double lambda_2_1 = a_1_1_1 * a_3_1_0 - a_1_1_0 * a_3_1_1;
     const double lambda_3_1 = a_1_1_0 * a_2_1_1 - a_1_1_1 * a_2_1_0;
-    const double t17 = g_2_1 * lambda_2_1 + g_3_1 * lambda_3_1;
-    const double h13 = (f_1_1 * lambda_1_1 + f_2_1 * lambda_2_1 + f_3_1 * lambda_3_1) / t17;
-    const double h15 = g_2_1 * h13 - f_2_1;
-    const double h16 = g_3_1 * h13 - f_3_1;
-    const double h17 = a_3_1_1 * h15 - a_2_1_1 * h16;
-    const double h18 = a_1_1_1 * h16 + a_3_1_1 * f_1_1;
-    const double h19 = a_1_1_1 * h15 + a_2_1_1 * f_1_1;
-    const double h21 = lambda_1_1 * h17 + lambda_2_1 * h18 - lambda_3_1 * h19;
-    const double h20 = 1.0 / (lambda_1_1 * lambda_1_1 + lambda_2_1 * lambda_2_1 + lambda_3_1 * lambda_3_1);
-    const double move_1_0 = h21 * h20;
-    const double h22 = a_2_1_0 * h16 - a_3_1_0 * h15;
-    const double h23 = a_1_1_0 * h16 + a_3_1_0 * f_1_1;
-    const double h24 = a_1_1_0 * h15 + a_2_1_0 * f_1_1;
-    const double h25 = lambda_1_1 * h22 - lambda_2_1 * h23 + lambda_3_1 * h24;
-    const double move_1_1 = h20 * h25;
-    const double norm_1 = 1.0 / sqrt(1.0 + h13 * h13);
-    const double h26 = cos_0 + sin_0 * h13;
+    const double t14 = g_2_1 * lambda_2_1 + g_3_1 * lambda_3_1;
+    const double h11 = (f_1_1 * lambda_1_1 + f_2_1 * lambda_2_1 + f_3_1 * lambda_3_1) / t14;
+    const double h13 = g_2_1 * h11 - f_2_1;
+    const double h14 = g_3_1 * h11 - f_3_1;
+    const double h15 = a_3_1_1 * h13 - a_2_1_1 * h14;
+    const double h16 = a_1_1_1 * h14 + a_3_1_1 * f_1_1;
+    const double h17 = a_1_1_1 * h13 + a_2_1_1 * f_1_1;
+    const double h19 = lambda_1_1 * h15 + lambda_2_1 * h16 - lambda_3_1 * h17;
+    const double h18 = 1.0 / (lambda_1_1 * lambda_1_1 + lambda_2_1 * lambda_2_1 + lambda_3_1 * lambda_3_1);
+    const double move_1_0 = h19 * h18;
+    const double h20 = a_2_1_0 * h14 - a_3_1_0 * h13;
+    const double h21 = a_1_1_0 * h14 + a_3_1_0 * f_1_1;
+    const double h22 = a_1_1_0 * h13 + a_2_1_0 * f_1_1;
+    const double h23 = lambda_1_1 * h20 - lambda_2_1 * h21 + lambda_3_1 * h22;
+    const double move_1_1 = h18 * h23;
+    const double norm_1_of = 1.0 + h11 * h11;
+    const double norm_12 = 1.0 / norm_1_of;
+    const double h25 = sqrt(norm_1_of);
+    const double norm_1 = norm_12 * h25;
+    const double h26 = cos_0 + sin_0 * h11;
     const double cos_1 = norm_1 * h26;
-    const double h27 = sin_0 - cos_0 * h13;
+    const double h27 = sin_0 - cos_0 * h11;
     const double sin_1 = norm_1 * h27;
     const double a_1_1_on_0 = a_1_0_0 + move_1_0;
     const double a_1_1_on_1 = a_1_0_1 + move_1_1;
     const double a_1_2_0 = a_1_1_on_0 - points[0].v;
     const double a_1_2_1 = a_1_1_on_1 - points[1].v;
-    const double t18 = d_2_0 * cos_1;
-    const double t19 = d_2_1 * sin_1;
-    const double a_2_2_0 = a_1_1_on_0 + t18 - points[2].v - t19;
-    const double t20 = d_2_1 * cos_1;
-    const double t21 = d_2_0 * sin_1;
-    const double a_2_2_1 = a_1_1_on_1 + t20 + t21 - points[3].v;
-    const double t22 = d_3_0 * cos_1;
-    const double t23 = d_3_1 * sin_1;
-    const double a_3_2_0 = a_1_1_on_0 + t22 - points[4].v - t23;
-    const double t24 = d_3_1 * cos_1;
-    const double t25 = d_3_0 * sin_1;
-    const double a_3_2_1 = a_1_1_on_1 + t24 + t25 - points[5].v;
-    const double f_1_2 = 0.5 * (a_1_2_0 * a_1_2_0) + 0.5 * (a_1_2_1 * a_1_2_1) - t14;
-    const double f_2_2 = 0.5 * (a_2_2_0 * a_2_2_0) + 0.5 * (a_2_2_1 * a_2_2_1) - t15;
-    const double f_3_2 = 0.5 * (a_3_2_0 * a_3_2_0) + 0.5 * (a_3_2_1 * a_3_2_1) - t16;
-    const double h28 = t18 - t19;
-    const double h29 = t20 + t21;
+    const double t15 = d_2_0 * cos_1;
+    const double t16 = d_2_1 * sin_1;
+    const double a_2_2_0 = a_1_1_on_0 + t15 - points[2].v - t16;
+    const double t17 = d_2_1 * cos_1;
+    const double t18 = d_2_0 * sin_1;
+    const double a_2_2_1 = a_1_1_on_1 + t17 + t18 - points[3].v;
+    const double t19 = d_3_0 * cos_1;
+    const double t20 = d_3_1 * sin_1;
+    const double a_3_2_0 = a_1_1_on_0 + t19 - points[4].v - t20;
+    const double t21 = d_3_1 * cos_1;
+    const double t22 = d_3_0 * sin_1;
+    const double a_3_2_1 = a_1_1_on_1 + t21 + t22 - points[5].v;
+    const double f_1_2 = 0.5 * (a_1_2_0 * a_1_2_0 + a_1_2_1 * a_1_2_1 - t12);
+    const double f_2_2 = 0.5 * (a_2_2_0 * a_2_2_0 + a_2_2_1 * a_2_2_1 - t11);
+    const double f_3_2 = 0.5 * (a_3_2_0 * a_3_2_0 + a_3_2_1 * a_3_2_1 - t13);
+    const double h28 = t15 - t16;
+    const double h29 = t17 + t18;
     const double g_2_2 = a_2_2_1 * h28 - a_2_2_0 * h29;
-    const double h30 = t22 - t23;
-    const double h31 = t24 + t25;
+    const double h30 = t19 - t20;
+    const double h31 = t21 + t22;
     const double g_3_2 = a_3_2_1 * h30 - a_3_2_0 * h31;
     const double lambda_1_2 = a_2_2_0 * a_3_2_1 - a_2_2_1 * a_3_2_0;
     const double lambda_2_2 = a_1_2_1 * a_3_2_0 - a_1_2_0 * a_3_2_1;
     const double lambda_3_2 = a_1_2_0 * a_2_2_1 - a_1_2_1 * a_2_2_0;
-    const double t26 = g_2_2 * lambda_2_2 + g_3_2 * lambda_3_2;
-    const double h32 = (f_1_2 * lambda_1_2 + f_2_2 * lambda_2_2 + f_3_2 * lambda_3_2) / t26;
+    const double t23 = g_2_2 * lambda_2_2 + g_3_2 * lambda_3_2;
+    const double h32 = (f_1_2 * lambda_1_2 + f_2_2 * lambda_2_2 + f_3_2 * lambda_3_2) / t23;
     const double h34 = g_2_2 * h32 - f_2_2;
     const double h35 = g_3_2 * h32 - f_3_2;
     const double h36 = a_3_2_1 * h34 - a_2_2_1 * h35;
@@ -940,11 +934,14 @@ KRHPR_STATIC void krhpr_platform_planar_a_assembly_tangent(
     const double h43 = a_1_2_0 * h34 + a_2_2_0 * f_1_2;
     const double h44 = lambda_1_2 * h41 - lambda_2_2 * h42 + lambda_3_2 * h43;
     const double move_2_1 = h39 * h44;
-    const double norm_2 = 1.0 / sqrt(1.0 + h32 * h32);
-    const double h45 = cos_1 + sin_1 * h32;
-    const double cos_2 = norm_2 * h45;
-    const double h46 = sin_1 - cos_1 * h32;
-    const double sin_2 = norm_2 * h46;
+    const double norm_2_of = 1.0 + h32 * h32;
+    const double norm_22 = 1.0 / norm_2_of;
+    const double h46 = sqrt(norm_2_of);
+    const double norm_2 = norm_22 * h46;
+    const double h47 = cos_1 + sin_1 * h32;
+    const double cos_2 = norm_2 * h47;
+    const double h48 = sin_1 - cos_1 * h32;
+    const double sin_2 = norm_2 * h48;
     const double a_1_2_on_0 = a_1_1_on_0 + move_2_0;
     const double a_1_2_on_1 = a_1_1_on_1 + move_2_1;
     const double Rd_2_0 = d_2_0 * cos_2 - d_2_1 * sin_2;
@@ -965,223 +962,224 @@ KRHPR_STATIC void krhpr_platform_planar_a_assembly_tangent(
     const double u_2_1 = cos_2 * a_2_1 - sin_2 * a_2_0;
     const double u_3_0 = cos_2 * a_3_0 + sin_2 * a_3_1;
     const double u_3_1 = cos_2 * a_3_1 - sin_2 * a_3_0;
-    const double t27 = anchor[1].v * u_1_0;
-    const double t28 = anchor[0].v * u_1_1;
-    const double h48 = t27 - t28;
-    const double h47 = anchor[0].v * u_1_0 + anchor[1].v * u_1_1;
-    const double t29 = anchor[3].v * u_2_0;
-    const double t30 = anchor[2].v * u_2_1;
-    const double h51 = t29 - t30;
-    const double h50 = anchor[2].v * u_2_0 + anchor[3].v * u_2_1;
-    const double t31 = anchor[5].v * u_3_0;
-    const double t32 = anchor[4].v * u_3_1;
-    const double h54 = t31 - t32;
-    const double h53 = anchor[4].v * u_3_0 + anchor[5].v * u_3_1;
-    const double h58 = t28 - t27;
-    const double h57 = u_2_0 * u_3_1 - u_2_1 * u_3_0;
-    const double h60 = t30 - t29;
-    const double h59 = u_1_1 * u_3_0 - u_1_0 * u_3_1;
-    const double h62 = t32 - t31;
-    const double h61 = u_1_0 * u_2_1 - u_1_1 * u_2_0;
-    const double h63 = a_1_0 * a_1_0 + a_1_1 * a_1_1 - t12;
-    const double h64 = a_2_0 * a_2_0 + a_2_1 * a_2_1 - t11;
-    const double h65 = a_3_0 * a_3_0 + a_3_1 * a_3_1 - t13;
-    const double h66 = t13 + (t11 + t12);
-    const double t33 = h66 * h66;
-    const double miss_0 = (h63 * h63 + h64 * h64 + h65 * h65) / t33;
-    const double h14 = 1.0 / t17;
-    const double h33 = 1.0 / t26;
-    const double h49 = 1.0 / (h47 * h47 + h48 * h48);
-    const double h52 = 1.0 / (h50 * h50 + h51 * h51);
-    const double h55 = 1.0 / (h53 * h53 + h54 * h54);
-    const double h56 = 1.0 / (cos_2 * cos_2 + sin_2 * sin_2);
-    const double h67 = 1.0 / t33;
+    const double t24 = anchor[1].v * u_1_0;
+    const double t25 = anchor[0].v * u_1_1;
+    const double h50 = t24 - t25;
+    const double h49 = anchor[0].v * u_1_0 + anchor[1].v * u_1_1;
+    const double t26 = anchor[3].v * u_2_0;
+    const double t27 = anchor[2].v * u_2_1;
+    const double h53 = t26 - t27;
+    const double h52 = anchor[2].v * u_2_0 + anchor[3].v * u_2_1;
+    const double t28 = anchor[5].v * u_3_0;
+    const double t29 = anchor[4].v * u_3_1;
+    const double h56 = t28 - t29;
+    const double h55 = anchor[4].v * u_3_0 + anchor[5].v * u_3_1;
+    const double h60 = t25 - t24;
+    const double h59 = u_2_0 * u_3_1 - u_2_1 * u_3_0;
+    const double h62 = t27 - t26;
+    const double h61 = u_1_1 * u_3_0 - u_1_0 * u_3_1;
+    const double h64 = t29 - t28;
+    const double h63 = u_1_0 * u_2_1 - u_1_1 * u_2_0;
+    const double h65 = a_1_0 * a_1_0 + a_1_1 * a_1_1 - t12;
+    const double h66 = a_2_0 * a_2_0 + a_2_1 * a_2_1 - t11;
+    const double h67 = a_3_0 * a_3_0 + a_3_1 * a_3_1 - t13;
+    const double h68 = t13 + (t11 + t12);
+    const double t30 = h68 * h68;
+    const double miss_0 = (h65 * h65 + h66 * h66 + h67 * h67) / t30;
+    const double h12 = 1.0 / t14;
+    const double h24 = 1.0 / h25;
+    const double h33 = 1.0 / t23;
+    const double h45 = 1.0 / h46;
+    const double h51 = 1.0 / (h49 * h49 + h50 * h50);
+    const double h54 = 1.0 / (h52 * h52 + h53 * h53);
+    const double h57 = 1.0 / (h55 * h55 + h56 * h56);
+    const double h58 = 1.0 / (cos_2 * cos_2 + sin_2 * sin_2);
+    const double h69 = 1.0 / t30;
     p[0].v = s[0].v + p_l_0;
     p[1].v = s[1].v + p_l_1;
     phi[0].v = krhpr_atan2(sin_2, cos_2);
-    redundant[0].v = krhpr_atan2(h48, h47);
-    redundant[1].v = krhpr_atan2(h51, h50);
-    redundant[2].v = krhpr_atan2(h54, h53);
-    det_J[0].v = h58 * h57 + h60 * h59 + h62 * h61;
+    redundant[0].v = krhpr_atan2(h50, h49);
+    redundant[1].v = krhpr_atan2(h53, h52);
+    redundant[2].v = krhpr_atan2(h56, h55);
+    det_J[0].v = h60 * h59 + h62 * h61 + h64 * h63;
     miss[0].v = miss_0;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t34 = anchor[2].t[k] - anchor[0].t[k];
-        const double t35 = anchor[3].t[k] - anchor[1].t[k];
-        const double t36 = anchor[4].t[k] - anchor[0].t[k];
-        const double t37 = anchor[5].t[k] - anchor[1].t[k];
-        const double t38 = root[0].v * root[0].t[k];
-        const double t39 = t38 + t38;
-        const double t40 = root[1].v * root[1].t[k];
-        const double t41 = t40 + t40;
-        const double t42 = xy_2 * (xy_2 * (t39 + t41));
-        const double t43 = xy_2 * (t41 - t39) - h1 * t42;
-        const double t44 = xy_2 * (h2 * root[1].t[k] + root[1].v * (2.0 * root[0].t[k])) - h3 * t42;
-        const double t45 = cos_0 * t34 + d_2_0 * t43;
-        const double t46 = sin_0 * t35 + d_2_1 * t44;
-        const double t47 = t45 - points[2].t[k] - t46;
-        const double t48 = cos_0 * t35 + d_2_1 * t43;
-        const double t49 = sin_0 * t34 + d_2_0 * t44;
-        const double t50 = t48 + t49;
-        const double t51 = t50 - points[3].t[k];
-        const double t52 = cos_0 * t36 + d_3_0 * t43;
-        const double t53 = sin_0 * t37 + d_3_1 * t44;
-        const double t54 = t52 - points[4].t[k] - t53;
-        const double t55 = cos_0 * t37 + d_3_1 * t43;
-        const double t56 = sin_0 * t36 + d_3_0 * t44;
-        const double t57 = t55 + t56;
-        const double t58 = t57 - points[5].t[k];
-        const double t59 = length[1].v * length[1].t[k];
-        const double t60 = t59 + t59;
-        const double t61 = length[0].v * length[0].t[k];
-        const double t62 = t61 + t61;
-        const double t63 = z_2_0 * t47;
-        const double t64 = z_2_1 * t51;
-        const double t65 = t60 - t62 - (t63 + t63) - (t64 + t64);
-        const double t66 = length[2].v * length[2].t[k];
-        const double t67 = t66 + t66;
-        const double t68 = z_3_0 * t54;
-        const double t69 = z_3_1 * t58;
-        const double t70 = t67 - t62 - (t68 + t68) - (t69 + t69);
-        const double t71 = h6 * (h6 * (h4 * t58 + z_3_1 * (2.0 * t47) - (h5 * t54 + z_3_0 * (2.0 * t51))));
-        const double t72 = h6 * (e_2 * t58 + z_3_1 * t65 - (e_3 * t51 + z_2_1 * t70)) - h7 * t71;
-        const double t73 = h6 * (e_3 * t47 + z_2_0 * t70 - (e_2 * t54 + z_3_0 * t65)) - h8 * t71;
-        const double t74 = t72 - points[0].t[k];
-        const double t75 = t73 - points[1].t[k];
-        const double t76 = t45 + t72 - points[2].t[k] - t46;
-        const double t77 = t49 + (t48 + t73) - points[3].t[k];
-        const double t78 = t52 + t72 - points[4].t[k] - t53;
-        const double t79 = t56 + (t55 + t73) - points[5].t[k];
-        const double t80 = a_1_1_0 * t74;
-        const double t81 = a_1_1_1 * t75;
-        const double t82 = 0.5 * t62;
-        const double t83 = 0.5 * (t80 + t80) + 0.5 * (t81 + t81) - t82;
-        const double t84 = a_2_1_0 * t76;
-        const double t85 = a_2_1_1 * t77;
-        const double t86 = 0.5 * t60;
-        const double t87 = 0.5 * (t84 + t84) + 0.5 * (t85 + t85) - t86;
-        const double t88 = a_3_1_0 * t78;
-        const double t89 = a_3_1_1 * t79;
-        const double t90 = 0.5 * t67;
-        const double t91 = 0.5 * (t88 + t88) + 0.5 * (t89 + t89) - t90;
-        const double t92 = h9 * t77 + a_2_1_1 * (t45 - t46) - (a_2_1_0 * t50 + h10 * t76);
-        const double t93 = h11 * t79 + a_3_1_1 * (t52 - t53) - (a_3_1_0 * t57 + h12 * t78);
-        const double t94 = a_3_1_1 * t76 + a_2_1_0 * t79 - (a_3_1_0 * t77 + a_2_1_1 * t78);
-        const double t95 = a_3_1_0 * t75 + a_1_1_1 * t78 - (a_3_1_1 * t74 + a_1_1_0 * t79);
-        const double t96 = a_2_1_1 * t74 + a_1_1_0 * t77 - (a_2_1_0 * t75 + a_1_1_1 * t76);
-        const double t97 = lambda_1_1 * t83 + f_1_1 * t94 + (lambda_2_1 * t87 + f_2_1 * t95) + (lambda_3_1 * t91 + f_3_1 * t96);
-        const double t98 = t97 - h13 * (lambda_2_1 * t92 + g_2_1 * t95 + (lambda_3_1 * t93 + g_3_1 * t96));
-        const double t99 = h14 * t98;
-        const double t100 = h13 * t92 + g_2_1 * t99 - t87;
-        const double t101 = h13 * t93 + g_3_1 * t99 - t91;
-        const double t102 = h17 * t94 + lambda_1_1 * (h15 * t79 + a_3_1_1 * t100 - (h16 * t77 + a_2_1_1 * t101));
-        const double t103 = h18 * t95 + lambda_2_1 * (h16 * t75 + a_1_1_1 * t101 + (f_1_1 * t79 + a_3_1_1 * t83));
-        const double t104 = h19 * t96 + lambda_3_1 * (h15 * t75 + a_1_1_1 * t100 + (f_1_1 * t77 + a_2_1_1 * t83));
-        const double t105 = lambda_1_1 * t94;
-        const double t106 = lambda_2_1 * t95;
-        const double t107 = lambda_3_1 * t96;
-        const double t108 = h20 * (h20 * (t105 + t105 + (t106 + t106) + (t107 + t107)));
-        const double t109 = h22 * t94 + lambda_1_1 * (h16 * t76 + a_2_1_0 * t101 - (h15 * t78 + a_3_1_0 * t100));
-        const double t110 = h23 * t95 + lambda_2_1 * (h16 * t74 + a_1_1_0 * t101 + (f_1_1 * t78 + a_3_1_0 * t83));
-        const double t111 = h24 * t96 + lambda_3_1 * (h15 * t74 + a_1_1_0 * t100 + (f_1_1 * t76 + a_2_1_0 * t83));
-        const double t112 = h13 * t99;
-        const double t113 = norm_1 * (norm_1 * (norm_1 * (0.5 * (t112 + t112))));
-        const double t114 = norm_1 * (t43 + (h13 * t44 + sin_0 * t99)) - h26 * t113;
-        const double t115 = norm_1 * (t44 - (h13 * t43 + cos_0 * t99)) - h27 * t113;
-        const double t116 = t72 + (h20 * (t102 + t103 - t104) - h21 * t108);
-        const double t117 = t73 + (h20 * (t109 - t110 + t111) - h25 * t108);
-        const double t118 = t116 - points[0].t[k];
-        const double t119 = t117 - points[1].t[k];
-        const double t120 = cos_1 * t34 + d_2_0 * t114;
-        const double t121 = sin_1 * t35 + d_2_1 * t115;
-        const double t122 = t116 + t120 - points[2].t[k] - t121;
-        const double t123 = cos_1 * t35 + d_2_1 * t114;
-        const double t124 = sin_1 * t34 + d_2_0 * t115;
-        const double t125 = t117 + t123 + t124 - points[3].t[k];
-        const double t126 = cos_1 * t36 + d_3_0 * t114;
-        const double t127 = sin_1 * t37 + d_3_1 * t115;
-        const double t128 = t116 + t126 - points[4].t[k] - t127;
-        const double t129 = cos_1 * t37 + d_3_1 * t114;
-        const double t130 = sin_1 * t36 + d_3_0 * t115;
-        const double t131 = t117 + t129 + t130 - points[5].t[k];
-        const double t132 = a_1_2_0 * t118;
-        const double t133 = a_1_2_1 * t119;
-        const double t134 = 0.5 * (t132 + t132) + 0.5 * (t133 + t133) - t82;
-        const double t135 = a_2_2_0 * t122;
-        const double t136 = a_2_2_1 * t125;
-        const double t137 = 0.5 * (t135 + t135) + 0.5 * (t136 + t136) - t86;
-        const double t138 = a_3_2_0 * t128;
-        const double t139 = a_3_2_1 * t131;
-        const double t140 = 0.5 * (t138 + t138) + 0.5 * (t139 + t139) - t90;
-        const double t141 = h28 * t125 + a_2_2_1 * (t120 - t121) - (h29 * t122 + a_2_2_0 * (t123 + t124));
-        const double t142 = h30 * t131 + a_3_2_1 * (t126 - t127) - (h31 * t128 + a_3_2_0 * (t129 + t130));
-        const double t143 = a_3_2_1 * t122 + a_2_2_0 * t131 - (a_3_2_0 * t125 + a_2_2_1 * t128);
-        const double t144 = a_3_2_0 * t119 + a_1_2_1 * t128 - (a_3_2_1 * t118 + a_1_2_0 * t131);
-        const double t145 = a_2_2_1 * t118 + a_1_2_0 * t125 - (a_2_2_0 * t119 + a_1_2_1 * t122);
-        const double t146 = lambda_1_2 * t134 + f_1_2 * t143 + (lambda_2_2 * t137 + f_2_2 * t144) + (lambda_3_2 * t140 + f_3_2 * t145);
-        const double t147 = t146 - h32 * (lambda_2_2 * t141 + g_2_2 * t144 + (lambda_3_2 * t142 + g_3_2 * t145));
-        const double t148 = h33 * t147;
-        const double t149 = h32 * t141 + g_2_2 * t148 - t137;
-        const double t150 = h32 * t142 + g_3_2 * t148 - t140;
-        const double t151 = h36 * t143 + lambda_1_2 * (h34 * t131 + a_3_2_1 * t149 - (h35 * t125 + a_2_2_1 * t150));
-        const double t152 = h37 * t144 + lambda_2_2 * (h35 * t119 + a_1_2_1 * t150 + (f_1_2 * t131 + a_3_2_1 * t134));
-        const double t153 = h38 * t145 + lambda_3_2 * (h34 * t119 + a_1_2_1 * t149 + (f_1_2 * t125 + a_2_2_1 * t134));
-        const double t154 = lambda_1_2 * t143;
-        const double t155 = lambda_2_2 * t144;
-        const double t156 = lambda_3_2 * t145;
-        const double t157 = h39 * (h39 * (t154 + t154 + (t155 + t155) + (t156 + t156)));
-        const double t158 = h41 * t143 + lambda_1_2 * (h35 * t122 + a_2_2_0 * t150 - (h34 * t128 + a_3_2_0 * t149));
-        const double t159 = h42 * t144 + lambda_2_2 * (h35 * t118 + a_1_2_0 * t150 + (f_1_2 * t128 + a_3_2_0 * t134));
-        const double t160 = h43 * t145 + lambda_3_2 * (h34 * t118 + a_1_2_0 * t149 + (f_1_2 * t122 + a_2_2_0 * t134));
-        const double t161 = h32 * t148;
-        const double t162 = norm_2 * (norm_2 * (norm_2 * (0.5 * (t161 + t161))));
-        const double t163 = norm_2 * (t114 + (h32 * t115 + sin_1 * t148)) - h45 * t162;
-        const double t164 = norm_2 * (t115 - (h32 * t114 + cos_1 * t148)) - h46 * t162;
-        const double t165 = t116 + (h39 * (t151 + t152 - t153) - h40 * t157);
-        const double t166 = t117 + (h39 * (t158 - t159 + t160) - h44 * t157);
-        const double t167 = t165 - points[0].t[k];
-        const double t168 = t166 - points[1].t[k];
-        const double t169 = t165 + (cos_2 * t34 + d_2_0 * t163 - (sin_2 * t35 + d_2_1 * t164)) - points[2].t[k];
-        const double t170 = t166 + (cos_2 * t35 + d_2_1 * t163 + (sin_2 * t34 + d_2_0 * t164)) - points[3].t[k];
-        const double t171 = t165 + (cos_2 * t36 + d_3_0 * t163 - (sin_2 * t37 + d_3_1 * t164)) - points[4].t[k];
-        const double t172 = t166 + (cos_2 * t37 + d_3_1 * t163 + (sin_2 * t36 + d_3_0 * t164)) - points[5].t[k];
-        const double t173 = t165 + (sin_2 * anchor[1].t[k] + anchor[1].v * t164) - (cos_2 * anchor[0].t[k] + anchor[0].v * t163);
-        const double t174 = t166 - (sin_2 * anchor[0].t[k] + anchor[0].v * t164) - (cos_2 * anchor[1].t[k] + anchor[1].v * t163);
-        const double t175 = a_1_0 * t163 + cos_2 * t167 + (a_1_1 * t164 + sin_2 * t168);
-        const double t176 = a_1_1 * t163 + cos_2 * t168 - (a_1_0 * t164 + sin_2 * t167);
-        const double t177 = a_2_0 * t163 + cos_2 * t169 + (a_2_1 * t164 + sin_2 * t170);
-        const double t178 = a_2_1 * t163 + cos_2 * t170 - (a_2_0 * t164 + sin_2 * t169);
-        const double t179 = a_3_0 * t163 + cos_2 * t171 + (a_3_1 * t164 + sin_2 * t172);
-        const double t180 = a_3_1 * t163 + cos_2 * t172 - (a_3_0 * t164 + sin_2 * t171);
-        const double t181 = u_1_0 * anchor[1].t[k] + anchor[1].v * t175;
-        const double t182 = u_1_1 * anchor[0].t[k] + anchor[0].v * t176;
-        const double t183 = u_1_0 * anchor[0].t[k] + anchor[0].v * t175 + (u_1_1 * anchor[1].t[k] + anchor[1].v * t176);
-        const double t184 = u_2_0 * anchor[3].t[k] + anchor[3].v * t177;
-        const double t185 = u_2_1 * anchor[2].t[k] + anchor[2].v * t178;
-        const double t186 = u_2_0 * anchor[2].t[k] + anchor[2].v * t177 + (u_2_1 * anchor[3].t[k] + anchor[3].v * t178);
-        const double t187 = u_3_0 * anchor[5].t[k] + anchor[5].v * t179;
-        const double t188 = u_3_1 * anchor[4].t[k] + anchor[4].v * t180;
-        const double t189 = u_3_0 * anchor[4].t[k] + anchor[4].v * t179 + (u_3_1 * anchor[5].t[k] + anchor[5].v * t180);
-        const double t190 = h57 * (t182 - t181) + h58 * (u_3_1 * t177 + u_2_0 * t180 - (u_3_0 * t178 + u_2_1 * t179));
-        const double t191 = h59 * (t185 - t184) + h60 * (u_3_0 * t176 + u_1_1 * t179 - (u_3_1 * t175 + u_1_0 * t180));
-        const double t192 = h61 * (t188 - t187) + h62 * (u_2_1 * t175 + u_1_0 * t178 - (u_2_0 * t176 + u_1_1 * t177));
-        const double t193 = a_1_0 * t167;
-        const double t194 = a_1_1 * t168;
-        const double t195 = h63 * (t193 + t193 + (t194 + t194) - t62);
-        const double t196 = a_2_0 * t169;
-        const double t197 = a_2_1 * t170;
-        const double t198 = h64 * (t196 + t196 + (t197 + t197) - t60);
-        const double t199 = a_3_0 * t171;
-        const double t200 = a_3_1 * t172;
-        const double t201 = h65 * (t199 + t199 + (t200 + t200) - t67);
-        const double t202 = h66 * (t67 + (t60 + t62));
-        p[0].t[k] = s[0].t[k] + t173;
-        p[1].t[k] = s[1].t[k] + t174;
-        phi[0].t[k] = h56 * (cos_2 * t164 - sin_2 * t163);
-        redundant[0].t[k] = h49 * (h47 * (t181 - t182) - h48 * t183);
-        redundant[1].t[k] = h52 * (h50 * (t184 - t185) - h51 * t186);
-        redundant[2].t[k] = h55 * (h53 * (t187 - t188) - h54 * t189);
-        det_J[0].t[k] = t190 + t191 + t192;
-        miss[0].t[k] = h67 * (t195 + t195 + (t198 + t198) + (t201 + t201) - miss_0 * (t202 + t202));
+        const double t31 = anchor[2].t[k] - anchor[0].t[k];
+        const double t32 = anchor[3].t[k] - anchor[1].t[k];
+        const double t33 = anchor[4].t[k] - anchor[0].t[k];
+        const double t34 = anchor[5].t[k] - anchor[1].t[k];
+        const double t35 = root[0].v * root[0].t[k];
+        const double t36 = t35 + t35;
+        const double t37 = root[1].v * root[1].t[k];
+        const double t38 = t37 + t37;
+        const double t39 = xy_2 * (xy_2 * (t36 + t38));
+        const double t40 = xy_2 * (t38 - t36) - h1 * t39;
+        const double t41 = xy_2 * (h2 * root[1].t[k] + root[1].v * (2.0 * root[0].t[k])) - h3 * t39;
+        const double t42 = cos_0 * t31 + d_2_0 * t40;
+        const double t43 = sin_0 * t32 + d_2_1 * t41;
+        const double t44 = t42 - points[2].t[k] - t43;
+        const double t45 = cos_0 * t32 + d_2_1 * t40;
+        const double t46 = sin_0 * t31 + d_2_0 * t41;
+        const double t47 = t45 + t46;
+        const double t48 = t47 - points[3].t[k];
+        const double t49 = cos_0 * t33 + d_3_0 * t40;
+        const double t50 = sin_0 * t34 + d_3_1 * t41;
+        const double t51 = t49 - points[4].t[k] - t50;
+        const double t52 = cos_0 * t34 + d_3_1 * t40;
+        const double t53 = sin_0 * t33 + d_3_0 * t41;
+        const double t54 = t52 + t53;
+        const double t55 = t54 - points[5].t[k];
+        const double t56 = length[1].v * length[1].t[k];
+        const double t57 = t56 + t56;
+        const double t58 = length[0].v * length[0].t[k];
+        const double t59 = t58 + t58;
+        const double t60 = z_2_0 * t44;
+        const double t61 = z_2_1 * t48;
+        const double t62 = t57 - t59 - (t60 + t60) - (t61 + t61);
+        const double t63 = length[2].v * length[2].t[k];
+        const double t64 = t63 + t63;
+        const double t65 = z_3_0 * t51;
+        const double t66 = z_3_1 * t55;
+        const double t67 = t64 - t59 - (t65 + t65) - (t66 + t66);
+        const double t68 = h4 * (h4 * (2.0 * (z_3_1 * t44 + z_2_0 * t55 - (z_3_0 * t48 + z_2_1 * t51))));
+        const double t69 = h4 * (e_2 * t55 + z_3_1 * t62 - (e_3 * t48 + z_2_1 * t67)) - h5 * t68;
+        const double t70 = h4 * (e_3 * t44 + z_2_0 * t67 - (e_2 * t51 + z_3_0 * t62)) - h6 * t68;
+        const double t71 = t69 - points[0].t[k];
+        const double t72 = t70 - points[1].t[k];
+        const double t73 = t42 + t69 - points[2].t[k] - t43;
+        const double t74 = t46 + (t45 + t70) - points[3].t[k];
+        const double t75 = t49 + t69 - points[4].t[k] - t50;
+        const double t76 = t53 + (t52 + t70) - points[5].t[k];
+        const double t77 = a_1_1_0 * t71;
+        const double t78 = a_1_1_1 * t72;
+        const double t79 = 0.5 * (t77 + t77 + (t78 + t78) - t59);
+        const double t80 = a_2_1_0 * t73;
+        const double t81 = a_2_1_1 * t74;
+        const double t82 = 0.5 * (t80 + t80 + (t81 + t81) - t57);
+        const double t83 = a_3_1_0 * t75;
+        const double t84 = a_3_1_1 * t76;
+        const double t85 = 0.5 * (t83 + t83 + (t84 + t84) - t64);
+        const double t86 = h7 * t74 + a_2_1_1 * (t42 - t43) - (a_2_1_0 * t47 + h8 * t73);
+        const double t87 = h9 * t76 + a_3_1_1 * (t49 - t50) - (a_3_1_0 * t54 + h10 * t75);
+        const double t88 = a_3_1_1 * t73 + a_2_1_0 * t76 - (a_3_1_0 * t74 + a_2_1_1 * t75);
+        const double t89 = a_3_1_0 * t72 + a_1_1_1 * t75 - (a_3_1_1 * t71 + a_1_1_0 * t76);
+        const double t90 = a_2_1_1 * t71 + a_1_1_0 * t74 - (a_2_1_0 * t72 + a_1_1_1 * t73);
+        const double t91 = lambda_1_1 * t79 + f_1_1 * t88 + (lambda_2_1 * t82 + f_2_1 * t89) + (lambda_3_1 * t85 + f_3_1 * t90);
+        const double t92 = t91 - h11 * (lambda_2_1 * t86 + g_2_1 * t89 + (lambda_3_1 * t87 + g_3_1 * t90));
+        const double t93 = h12 * t92;
+        const double t94 = h11 * t86 + g_2_1 * t93 - t82;
+        const double t95 = h11 * t87 + g_3_1 * t93 - t85;
+        const double t96 = h15 * t88 + lambda_1_1 * (h13 * t76 + a_3_1_1 * t94 - (h14 * t74 + a_2_1_1 * t95));
+        const double t97 = h16 * t89 + lambda_2_1 * (h14 * t72 + a_1_1_1 * t95 + (f_1_1 * t76 + a_3_1_1 * t79));
+        const double t98 = h17 * t90 + lambda_3_1 * (h13 * t72 + a_1_1_1 * t94 + (f_1_1 * t74 + a_2_1_1 * t79));
+        const double t99 = lambda_1_1 * t88;
+        const double t100 = lambda_2_1 * t89;
+        const double t101 = lambda_3_1 * t90;
+        const double t102 = h18 * (h18 * (t99 + t99 + (t100 + t100) + (t101 + t101)));
+        const double t103 = h20 * t88 + lambda_1_1 * (h14 * t73 + a_2_1_0 * t95 - (h13 * t75 + a_3_1_0 * t94));
+        const double t104 = h21 * t89 + lambda_2_1 * (h14 * t71 + a_1_1_0 * t95 + (f_1_1 * t75 + a_3_1_0 * t79));
+        const double t105 = h22 * t90 + lambda_3_1 * (h13 * t71 + a_1_1_0 * t94 + (f_1_1 * t73 + a_2_1_0 * t79));
+        const double t106 = h11 * t93;
+        const double t107 = t106 + t106;
+        const double t108 = norm_12 * (h24 * (0.5 * t107)) - h25 * (norm_12 * (norm_12 * t107));
+        const double t109 = h26 * t108 + norm_1 * (t40 + (h11 * t41 + sin_0 * t93));
+        const double t110 = h27 * t108 + norm_1 * (t41 - (h11 * t40 + cos_0 * t93));
+        const double t111 = t69 + (h18 * (t96 + t97 - t98) - h19 * t102);
+        const double t112 = t70 + (h18 * (t103 - t104 + t105) - h23 * t102);
+        const double t113 = t111 - points[0].t[k];
+        const double t114 = t112 - points[1].t[k];
+        const double t115 = cos_1 * t31 + d_2_0 * t109;
+        const double t116 = sin_1 * t32 + d_2_1 * t110;
+        const double t117 = t111 + t115 - points[2].t[k] - t116;
+        const double t118 = cos_1 * t32 + d_2_1 * t109;
+        const double t119 = sin_1 * t31 + d_2_0 * t110;
+        const double t120 = t112 + t118 + t119 - points[3].t[k];
+        const double t121 = cos_1 * t33 + d_3_0 * t109;
+        const double t122 = sin_1 * t34 + d_3_1 * t110;
+        const double t123 = t111 + t121 - points[4].t[k] - t122;
+        const double t124 = cos_1 * t34 + d_3_1 * t109;
+        const double t125 = sin_1 * t33 + d_3_0 * t110;
+        const double t126 = t112 + t124 + t125 - points[5].t[k];
+        const double t127 = a_1_2_0 * t113;
+        const double t128 = a_1_2_1 * t114;
+        const double t129 = 0.5 * (t127 + t127 + (t128 + t128) - t59);
+        const double t130 = a_2_2_0 * t117;
+        const double t131 = a_2_2_1 * t120;
+        const double t132 = 0.5 * (t130 + t130 + (t131 + t131) - t57);
+        const double t133 = a_3_2_0 * t123;
+        const double t134 = a_3_2_1 * t126;
+        const double t135 = 0.5 * (t133 + t133 + (t134 + t134) - t64);
+        const double t136 = h28 * t120 + a_2_2_1 * (t115 - t116) - (h29 * t117 + a_2_2_0 * (t118 + t119));
+        const double t137 = h30 * t126 + a_3_2_1 * (t121 - t122) - (h31 * t123 + a_3_2_0 * (t124 + t125));
+        const double t138 = a_3_2_1 * t117 + a_2_2_0 * t126 - (a_3_2_0 * t120 + a_2_2_1 * t123);
+        const double t139 = a_3_2_0 * t114 + a_1_2_1 * t123 - (a_3_2_1 * t113 + a_1_2_0 * t126);
+        const double t140 = a_2_2_1 * t113 + a_1_2_0 * t120 - (a_2_2_0 * t114 + a_1_2_1 * t117);
+        const double t141 = lambda_1_2 * t129 + f_1_2 * t138 + (lambda_2_2 * t132 + f_2_2 * t139) + (lambda_3_2 * t135 + f_3_2 * t140);
+        const double t142 = t141 - h32 * (lambda_2_2 * t136 + g_2_2 * t139 + (lambda_3_2 * t137 + g_3_2 * t140));
+        const double t143 = h33 * t142;
+        const double t144 = h32 * t136 + g_2_2 * t143 - t132;
+        const double t145 = h32 * t137 + g_3_2 * t143 - t135;
+        const double t146 = h36 * t138 + lambda_1_2 * (h34 * t126 + a_3_2_1 * t144 - (h35 * t120 + a_2_2_1 * t145));
+        const double t147 = h37 * t139 + lambda_2_2 * (h35 * t114 + a_1_2_1 * t145 + (f_1_2 * t126 + a_3_2_1 * t129));
+        const double t148 = h38 * t140 + lambda_3_2 * (h34 * t114 + a_1_2_1 * t144 + (f_1_2 * t120 + a_2_2_1 * t129));
+        const double t149 = lambda_1_2 * t138;
+        const double t150 = lambda_2_2 * t139;
+        const double t151 = lambda_3_2 * t140;
+        const double t152 = h39 * (h39 * (t149 + t149 + (t150 + t150) + (t151 + t151)));
+        const double t153 = h41 * t138 + lambda_1_2 * (h35 * t117 + a_2_2_0 * t145 - (h34 * t123 + a_3_2_0 * t144));
+        const double t154 = h42 * t139 + lambda_2_2 * (h35 * t113 + a_1_2_0 * t145 + (f_1_2 * t123 + a_3_2_0 * t129));
+        const double t155 = h43 * t140 + lambda_3_2 * (h34 * t113 + a_1_2_0 * t144 + (f_1_2 * t117 + a_2_2_0 * t129));
+        const double t156 = h32 * t143;
+        const double t157 = t156 + t156;
+        const double t158 = norm_22 * (h45 * (0.5 * t157)) - h46 * (norm_22 * (norm_22 * t157));
+        const double t159 = h47 * t158 + norm_2 * (t109 + (h32 * t110 + sin_1 * t143));
+        const double t160 = h48 * t158 + norm_2 * (t110 - (h32 * t109 + cos_1 * t143));
+        const double t161 = t111 + (h39 * (t146 + t147 - t148) - h40 * t152);
+        const double t162 = t112 + (h39 * (t153 - t154 + t155) - h44 * t152);
+        const double t163 = t161 - points[0].t[k];
+        const double t164 = t162 - points[1].t[k];
+        const double t165 = t161 + (cos_2 * t31 + d_2_0 * t159 - (sin_2 * t32 + d_2_1 * t160)) - points[2].t[k];
+        const double t166 = t162 + (cos_2 * t32 + d_2_1 * t159 + (sin_2 * t31 + d_2_0 * t160)) - points[3].t[k];
+        const double t167 = t161 + (cos_2 * t33 + d_3_0 * t159 - (sin_2 * t34 + d_3_1 * t160)) - points[4].t[k];
+        const double t168 = t162 + (cos_2 * t34 + d_3_1 * t159 + (sin_2 * t33 + d_3_0 * t160)) - points[5].t[k];
+        const double t169 = t161 + (sin_2 * anchor[1].t[k] + anchor[1].v * t160) - (cos_2 * anchor[0].t[k] + anchor[0].v * t159);
+        const double t170 = t162 - (sin_2 * anchor[0].t[k] + anchor[0].v * t160) - (cos_2 * anchor[1].t[k] + anchor[1].v * t159);
+        const double t171 = a_1_0 * t159 + cos_2 * t163 + (a_1_1 * t160 + sin_2 * t164);
+        const double t172 = a_1_1 * t159 + cos_2 * t164 - (a_1_0 * t160 + sin_2 * t163);
+        const double t173 = a_2_0 * t159 + cos_2 * t165 + (a_2_1 * t160 + sin_2 * t166);
+        const double t174 = a_2_1 * t159 + cos_2 * t166 - (a_2_0 * t160 + sin_2 * t165);
+        const double t175 = a_3_0 * t159 + cos_2 * t167 + (a_3_1 * t160 + sin_2 * t168);
+        const double t176 = a_3_1 * t159 + cos_2 * t168 - (a_3_0 * t160 + sin_2 * t167);
+        const double t177 = u_1_0 * anchor[1].t[k] + anchor[1].v * t171;
+        const double t178 = u_1_1 * anchor[0].t[k] + anchor[0].v * t172;
+        const double t179 = u_1_0 * anchor[0].t[k] + anchor[0].v * t171 + (u_1_1 * anchor[1].t[k] + anchor[1].v * t172);
+        const double t180 = u_2_0 * anchor[3].t[k] + anchor[3].v * t173;
+        const double t181 = u_2_1 * anchor[2].t[k] + anchor[2].v * t174;
+        const double t182 = u_2_0 * anchor[2].t[k] + anchor[2].v * t173 + (u_2_1 * anchor[3].t[k] + anchor[3].v * t174);
+        const double t183 = u_3_0 * anchor[5].t[k] + anchor[5].v * t175;
+        const double t184 = u_3_1 * anchor[4].t[k] + anchor[4].v * t176;
+        const double t185 = u_3_0 * anchor[4].t[k] + anchor[4].v * t175 + (u_3_1 * anchor[5].t[k] + anchor[5].v * t176);
+        const double t186 = h59 * (t178 - t177) + h60 * (u_3_1 * t173 + u_2_0 * t176 - (u_3_0 * t174 + u_2_1 * t175));
+        const double t187 = h61 * (t181 - t180) + h62 * (u_3_0 * t172 + u_1_1 * t175 - (u_3_1 * t171 + u_1_0 * t176));
+        const double t188 = h63 * (t184 - t183) + h64 * (u_2_1 * t171 + u_1_0 * t174 - (u_2_0 * t172 + u_1_1 * t173));
+        const double t189 = a_1_0 * t163;
+        const double t190 = a_1_1 * t164;
+        const double t191 = h65 * (t189 + t189 + (t190 + t190) - t59);
+        const double t192 = a_2_0 * t165;
+        const double t193 = a_2_1 * t166;
+        const double t194 = h66 * (t192 + t192 + (t193 + t193) - t57);
+        const double t195 = a_3_0 * t167;
+        const double t196 = a_3_1 * t168;
+        const double t197 = h67 * (t195 + t195 + (t196 + t196) - t64);
+        const double t198 = h68 * (t64 + (t57 + t59));
+        p[0].t[k] = s[0].t[k] + t169;
+        p[1].t[k] = s[1].t[k] + t170;
+        phi[0].t[k] = h58 * (cos_2 * t160 - sin_2 * t159);
+        redundant[0].t[k] = h51 * (h49 * (t177 - t178) - h50 * t179);
+        redundant[1].t[k] = h54 * (h52 * (t180 - t181) - h53 * t182);
+        redundant[2].t[k] = h57 * (h55 * (t183 - t184) - h56 * t185);
+        det_J[0].t[k] = t186 + t187 + t188;
+        miss[0].t[k] = h69 * (t191 + t191 + (t194 + t194) + (t197 + t197) - miss_0 * (t198 + t198));
     }
 }
 
@@ -1318,7 +1316,7 @@ KRHPR_STATIC void krhpr_platform_planar_a_newton_start_tangent(
 }
 
 /* `newton_step` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.2, (3.4)
- * to (3.9).  (199 add, 227 multiply, 6 divide, 1 square root, 1 sine cosine) */
+ * to (3.9).  (200 add, 218 multiply, 7 divide, 1 square root, 1 sine cosine) */
 KRHPR_STATIC void krhpr_platform_planar_a_newton_step_tangent(
     const krhpr_dual *state, const krhpr_dual *centre, const krhpr_dual *anchor, const krhpr_dual *length,
     const krhpr_dual *points, krhpr_dual *KRHPR_RESTRICT state_next, krhpr_dual *KRHPR_RESTRICT change)
@@ -1344,9 +1342,9 @@ KRHPR_STATIC void krhpr_platform_planar_a_newton_step_tangent(
     const double t7 = d_3_1 * cos;
     const double t8 = d_3_0 * sin;
     const double a_3_on_1 = state[2].v + t7 + t8 - points[5].v;
-    const double f_1_on = 0.5 * (a_1_on_0 * a_1_on_0) + 0.5 * (a_1_on_1 * a_1_on_1) - 0.5 * (length[0].v * length[0].v);
-    const double f_2_on = 0.5 * (a_2_on_0 * a_2_on_0) + 0.5 * (a_2_on_1 * a_2_on_1) - 0.5 * (length[1].v * length[1].v);
-    const double f_3_on = 0.5 * (a_3_on_0 * a_3_on_0) + 0.5 * (a_3_on_1 * a_3_on_1) - 0.5 * (length[2].v * length[2].v);
+    const double f_1_on = (a_1_on_0 * a_1_on_0 + a_1_on_1 * a_1_on_1 - length[0].v * length[0].v) * 0.5;
+    const double f_2_on = 0.5 * (a_2_on_0 * a_2_on_0 + a_2_on_1 * a_2_on_1 - length[1].v * length[1].v);
+    const double f_3_on = 0.5 * (a_3_on_0 * a_3_on_0 + a_3_on_1 * a_3_on_1 - length[2].v * length[2].v);
     const double h3 = t1 - t2;
     const double h4 = t3 + t4;
     const double g_2_on = a_2_on_1 * h3 - a_2_on_0 * h4;
@@ -1373,21 +1371,25 @@ KRHPR_STATIC void krhpr_platform_planar_a_newton_step_tangent(
     const double h19 = lambda_1_on * h16 - lambda_2_on * h17 + lambda_3_on * h18;
     const double move_on_1 = h14 * h19;
     const double t11 = h7 * h7;
-    const double norm_on = 1.0 / sqrt(1.0 + t11);
-    const double h20 = cos + sin * h7;
-    const double cos_on = norm_on * h20;
-    const double h21 = sin - cos * h7;
-    const double sin_on = norm_on * h21;
+    const double norm_on_of = 1.0 + t11;
+    const double norm_on2 = 1.0 / norm_on_of;
+    const double h21 = sqrt(norm_on_of);
+    const double norm_on = norm_on2 * h21;
+    const double h22 = cos + sin * h7;
+    const double cos_on = norm_on * h22;
+    const double h23 = sin - cos * h7;
+    const double sin_on = norm_on * h23;
     const double size = d_2_0 * d_2_0 + d_2_1 * d_2_1 + d_3_0 * d_3_0 + d_3_1 * d_3_1;
-    const double h22 = (move_on_0 * move_on_0 + move_on_1 * move_on_1) / size;
+    const double h24 = (move_on_0 * move_on_0 + move_on_1 * move_on_1) / size;
     const double h8 = 1.0 / t9;
-    const double h23 = 1.0 / size;
+    const double h20 = 1.0 / h21;
+    const double h25 = 1.0 / size;
     state_next[0].v = state[0].v - h7;
     state_next[1].v = state[1].v + move_on_0;
     state_next[2].v = state[2].v + move_on_1;
     state_next[3].v = cos_on;
     state_next[4].v = sin_on;
-    change[0].v = t11 + h22;
+    change[0].v = t11 + h24;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t12 = anchor[2].t[k] - anchor[0].t[k];
         const double t13 = anchor[3].t[k] - anchor[1].t[k];
@@ -1414,15 +1416,15 @@ KRHPR_STATIC void krhpr_platform_planar_a_newton_step_tangent(
         const double t34 = a_1_on_0 * t20;
         const double t35 = a_1_on_1 * t21;
         const double t36 = length[0].v * length[0].t[k];
-        const double t37 = 0.5 * (t34 + t34) + 0.5 * (t35 + t35) - 0.5 * (t36 + t36);
+        const double t37 = 0.5 * (t34 + t34 + (t35 + t35) - (t36 + t36));
         const double t38 = a_2_on_0 * t24;
         const double t39 = a_2_on_1 * t27;
         const double t40 = length[1].v * length[1].t[k];
-        const double t41 = 0.5 * (t38 + t38) + 0.5 * (t39 + t39) - 0.5 * (t40 + t40);
+        const double t41 = 0.5 * (t38 + t38 + (t39 + t39) - (t40 + t40));
         const double t42 = a_3_on_0 * t30;
         const double t43 = a_3_on_1 * t33;
         const double t44 = length[2].v * length[2].t[k];
-        const double t45 = 0.5 * (t42 + t42) + 0.5 * (t43 + t43) - 0.5 * (t44 + t44);
+        const double t45 = 0.5 * (t42 + t42 + (t43 + t43) - (t44 + t44));
         const double t46 = h3 * t27 + a_2_on_1 * (t22 - t23) - (h4 * t24 + a_2_on_0 * (t25 + t26));
         const double t47 = h5 * t33 + a_3_on_1 * (t28 - t29) - (h6 * t30 + a_3_on_0 * (t31 + t32));
         const double t48 = a_3_on_1 * t24 + a_2_on_0 * t33 - (a_3_on_0 * t27 + a_2_on_1 * t30);
@@ -1447,20 +1449,20 @@ KRHPR_STATIC void krhpr_platform_planar_a_newton_step_tangent(
         const double t67 = h14 * (t64 - t65 + t66) - h19 * t62;
         const double t68 = h7 * t53;
         const double t69 = t68 + t68;
-        const double t70 = norm_on * (norm_on * (norm_on * (0.5 * t69)));
+        const double t70 = norm_on2 * (h20 * (0.5 * t69)) - h21 * (norm_on2 * (norm_on2 * t69));
         const double t71 = d_2_0 * t12;
         const double t72 = d_2_1 * t13;
         const double t73 = d_3_0 * t14;
         const double t74 = d_3_1 * t15;
         const double t75 = move_on_0 * t63;
         const double t76 = move_on_1 * t67;
-        const double t77 = t75 + t75 + (t76 + t76) - h22 * (t71 + t71 + (t72 + t72) + (t73 + t73) + (t74 + t74));
+        const double t77 = t75 + t75 + (t76 + t76) - h24 * (t71 + t71 + (t72 + t72) + (t73 + t73) + (t74 + t74));
         state_next[0].t[k] = state[0].t[k] - t53;
         state_next[1].t[k] = state[1].t[k] + t63;
         state_next[2].t[k] = state[2].t[k] + t67;
-        state_next[3].t[k] = norm_on * (t18 + (h7 * t19 + sin * t53)) - h20 * t70;
-        state_next[4].t[k] = norm_on * (t19 - (h7 * t18 + cos * t53)) - h21 * t70;
-        change[0].t[k] = t69 + h23 * t77;
+        state_next[3].t[k] = h22 * t70 + norm_on * (t18 + (h7 * t19 + sin * t53));
+        state_next[4].t[k] = h23 * t70 + norm_on * (t19 - (h7 * t18 + cos * t53));
+        change[0].t[k] = t69 + h25 * t77;
     }
 }
 
@@ -1583,8 +1585,8 @@ KRHPR_STATIC void krhpr_platform_planar_a_newton_pose_tangent(
 KRHPR_STATIC void krhpr_platform_planar_a_arm_tangent(
     const krhpr_platform_planar_a_geometry *g, int i, krhpr_dual *KRHPR_RESTRICT arm)
 {
-    arm[0].v = g->k[2][i];
-    arm[1].v = g->k[3][i];
+    arm[0].v = g->k[0][i];
+    arm[1].v = g->k[1][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         arm[0].t[k] = 0.0;
         arm[1].t[k] = 0.0;
@@ -1649,7 +1651,7 @@ KRHPR_STATIC void krhpr_platform_planar_a_turns_3_tangent(
 }
 
 /* `one_encoder` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.2.3.  (48
- * add, 55 multiply, 1 divide) */
+ * add, 47 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_platform_planar_a_one_encoder_tangent(
     const krhpr_dual *s, const krhpr_dual *turns, const krhpr_dual *anchor, const krhpr_dual *length,
     const krhpr_dual *arm, const krhpr_dual *tolerance, krhpr_dual *KRHPR_RESTRICT radicand)
@@ -1663,8 +1665,8 @@ KRHPR_STATIC void krhpr_platform_planar_a_one_encoder_tangent(
     const double w_2_1 = anchor[3].v - e_1_1;
     const double M = s_12_0 * w_2_0 + s_12_1 * w_2_1;
     const double L = s_12_1 * w_2_0 - s_12_0 * w_2_1;
-    const double t1 = 0.5 * (s_12_0 * s_12_0) + 0.5 * (s_12_1 * s_12_1) + 0.5 * (w_2_0 * w_2_0) + 0.5 * (w_2_1 * w_2_1);
-    const double N = t1 - 0.5 * (length[1].v * length[1].v);
+    const double t1 = s_12_0 * s_12_0 + s_12_1 * s_12_1 + w_2_0 * w_2_0 + w_2_1 * w_2_1 - length[1].v * length[1].v;
+    const double N = t1 * 0.5;
     const double ML_2 = L * L + M * M;
     const double h2 = N * N;
     const double h1 = 1.0 / ML_2;
@@ -1681,11 +1683,10 @@ KRHPR_STATIC void krhpr_platform_planar_a_one_encoder_tangent(
         const double t10 = w_2_0 * t6;
         const double t11 = w_2_1 * t7;
         const double t12 = length[1].v * length[1].t[k];
-        const double t13 = 0.5 * (t8 + t8) + 0.5 * (t9 + t9) + 0.5 * (t10 + t10) + 0.5 * (t11 + t11) - 0.5 * (t12 + t12);
-        const double t14 = L * (w_2_0 * t5 + s_12_1 * t6 - (w_2_1 * t4 + s_12_0 * t7));
-        const double t15 = M * (w_2_0 * t4 + s_12_0 * t6 + (w_2_1 * t5 + s_12_1 * t7));
-        const double t16 = N * t13;
-        radicand[0].t[k] = h2 * (h1 * (h1 * (t14 + t14 + (t15 + t15)))) - h1 * (t16 + t16);
+        const double t13 = L * (w_2_0 * t5 + s_12_1 * t6 - (w_2_1 * t4 + s_12_0 * t7));
+        const double t14 = M * (w_2_0 * t4 + s_12_0 * t6 + (w_2_1 * t5 + s_12_1 * t7));
+        const double t15 = N * (0.5 * (t8 + t8 + (t9 + t9) + (t10 + t10) + (t11 + t11) - (t12 + t12)));
+        radicand[0].t[k] = h2 * (h1 * (h1 * (t13 + t13 + (t14 + t14)))) - h1 * (t15 + t15);
     }
 }
 

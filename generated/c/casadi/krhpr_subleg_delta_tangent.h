@@ -11,7 +11,7 @@
 #include "krhpr_dual.h"
 
 /* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (102 add,
- * 152 multiply, 1 divide, 3 sine cosine) */
+ * 144 multiply, 1 divide, 3 sine cosine) */
 KRHPR_STATIC void krhpr_subleg_delta_forward_tangent(
     const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *theta, const krhpr_dual *s_near,
     krhpr_dual *KRHPR_RESTRICT radicand)
@@ -42,8 +42,8 @@ KRHPR_STATIC void krhpr_subleg_delta_forward_tangent(
     const double n_1 = g_12_2 * g_13_0 - g_12_0 * g_13_2;
     const double n_2 = g_12_0 * g_13_1 - g_12_1 * g_13_0;
     const double n2 = n_0 * n_0 + n_1 * n_1 + n_2 * n_2;
-    const double q_2 = 0.5 * (g_12_0 * g_12_0) + 0.5 * (g_12_1 * g_12_1) + 0.5 * (g_12_2 * g_12_2);
-    const double q_3 = 0.5 * (g_13_0 * g_13_0) + 0.5 * (g_13_1 * g_13_1) + 0.5 * (g_13_2 * g_13_2);
+    const double q_2 = (g_12_0 * g_12_0 + g_12_1 * g_12_1 + g_12_2 * g_12_2) * 0.5;
+    const double q_3 = 0.5 * (g_13_0 * g_13_0 + g_13_1 * g_13_1 + g_13_2 * g_13_2);
     const double h1 = g_13_1 * n_2 - g_13_2 * n_1;
     const double h2 = g_12_2 * n_1 - g_12_1 * n_2;
     const double h4 = q_2 * h1 + q_3 * h2;
@@ -82,11 +82,11 @@ KRHPR_STATIC void krhpr_subleg_delta_forward_tangent(
         const double t22 = g_12_0 * t10;
         const double t23 = g_12_1 * t11;
         const double t24 = g_12_2 * t12;
-        const double t25 = 0.5 * (t22 + t22) + 0.5 * (t23 + t23) + 0.5 * (t24 + t24);
+        const double t25 = 0.5 * (t22 + t22 + (t23 + t23) + (t24 + t24));
         const double t26 = g_13_0 * t13;
         const double t27 = g_13_1 * t14;
         const double t28 = g_13_2 * t15;
-        const double t29 = 0.5 * (t26 + t26) + 0.5 * (t27 + t27) + 0.5 * (t28 + t28);
+        const double t29 = 0.5 * (t26 + t26 + (t27 + t27) + (t28 + t28));
         const double t30 = h1 * t25 + q_2 * (n_2 * t14 + g_13_1 * t18 - (n_1 * t15 + g_13_2 * t17)) + (h2 * t29 + q_3 * (n_1 * t12 + g_12_2 * t17 - (n_2 * t11 + g_12_1 * t18)));
         const double t31 = h3 * (h3 * (t19 + t19 + (t20 + t20) + (t21 + t21)));
         const double t32 = h5 * t25 + q_2 * (n_0 * t15 + g_13_2 * t16 - (n_2 * t13 + g_13_0 * t18)) + (h6 * t29 + q_3 * (n_2 * t10 + g_12_0 * t18 - (n_0 * t12 + g_12_2 * t16)));
@@ -99,7 +99,7 @@ KRHPR_STATIC void krhpr_subleg_delta_forward_tangent(
 }
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (102
- * add, 152 multiply, 1 divide, 3 sine cosine) */
+ * add, 144 multiply, 1 divide, 3 sine cosine) */
 KRHPR_STATIC void krhpr_subleg_delta_forward_posture_tangent(
     const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *theta, const krhpr_dual *s_near,
     krhpr_dual *KRHPR_RESTRICT u, krhpr_dual *KRHPR_RESTRICT radicand)
@@ -130,8 +130,8 @@ KRHPR_STATIC void krhpr_subleg_delta_forward_posture_tangent(
     const double n_1 = g_12_2 * g_13_0 - g_12_0 * g_13_2;
     const double n_2 = g_12_0 * g_13_1 - g_12_1 * g_13_0;
     const double n2 = n_0 * n_0 + n_1 * n_1 + n_2 * n_2;
-    const double q_2 = 0.5 * (g_12_0 * g_12_0) + 0.5 * (g_12_1 * g_12_1) + 0.5 * (g_12_2 * g_12_2);
-    const double q_3 = 0.5 * (g_13_0 * g_13_0) + 0.5 * (g_13_1 * g_13_1) + 0.5 * (g_13_2 * g_13_2);
+    const double q_2 = (g_12_0 * g_12_0 + g_12_1 * g_12_1 + g_12_2 * g_12_2) * 0.5;
+    const double q_3 = 0.5 * (g_13_0 * g_13_0 + g_13_1 * g_13_1 + g_13_2 * g_13_2);
     const double h1 = g_13_1 * n_2 - g_13_2 * n_1;
     const double h2 = g_12_2 * n_1 - g_12_1 * n_2;
     const double h4 = q_2 * h1 + q_3 * h2;
@@ -182,11 +182,11 @@ KRHPR_STATIC void krhpr_subleg_delta_forward_posture_tangent(
         const double t28 = g_12_0 * t16;
         const double t29 = g_12_1 * t17;
         const double t30 = g_12_2 * t18;
-        const double t31 = 0.5 * (t28 + t28) + 0.5 * (t29 + t29) + 0.5 * (t30 + t30);
+        const double t31 = 0.5 * (t28 + t28 + (t29 + t29) + (t30 + t30));
         const double t32 = g_13_0 * t19;
         const double t33 = g_13_1 * t20;
         const double t34 = g_13_2 * t21;
-        const double t35 = 0.5 * (t32 + t32) + 0.5 * (t33 + t33) + 0.5 * (t34 + t34);
+        const double t35 = 0.5 * (t32 + t32 + (t33 + t33) + (t34 + t34));
         const double t36 = h1 * t31 + q_2 * (n_2 * t20 + g_13_1 * t24 - (n_1 * t21 + g_13_2 * t23)) + (h2 * t35 + q_3 * (n_1 * t18 + g_12_2 * t23 - (n_2 * t17 + g_12_1 * t24)));
         const double t37 = h3 * (h3 * (t25 + t25 + (t26 + t26) + (t27 + t27)));
         const double t38 = h5 * t31 + q_2 * (n_0 * t21 + g_13_2 * t22 - (n_2 * t19 + g_13_0 * t24)) + (h6 * t35 + q_3 * (n_2 * t16 + g_12_0 * t24 - (n_0 * t18 + g_12_2 * t22)));
@@ -205,7 +205,7 @@ KRHPR_STATIC void krhpr_subleg_delta_forward_posture_tangent(
 }
 
 /* `forward_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (123
- * add, 163 multiply, 2 divide, 1 square root, 3 sine cosine) */
+ * add, 155 multiply, 2 divide, 1 square root, 3 sine cosine) */
 KRHPR_STATIC void krhpr_subleg_delta_forward_all_tangent(
     const krhpr_subleg_delta_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT radicand)
@@ -235,8 +235,8 @@ KRHPR_STATIC void krhpr_subleg_delta_forward_all_tangent(
     const double n_1 = g_12_2 * g_13_0 - g_12_0 * g_13_2;
     const double n_2 = g_12_0 * g_13_1 - g_12_1 * g_13_0;
     const double n2 = n_0 * n_0 + n_1 * n_1 + n_2 * n_2;
-    const double q_2 = 0.5 * (g_12_0 * g_12_0) + 0.5 * (g_12_1 * g_12_1) + 0.5 * (g_12_2 * g_12_2);
-    const double q_3 = 0.5 * (g_13_0 * g_13_0) + 0.5 * (g_13_1 * g_13_1) + 0.5 * (g_13_2 * g_13_2);
+    const double q_2 = (g_12_0 * g_12_0 + g_12_1 * g_12_1 + g_12_2 * g_12_2) * 0.5;
+    const double q_3 = 0.5 * (g_13_0 * g_13_0 + g_13_1 * g_13_1 + g_13_2 * g_13_2);
     const double h1 = g_13_1 * n_2 - g_13_2 * n_1;
     const double h2 = g_12_2 * n_1 - g_12_1 * n_2;
     const double h4 = q_2 * h1 + q_3 * h2;
@@ -289,11 +289,11 @@ KRHPR_STATIC void krhpr_subleg_delta_forward_all_tangent(
         const double t28 = g_12_0 * t16;
         const double t29 = g_12_1 * t17;
         const double t30 = g_12_2 * t18;
-        const double t31 = 0.5 * (t28 + t28) + 0.5 * (t29 + t29) + 0.5 * (t30 + t30);
+        const double t31 = 0.5 * (t28 + t28 + (t29 + t29) + (t30 + t30));
         const double t32 = g_13_0 * t19;
         const double t33 = g_13_1 * t20;
         const double t34 = g_13_2 * t21;
-        const double t35 = 0.5 * (t32 + t32) + 0.5 * (t33 + t33) + 0.5 * (t34 + t34);
+        const double t35 = 0.5 * (t32 + t32 + (t33 + t33) + (t34 + t34));
         const double t36 = h1 * t31 + q_2 * (n_2 * t20 + g_13_1 * t24 - (n_1 * t21 + g_13_2 * t23)) + (h2 * t35 + q_3 * (n_1 * t18 + g_12_2 * t23 - (n_2 * t17 + g_12_1 * t24)));
         const double t37 = h3 * (h3 * (t25 + t25 + (t26 + t26) + (t27 + t27)));
         const double t38 = h3 * t36 - h4 * t37;

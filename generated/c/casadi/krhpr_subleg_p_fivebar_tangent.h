@@ -217,7 +217,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_forward_all_tangent(
 }
 
 /* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.2, App. B.
- * (61 add, 88 multiply, 5 divide, 2 square root, 2 arctangent) */
+ * (59 add, 88 multiply, 5 divide, 2 square root, 2 arctangent) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_inverse_tangent(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *s, const double *mode,
     krhpr_dual *KRHPR_RESTRICT theta)
@@ -233,7 +233,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_inverse_tangent(
     const double h2_a = h2 * h1;
     const double t1 = sqrt(h2_a);
     const double S = mode[0] * t1;
-    const double A = d2 + g->k[5][i] - g->k[6][i];
+    const double A = d2 + g->k[5][i];
     const double n = d_0 * A + d_1 * S;
     const double m = d_1 * A - d_0 * S;
     const double h6 = n * 0.5;
@@ -241,15 +241,15 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_inverse_tangent(
     const double u_1_0 = h6 * h5;
     const double h7 = m * 0.5;
     const double u_1_1 = h5 * h7;
-    const double p_0 = u_1_0 + g->k[7][i] * (d_0 - u_1_0);
-    const double p_1 = u_1_1 + g->k[7][i] * (d_1 - u_1_1);
+    const double p_0 = u_1_0 + g->k[6][i] * (d_0 - u_1_0);
+    const double p_1 = u_1_1 + g->k[6][i] * (d_1 - u_1_1);
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
-    const double h9 = d2_2 - g->k[8][i];
-    const double h8 = g->k[9][i] - d2_2;
+    const double h9 = d2_2 - g->k[7][i];
+    const double h8 = g->k[8][i] - d2_2;
     const double h2_2 = h9 * h8;
     const double t2 = sqrt(h2_2);
     const double S_2 = mode[1] * t2;
-    const double A_2 = d2_2 + g->k[10][i] - g->k[0][i];
+    const double A_2 = d2_2 + g->k[9][i];
     const double n_2 = p_0 * A_2 + p_1 * S_2;
     const double m_2 = p_1 * A_2 - p_0 * S_2;
     const double h3 = 1.0 / t1;
@@ -271,8 +271,8 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_inverse_tangent(
         const double t11 = h5 * (h5 * t7);
         const double t12 = h5 * (0.5 * t9) - h6 * t11;
         const double t13 = h5 * (0.5 * t10) - h7 * t11;
-        const double t14 = t12 + g->k[7][i] * (t3 - t12);
-        const double t15 = t13 + g->k[7][i] * (t4 - t13);
+        const double t14 = t12 + g->k[6][i] * (t3 - t12);
+        const double t15 = t13 + g->k[6][i] * (t4 - t13);
         const double t16 = p_0 * t14;
         const double t17 = p_1 * t15;
         const double t18 = t16 + t16 + (t17 + t17);
@@ -285,7 +285,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_inverse_tangent(
 }
 
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.2, App. B.
- * (108 add, 139 multiply, 10 divide, 3 square root, 6 arctangent) */
+ * (105 add, 139 multiply, 10 divide, 3 square root, 6 arctangent) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_inverse_all_tangent(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta)
 {
@@ -299,7 +299,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_inverse_all_tangent(
     const double h1 = g->k[4][i] - d2;
     const double h2_a = h2 * h1;
     const double S = sqrt(h2_a);
-    const double A = d2 + g->k[5][i] - g->k[6][i];
+    const double A = d2 + g->k[5][i];
     const double t1 = d_0 * A;
     const double t2 = d_1 * S;
     const double n = t1 + t2;
@@ -312,14 +312,14 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_inverse_all_tangent(
     const double u_1_0 = h6 * h5;
     const double h7 = m * 0.5;
     const double u_1_1 = h5 * h7;
-    const double p_0 = u_1_0 + g->k[7][i] * (d_0 - u_1_0);
-    const double p_1 = u_1_1 + g->k[7][i] * (d_1 - u_1_1);
+    const double p_0 = u_1_0 + g->k[6][i] * (d_0 - u_1_0);
+    const double p_1 = u_1_1 + g->k[6][i] * (d_1 - u_1_1);
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
-    const double h9 = d2_2 - g->k[8][i];
-    const double h8 = g->k[9][i] - d2_2;
+    const double h9 = d2_2 - g->k[7][i];
+    const double h8 = g->k[8][i] - d2_2;
     const double h2_2 = h9 * h8;
     const double S_2 = sqrt(h2_2);
-    const double A_2 = d2_2 + g->k[10][i] - g->k[0][i];
+    const double A_2 = d2_2 + g->k[9][i];
     const double t5 = p_0 * A_2;
     const double t6 = p_1 * S_2;
     const double n_2 = t5 + t6;
@@ -336,14 +336,14 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_inverse_all_tangent(
     const double u_1_0_a = h5 * h14;
     const double h15 = 0.5 * m_a;
     const double u_1_1_a = h5 * h15;
-    const double p_0_a = u_1_0_a + g->k[7][i] * (d_0 - u_1_0_a);
-    const double p_1_a = u_1_1_a + g->k[7][i] * (d_1 - u_1_1_a);
+    const double p_0_a = u_1_0_a + g->k[6][i] * (d_0 - u_1_0_a);
+    const double p_1_a = u_1_1_a + g->k[6][i] * (d_1 - u_1_1_a);
     const double d2_2_a = p_0_a * p_0_a + p_1_a * p_1_a;
-    const double h17 = d2_2_a - g->k[8][i];
-    const double h16 = g->k[9][i] - d2_2_a;
+    const double h17 = d2_2_a - g->k[7][i];
+    const double h16 = g->k[8][i] - d2_2_a;
     const double h2_2_a = h17 * h16;
     const double S_2_a = sqrt(h2_2_a);
-    const double A_2_a = g->k[10][i] + d2_2_a - g->k[0][i];
+    const double A_2_a = g->k[9][i] + d2_2_a;
     const double t9 = p_0_a * A_2_a;
     const double t10 = p_1_a * S_2_a;
     const double n_2_b = t9 + t10;
@@ -390,8 +390,8 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_inverse_all_tangent(
         const double t26 = h5 * (h5 * t17);
         const double t27 = h5 * (0.5 * t21) - h6 * t26;
         const double t28 = h5 * (0.5 * t24) - h7 * t26;
-        const double t29 = t27 + g->k[7][i] * (t13 - t27);
-        const double t30 = t28 + g->k[7][i] * (t14 - t28);
+        const double t29 = t27 + g->k[6][i] * (t13 - t27);
+        const double t30 = t28 + g->k[6][i] * (t14 - t28);
         const double t31 = p_0 * t29;
         const double t32 = p_1 * t30;
         const double t33 = t31 + t31 + (t32 + t32);
@@ -406,8 +406,8 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_inverse_all_tangent(
         const double t42 = h13 * (n_a * t41 - m_a * t40);
         const double t43 = h5 * (0.5 * t40) - h14 * t26;
         const double t44 = h5 * (0.5 * t41) - h15 * t26;
-        const double t45 = t43 + g->k[7][i] * (t13 - t43);
-        const double t46 = t44 + g->k[7][i] * (t14 - t44);
+        const double t45 = t43 + g->k[6][i] * (t13 - t43);
+        const double t46 = t44 + g->k[6][i] * (t14 - t44);
         const double t47 = p_0_a * t45;
         const double t48 = p_1_a * t46;
         const double t49 = t47 + t47 + (t48 + t48);
@@ -466,16 +466,16 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_jacobian_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double h2 = v_1_0 * g->k[7][i];
+    const double h2 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0].v + h2 - u_2[0].v;
-    const double h3 = v_1_1 * g->k[7][i];
+    const double h3 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1].v + h3 - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[12][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double t1 = u_2[0].v * v_2_1;
     const double t2 = u_2[1].v * v_2_0;
     const double b_33 = t1 - t2;
-    const double h1 = g->k[7][i] * b_22;
+    const double h1 = g->k[6][i] * b_22;
     const double h5 = v_2_1 * h1 - v_1_1 * b_32;
     const double h4 = 1.0 / (h2 * v_2_1 - v_2_0 * h3);
     const double m_01 = h5 * h4;
@@ -498,14 +498,14 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_jacobian_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t3 = d[0].t[k] - u_1[0].t[k];
         const double t4 = d[1].t[k] - u_1[1].t[k];
-        const double t5 = g->k[7][i] * t3;
+        const double t5 = g->k[6][i] * t3;
         const double t6 = u_1[0].t[k] + t5 - u_2[0].t[k];
-        const double t7 = g->k[7][i] * t4;
+        const double t7 = g->k[6][i] * t4;
         const double t8 = u_1[1].t[k] + t7 - u_2[1].t[k];
-        const double t9 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
+        const double t9 = g->k[12][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
         const double t10 = v_2_1 * u_2[0].t[k] + u_2[0].v * t8;
         const double t11 = v_2_0 * u_2[1].t[k] + u_2[1].v * t6;
-        const double t12 = g->k[7][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
+        const double t12 = g->k[6][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
         const double t13 = h4 * (h4 * (v_2_1 * t5 + h2 * t8 - (h3 * t6 + v_2_0 * t7)));
         const double t14 = h4 * (h1 * t8 + v_2_1 * t12 - (b_32 * t4 + v_1_1 * t9)) - h5 * t13;
         const double t15 = h4 * (h6 * t4 + v_1_1 * (t11 - t10)) - h7 * t13;
@@ -531,16 +531,16 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_project_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double h2 = v_1_0 * g->k[7][i];
+    const double h2 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0].v + h2 - u_2[0].v;
-    const double h3 = v_1_1 * g->k[7][i];
+    const double h3 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1].v + h3 - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[12][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double t1 = u_2[0].v * v_2_1;
     const double t2 = u_2[1].v * v_2_0;
     const double b_33 = t1 - t2;
-    const double h1 = g->k[7][i] * b_22;
+    const double h1 = g->k[6][i] * b_22;
     const double h5 = v_2_1 * h1 - v_1_1 * b_32;
     const double h4 = 1.0 / (h2 * v_2_1 - v_2_0 * h3);
     const double m_01 = h5 * h4;
@@ -566,14 +566,14 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_project_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t3 = d[0].t[k] - u_1[0].t[k];
         const double t4 = d[1].t[k] - u_1[1].t[k];
-        const double t5 = g->k[7][i] * t3;
+        const double t5 = g->k[6][i] * t3;
         const double t6 = u_1[0].t[k] + t5 - u_2[0].t[k];
-        const double t7 = g->k[7][i] * t4;
+        const double t7 = g->k[6][i] * t4;
         const double t8 = u_1[1].t[k] + t7 - u_2[1].t[k];
-        const double t9 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
+        const double t9 = g->k[12][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
         const double t10 = v_2_1 * u_2[0].t[k] + u_2[0].v * t8;
         const double t11 = v_2_0 * u_2[1].t[k] + u_2[1].v * t6;
-        const double t12 = g->k[7][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
+        const double t12 = g->k[6][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
         const double t13 = h4 * (h4 * (v_2_1 * t5 + h2 * t8 - (h3 * t6 + v_2_0 * t7)));
         const double t14 = h4 * (h1 * t8 + v_2_1 * t12 - (b_32 * t4 + v_1_1 * t9)) - h5 * t13;
         const double t15 = h4 * (h6 * t4 + v_1_1 * (t11 - t10)) - h7 * t13;
@@ -600,20 +600,20 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_velocity_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double h2 = v_1_0 * g->k[7][i];
+    const double h2 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0].v + h2 - u_2[0].v;
-    const double h3 = v_1_1 * g->k[7][i];
+    const double h3 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1].v + h3 - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[12][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
     const double w_1 = b_22 * theta_dot[1].v;
     const double w_2 = b_32 * theta_dot[1].v + b_33 * theta_dot[2].v;
-    const double h1 = g->k[7][i] * v_2_1;
+    const double h1 = g->k[6][i] * v_2_1;
     const double h5 = w_1 * h1 - v_1_1 * w_2;
     const double h4 = 1.0 / (h2 * v_2_1 - v_2_0 * h3);
     const double v_l_0 = h5 * h4;
-    const double h6 = g->k[7][i] * v_2_0;
+    const double h6 = g->k[6][i] * v_2_0;
     const double h7 = v_1_0 * w_2 - w_1 * h6;
     const double v_l_1 = h4 * h7;
     s_dot[0].v = g->e_1[0][i] * v_l_1 + g->e_t[0][i] * theta_dot[0].v + g->e_x[0][i] * v_l_0;
@@ -622,18 +622,18 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_velocity_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
-        const double t3 = g->k[7][i] * t1;
+        const double t3 = g->k[6][i] * t1;
         const double t4 = u_1[0].t[k] + t3 - u_2[0].t[k];
-        const double t5 = g->k[7][i] * t2;
+        const double t5 = g->k[6][i] * t2;
         const double t6 = u_1[1].t[k] + t5 - u_2[1].t[k];
-        const double t7 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t4 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t6));
+        const double t7 = g->k[12][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t4 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t6));
         const double t8 = theta_dot[1].v * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
         const double t9 = t8 + b_22 * theta_dot[1].t[k];
         const double t10 = theta_dot[2].v * (v_2_1 * u_2[0].t[k] + u_2[0].v * t6 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t4));
         const double t11 = theta_dot[1].v * t7 + b_32 * theta_dot[1].t[k] + (t10 + b_33 * theta_dot[2].t[k]);
         const double t12 = h4 * (h4 * (v_2_1 * t3 + h2 * t6 - (h3 * t4 + v_2_0 * t5)));
-        const double t13 = h4 * (h1 * t9 + w_1 * (g->k[7][i] * t6) - (w_2 * t2 + v_1_1 * t11)) - h5 * t12;
-        const double t14 = h4 * (w_2 * t1 + v_1_0 * t11 - (h6 * t9 + w_1 * (g->k[7][i] * t4))) - h7 * t12;
+        const double t13 = h4 * (h1 * t9 + w_1 * (g->k[6][i] * t6) - (w_2 * t2 + v_1_1 * t11)) - h5 * t12;
+        const double t14 = h4 * (w_2 * t1 + v_1_0 * t11 - (h6 * t9 + w_1 * (g->k[6][i] * t4))) - h7 * t12;
         s_dot[0].t[k] = g->e_1[0][i] * t14 + g->e_t[0][i] * theta_dot[0].t[k] + g->e_x[0][i] * t13;
         s_dot[1].t[k] = g->e_1[1][i] * t14 + g->e_t[1][i] * theta_dot[0].t[k] + g->e_x[1][i] * t13;
         s_dot[2].t[k] = g->e_1[2][i] * t14 + g->e_x[2][i] * t13;
@@ -659,15 +659,15 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_bias_tangent(
     const double u_2_1 = g->l_2[i] * h3;
     const double v_1_0 = d_0 - u_1_0;
     const double v_1_1 = d_1 - u_1_1;
-    const double h8 = v_1_0 * g->k[7][i];
+    const double h8 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1_0 + h8 - u_2_0;
-    const double h9 = v_1_1 * g->k[7][i];
+    const double h9 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1_1 + h9 - u_2_1;
     const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0;
-    const double b_32 = g->k[13][i] * (u_1_1 * v_2_0 - u_1_0 * v_2_1);
+    const double b_32 = g->k[12][i] * (u_1_1 * v_2_0 - u_1_0 * v_2_1);
     const double b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0;
     const double h5 = theta_dot[1].v * b_32 + theta_dot[2].v * b_33;
-    const double h6 = g->k[7][i] * b_22;
+    const double h6 = g->k[6][i] * b_22;
     const double h7 = theta_dot[1].v * h6;
     const double t1 = v_1_0 * h5 - v_2_0 * h7;
     const double h11 = g->e_1[0][i] * t1;
@@ -693,14 +693,14 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_bias_tangent(
     const double h24 = g->l_2[i] * (theta_dot[2].v * h4);
     const double h20 = g->e_x[0][i] * s_dot_0 + g->e_x[1][i] * s_dot_1 + g->e_x[2][i] * s_dot_2 + h17;
     const double h18 = g->e_1[0][i] * s_dot_0 + g->e_1[1][i] * s_dot_1 + g->e_1[2][i] * s_dot_2 - h19;
-    const double h30 = g->k[7][i] * h20;
+    const double h30 = g->k[6][i] * h20;
     const double h21 = h23 + (h30 - h17);
-    const double h31 = g->k[7][i] * h18;
+    const double h31 = g->k[6][i] * h18;
     const double h22 = h19 + h31 - h24;
-    const double h25 = g->k[13][i] * (v_2_0 * h19 + u_1_1 * h21 - (u_1_0 * h22 - v_2_1 * h17));
+    const double h25 = g->k[12][i] * (v_2_0 * h19 + u_1_1 * h21 - (u_1_0 * h22 - v_2_1 * h17));
     const double h26 = u_2_0 * h22 - v_2_1 * h23 - (v_2_0 * h24 + u_2_1 * h21);
     const double h27 = theta_dot[1].v * h25 + theta_dot[2].v * h26;
-    const double h28 = g->k[7][i] * (u_1_0 * h18 - v_1_1 * h17 - (v_1_0 * h19 + u_1_1 * h20));
+    const double h28 = g->k[6][i] * (u_1_0 * h18 - v_1_1 * h17 - (v_1_0 * h19 + u_1_1 * h20));
     const double h29 = theta_dot[1].v * h28;
     const double t3 = h5 * h20 + v_1_0 * h27 - (h7 * h21 + v_2_0 * h29);
     const double h32 = v_2_1 * h30 + h8 * h22 - (h9 * h21 + v_2_0 * h31);
@@ -728,14 +728,14 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_bias_tangent(
         const double t12 = g->l_2[i] * t10;
         const double t13 = g->e_x[0][i] * s[0].t[k] + g->e_x[1][i] * s[1].t[k] + g->e_x[2][i] * s[2].t[k] + t7;
         const double t14 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k] - t8;
-        const double t15 = g->k[7][i] * t13;
+        const double t15 = g->k[6][i] * t13;
         const double t16 = t11 + (t15 - t7);
-        const double t17 = g->k[7][i] * t14;
+        const double t17 = g->k[6][i] * t14;
         const double t18 = t8 + t17 - t12;
-        const double t19 = theta_dot[1].v * (g->k[13][i] * (v_2_0 * t8 + u_1_1 * t16 - (u_1_0 * t18 - v_2_1 * t7)));
+        const double t19 = theta_dot[1].v * (g->k[12][i] * (v_2_0 * t8 + u_1_1 * t16 - (u_1_0 * t18 - v_2_1 * t7)));
         const double t20 = b_33 * theta_dot[2].t[k] + theta_dot[2].v * (u_2_0 * t18 - v_2_1 * t11 - (v_2_0 * t12 + u_2_1 * t16));
         const double t21 = b_32 * theta_dot[1].t[k] + t19 + t20;
-        const double t22 = theta_dot[1].v * (g->k[7][i] * (u_1_0 * t14 - v_1_1 * t7 - (v_1_0 * t8 + u_1_1 * t13)));
+        const double t22 = theta_dot[1].v * (g->k[6][i] * (u_1_0 * t14 - v_1_1 * t7 - (v_1_0 * t8 + u_1_1 * t13)));
         const double t23 = h6 * theta_dot[1].t[k] + t22;
         const double t24 = h5 * t13 + v_1_0 * t21 - (h7 * t16 + v_2_0 * t23);
         const double t25 = h10 * (h10 * (v_2_1 * t15 + h8 * t18 - (h9 * t16 + v_2_0 * t17)));
@@ -755,15 +755,15 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_bias_tangent(
         const double t39 = g->l_2[i] * (h4 * theta_dot[2].t[k] - theta_dot[2].v * t9);
         const double t40 = g->e_x[0][i] * t29 + g->e_x[1][i] * t32 + g->e_x[2][i] * t35 + t36;
         const double t41 = g->e_1[0][i] * t29 + g->e_1[1][i] * t32 + g->e_1[2][i] * t35 - t37;
-        const double t42 = g->k[7][i] * t40;
+        const double t42 = g->k[6][i] * t40;
         const double t43 = t38 + (t42 - t36);
-        const double t44 = g->k[7][i] * t41;
+        const double t44 = g->k[6][i] * t41;
         const double t45 = t37 + t44 - t39;
         const double t46 = u_1_0 * t41 - h18 * t7 - (h17 * t14 + v_1_1 * t36) - (h19 * t13 + v_1_0 * t37 + (h20 * t8 + u_1_1 * t40));
         const double t47 = h19 * t16 + v_2_0 * t37 + (h21 * t8 + u_1_1 * t43) - (u_1_0 * t45 - h22 * t7 - (h17 * t18 + v_2_1 * t36));
         const double t48 = u_2_0 * t45 - h22 * t11 - (h23 * t18 + v_2_1 * t38) - (h24 * t16 + v_2_0 * t39 + (h21 * t12 + u_2_1 * t43));
-        const double t49 = h25 * theta_dot[1].t[k] + theta_dot[1].v * (g->k[13][i] * t47) + (h26 * theta_dot[2].t[k] + theta_dot[2].v * t48);
-        const double t50 = h28 * theta_dot[1].t[k] + theta_dot[1].v * (g->k[7][i] * t46);
+        const double t49 = h25 * theta_dot[1].t[k] + theta_dot[1].v * (g->k[12][i] * t47) + (h26 * theta_dot[2].t[k] + theta_dot[2].v * t48);
+        const double t50 = h28 * theta_dot[1].t[k] + theta_dot[1].v * (g->k[6][i] * t46);
         const double t51 = h20 * t21 + h5 * t40 + (h27 * t13 + v_1_0 * t49) - (h21 * t23 + h7 * t43 + (h29 * t16 + v_2_0 * t50));
         const double t52 = h30 * t18 + v_2_1 * t42 + (h22 * t15 + h8 * t45) - (h21 * t17 + h9 * t43 + (h31 * t16 + v_2_0 * t44));
         const double t53 = h22 * t23 + h7 * t45 + (h29 * t18 + v_2_1 * t50) - (h18 * t21 + h5 * t41 + (h27 * t14 + v_1_1 * t49));
@@ -787,17 +787,17 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_rates_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double v_2_0 = u_1[0].v + v_1_0 * g->k[7][i] - u_2[0].v;
-    const double v_2_1 = u_1[1].v + v_1_1 * g->k[7][i] - u_2[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 * g->k[6][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 * g->k[6][i] - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[12][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
     const double v_l_0 = g->e_x[0][i] * s_dot[0].v + g->e_x[1][i] * s_dot[1].v + g->e_x[2][i] * s_dot[2].v;
     const double v_l_1 = g->e_1[0][i] * s_dot[0].v + g->e_1[1][i] * s_dot[1].v + g->e_1[2][i] * s_dot[2].v;
     const double v_l_2 = g->e_t[0][i] * s_dot[0].v + g->e_t[1][i] * s_dot[1].v;
     const double w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1;
-    const double h1 = g->k[7][i] * v_2_0;
-    const double h2 = g->k[7][i] * v_2_1;
+    const double h1 = g->k[6][i] * v_2_0;
+    const double h2 = g->k[6][i] * v_2_1;
     const double w_2 = v_l_0 * h1 + v_l_1 * h2;
     const double h3 = 1.0 / b_22;
     const double h4 = b_32 * w_1;
@@ -809,15 +809,15 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_rates_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
-        const double t3 = u_1[0].t[k] + g->k[7][i] * t1 - u_2[0].t[k];
-        const double t4 = u_1[1].t[k] + g->k[7][i] * t2 - u_2[1].t[k];
-        const double t5 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t3 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t4));
+        const double t3 = u_1[0].t[k] + g->k[6][i] * t1 - u_2[0].t[k];
+        const double t4 = u_1[1].t[k] + g->k[6][i] * t2 - u_2[1].t[k];
+        const double t5 = g->k[12][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t3 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t4));
         const double t6 = g->e_x[0][i] * s_dot[0].t[k] + g->e_x[1][i] * s_dot[1].t[k] + g->e_x[2][i] * s_dot[2].t[k];
         const double t7 = g->e_1[0][i] * s_dot[0].t[k] + g->e_1[1][i] * s_dot[1].t[k] + g->e_1[2][i] * s_dot[2].t[k];
         const double t8 = v_l_0 * t1 + v_1_0 * t6 + (v_l_1 * t2 + v_1_1 * t7);
         const double t9 = h3 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
         const double t10 = h3 * t9;
-        const double t11 = h1 * t6 + v_l_0 * (g->k[7][i] * t3) + (h2 * t7 + v_l_1 * (g->k[7][i] * t4)) - (h3 * (w_1 * t5 + b_32 * t8) - h4 * t10);
+        const double t11 = h1 * t6 + v_l_0 * (g->k[6][i] * t3) + (h2 * t7 + v_l_1 * (g->k[6][i] * t4)) - (h3 * (w_1 * t5 + b_32 * t8) - h4 * t10);
         const double t12 = theta_dot_2 * (v_2_1 * u_2[0].t[k] + u_2[0].v * t4 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t3));
         theta_dot[0].t[k] = g->e_t[0][i] * s_dot[0].t[k] + g->e_t[1][i] * s_dot[1].t[k];
         theta_dot[1].t[k] = h3 * t8 - w_1 * t10;
@@ -833,30 +833,30 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_determinant_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double v_2_0 = u_1[0].v + v_1_0 * g->k[7][i] - u_2[0].v;
-    const double v_2_1 = u_1[1].v + v_1_1 * g->k[7][i] - u_2[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 * g->k[6][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 * g->k[6][i] - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
     const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0;
-    const double t1 = g->k[7][i] * delta;
+    const double t1 = g->k[6][i] * delta;
     const double det_M_a = b_22 * b_33 / t1;
     const double h1 = 1.0 / t1;
     det_M[0].v = det_M_a;
-    factors[0].v = b_22 * g->k[15][i];
-    factors[1].v = b_33 * g->k[16][i];
-    factors[2].v = delta * g->k[14][i];
+    factors[0].v = b_22 * g->k[14][i];
+    factors[1].v = b_33 * g->k[15][i];
+    factors[2].v = delta * g->k[13][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t2 = d[0].t[k] - u_1[0].t[k];
         const double t3 = d[1].t[k] - u_1[1].t[k];
-        const double t4 = u_1[0].t[k] + g->k[7][i] * t2 - u_2[0].t[k];
-        const double t5 = u_1[1].t[k] + g->k[7][i] * t3 - u_2[1].t[k];
+        const double t4 = u_1[0].t[k] + g->k[6][i] * t2 - u_2[0].t[k];
+        const double t5 = u_1[1].t[k] + g->k[6][i] * t3 - u_2[1].t[k];
         const double t6 = v_1_1 * u_1[0].t[k] + u_1[0].v * t3 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t2);
         const double t7 = v_2_1 * u_2[0].t[k] + u_2[0].v * t5 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t4);
         const double t8 = v_2_1 * t2 + v_1_0 * t5 - (v_2_0 * t3 + v_1_1 * t4);
-        det_M[0].t[k] = h1 * (b_33 * t6 + b_22 * t7 - det_M_a * (g->k[7][i] * t8));
-        factors[0].t[k] = g->k[15][i] * t6;
-        factors[1].t[k] = g->k[16][i] * t7;
-        factors[2].t[k] = g->k[14][i] * t8;
+        det_M[0].t[k] = h1 * (b_33 * t6 + b_22 * t7 - det_M_a * (g->k[6][i] * t8));
+        factors[0].t[k] = g->k[14][i] * t6;
+        factors[1].t[k] = g->k[15][i] * t7;
+        factors[2].t[k] = g->k[13][i] * t8;
     }
 }
 
@@ -870,16 +870,16 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_gram_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double h2 = v_1_0 * g->k[7][i];
+    const double h2 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0].v + h2 - u_2[0].v;
-    const double h3 = v_1_1 * g->k[7][i];
+    const double h3 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1].v + h3 - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[12][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double t1 = u_2[0].v * v_2_1;
     const double t2 = u_2[1].v * v_2_0;
     const double b_33 = t1 - t2;
-    const double h1 = g->k[7][i] * b_22;
+    const double h1 = g->k[6][i] * b_22;
     const double h5 = v_2_1 * h1 - v_1_1 * b_32;
     const double h4 = 1.0 / (h2 * v_2_1 - v_2_0 * h3);
     const double m_01 = h5 * h4;
@@ -938,14 +938,14 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_gram_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t3 = d[0].t[k] - u_1[0].t[k];
         const double t4 = d[1].t[k] - u_1[1].t[k];
-        const double t5 = g->k[7][i] * t3;
+        const double t5 = g->k[6][i] * t3;
         const double t6 = u_1[0].t[k] + t5 - u_2[0].t[k];
-        const double t7 = g->k[7][i] * t4;
+        const double t7 = g->k[6][i] * t4;
         const double t8 = u_1[1].t[k] + t7 - u_2[1].t[k];
-        const double t9 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
+        const double t9 = g->k[12][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
         const double t10 = v_2_1 * u_2[0].t[k] + u_2[0].v * t8;
         const double t11 = v_2_0 * u_2[1].t[k] + u_2[1].v * t6;
-        const double t12 = g->k[7][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
+        const double t12 = g->k[6][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
         const double t13 = h4 * (h4 * (v_2_1 * t5 + h2 * t8 - (h3 * t6 + v_2_0 * t7)));
         const double t14 = h4 * (h1 * t8 + v_2_1 * t12 - (b_32 * t4 + v_1_1 * t9)) - h5 * t13;
         const double t15 = h4 * (h6 * t4 + v_1_1 * (t11 - t10)) - h7 * t13;
@@ -1020,16 +1020,16 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_passive_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double v_2_0 = u_1[0].v + v_1_0 * g->k[18][i] - u_2[0].v;
-    const double v_2_1 = u_1[1].v + v_1_1 * g->k[18][i] - u_2[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 * g->k[17][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 * g->k[17][i] - u_2[1].v;
     const double h2 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
     const double h1 = u_1[0].v * v_1_0 + u_1[1].v * v_1_1;
     const double h5 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
     const double h4 = u_2[0].v * v_2_0 + u_2[1].v * v_2_1;
     const double h8 = v_1_1 * v_2_0 - v_1_0 * v_2_1;
     const double h7 = v_1_0 * v_2_0 + v_1_1 * v_2_1;
-    const double dir_0 = v_1_0 * g->k[17][i];
-    const double dir_1 = v_1_1 * g->k[17][i];
+    const double dir_0 = v_1_0 * g->k[16][i];
+    const double dir_1 = v_1_1 * g->k[16][i];
     const double along_0 = g->e_x[0][i] * dir_0 + g->e_1[0][i] * dir_1;
     const double along_1 = g->e_x[1][i] * dir_0 + g->e_1[1][i] * dir_1;
     const double along_2 = g->e_x[2][i] * dir_0 + g->e_1[2][i] * dir_1;
@@ -1054,15 +1054,15 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_passive_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
-        const double t3 = u_1[0].t[k] + g->k[18][i] * t1 - u_2[0].t[k];
-        const double t4 = u_1[1].t[k] + g->k[18][i] * t2 - u_2[1].t[k];
+        const double t3 = u_1[0].t[k] + g->k[17][i] * t1 - u_2[0].t[k];
+        const double t4 = u_1[1].t[k] + g->k[17][i] * t2 - u_2[1].t[k];
         const double t5 = h1 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
         const double t6 = h2 * (v_1_0 * u_1[0].t[k] + u_1[0].v * t1 + (v_1_1 * u_1[1].t[k] + u_1[1].v * t2));
         const double t7 = h4 * (v_2_1 * u_2[0].t[k] + u_2[0].v * t4 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t3));
         const double t8 = h5 * (v_2_0 * u_2[0].t[k] + u_2[0].v * t3 + (v_2_1 * u_2[1].t[k] + u_2[1].v * t4));
         const double t9 = h7 * (v_2_0 * t2 + v_1_1 * t3 - (v_2_1 * t1 + v_1_0 * t4)) - h8 * (v_2_0 * t1 + v_1_0 * t3 + (v_2_1 * t2 + v_1_1 * t4));
-        const double t10 = g->k[17][i] * t1;
-        const double t11 = g->k[17][i] * t2;
+        const double t10 = g->k[16][i] * t1;
+        const double t11 = g->k[16][i] * t2;
         passive[0].t[k] = h3 * (t5 - t6);
         passive[1].t[k] = h6 * (t7 - t8);
         passive[2].t[k] = h9 * t9;
@@ -1086,11 +1086,11 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_points_tangent(
     const double origin_0 = s[0].v - g->e_x[0][i] * d[0].v - g->e_1[0][i] * d[1].v;
     const double origin_1 = s[1].v - g->e_x[1][i] * d[0].v - g->e_1[1][i] * d[1].v;
     const double origin_2 = s[2].v - g->e_x[2][i] * d[0].v - g->e_1[2][i] * d[1].v;
-    const double p_0 = u_1[0].v + g->k[7][i] * (d[0].v - u_1[0].v);
-    const double p_1 = u_1[1].v + g->k[7][i] * (d[1].v - u_1[1].v);
-    points[0].v = g->k[19][i];
-    points[1].v = g->k[20][i];
-    points[2].v = g->k[21][i];
+    const double p_0 = u_1[0].v + g->k[6][i] * (d[0].v - u_1[0].v);
+    const double p_1 = u_1[1].v + g->k[6][i] * (d[1].v - u_1[1].v);
+    points[0].v = g->k[18][i];
+    points[1].v = g->k[19][i];
+    points[2].v = g->k[20][i];
     points[3].v = g->c[0][i];
     points[4].v = g->c[1][i];
     points[5].v = g->c[2][i];
@@ -1113,8 +1113,8 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_points_tangent(
         const double t1 = s[0].t[k] - g->e_x[0][i] * d[0].t[k] - g->e_1[0][i] * d[1].t[k];
         const double t2 = s[1].t[k] - g->e_x[1][i] * d[0].t[k] - g->e_1[1][i] * d[1].t[k];
         const double t3 = s[2].t[k] - g->e_x[2][i] * d[0].t[k] - g->e_1[2][i] * d[1].t[k];
-        const double t4 = u_1[0].t[k] + g->k[7][i] * (d[0].t[k] - u_1[0].t[k]);
-        const double t5 = u_1[1].t[k] + g->k[7][i] * (d[1].t[k] - u_1[1].t[k]);
+        const double t4 = u_1[0].t[k] + g->k[6][i] * (d[0].t[k] - u_1[0].t[k]);
+        const double t5 = u_1[1].t[k] + g->k[6][i] * (d[1].t[k] - u_1[1].t[k]);
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
         points[2].t[k] = 0.0;
@@ -1147,16 +1147,16 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_transmission_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double h2 = v_1_0 * g->k[7][i];
+    const double h2 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0].v + h2 - u_2[0].v;
-    const double h3 = v_1_1 * g->k[7][i];
+    const double h3 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1].v + h3 - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[12][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double t1 = u_2[0].v * v_2_1;
     const double t2 = u_2[1].v * v_2_0;
     const double b_33 = t1 - t2;
-    const double h1 = g->k[7][i] * b_22;
+    const double h1 = g->k[6][i] * b_22;
     const double h5 = v_2_1 * h1 - v_1_1 * b_32;
     const double h4 = 1.0 / (h2 * v_2_1 - v_2_0 * h3);
     const double m_01 = h5 * h4;
@@ -1188,14 +1188,14 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_transmission_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t3 = d[0].t[k] - u_1[0].t[k];
         const double t4 = d[1].t[k] - u_1[1].t[k];
-        const double t5 = g->k[7][i] * t3;
+        const double t5 = g->k[6][i] * t3;
         const double t6 = u_1[0].t[k] + t5 - u_2[0].t[k];
-        const double t7 = g->k[7][i] * t4;
+        const double t7 = g->k[6][i] * t4;
         const double t8 = u_1[1].t[k] + t7 - u_2[1].t[k];
-        const double t9 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
+        const double t9 = g->k[12][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
         const double t10 = v_2_1 * u_2[0].t[k] + u_2[0].v * t8;
         const double t11 = v_2_0 * u_2[1].t[k] + u_2[1].v * t6;
-        const double t12 = g->k[7][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
+        const double t12 = g->k[6][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
         const double t13 = h4 * (h4 * (v_2_1 * t5 + h2 * t8 - (h3 * t6 + v_2_0 * t7)));
         const double t14 = h4 * (h1 * t8 + v_2_1 * t12 - (b_32 * t4 + v_1_1 * t9)) - h5 * t13;
         const double t15 = h4 * (h6 * t4 + v_1_1 * (t11 - t10)) - h7 * t13;
@@ -1481,13 +1481,13 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_end_force_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double v_2_0 = u_1[0].v + v_1_0 * g->k[7][i] - u_2[0].v;
-    const double v_2_1 = u_1[1].v + v_1_1 * g->k[7][i] - u_2[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 * g->k[6][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 * g->k[6][i] - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[12][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
-    const double w_2 = g->k[7][i] * v_2_0;
-    const double w_2_a = g->k[7][i] * v_2_1;
+    const double w_2 = g->k[6][i] * v_2_0;
+    const double w_2_a = g->k[6][i] * v_2_1;
     const double h2 = v_1_0 * actuator_forces[1].v;
     const double h1 = 1.0 / b_22;
     const double h3 = v_1_0 * b_32;
@@ -1508,16 +1508,16 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_end_force_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
-        const double t3 = u_1[0].t[k] + g->k[7][i] * t1 - u_2[0].t[k];
-        const double t4 = u_1[1].t[k] + g->k[7][i] * t2 - u_2[1].t[k];
-        const double t5 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t3 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t4));
+        const double t3 = u_1[0].t[k] + g->k[6][i] * t1 - u_2[0].t[k];
+        const double t4 = u_1[1].t[k] + g->k[6][i] * t2 - u_2[1].t[k];
+        const double t5 = g->k[12][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t3 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t4));
         const double t6 = h1 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
         const double t7 = h1 * t6;
-        const double t8 = actuator_forces[2].v * (g->k[7][i] * t3 - (h1 * (b_32 * t1 + v_1_0 * t5) - h3 * t7));
+        const double t8 = actuator_forces[2].v * (g->k[6][i] * t3 - (h1 * (b_32 * t1 + v_1_0 * t5) - h3 * t7));
         const double t9 = h5 * (v_2_1 * u_2[0].t[k] + u_2[0].v * t4 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t3));
         const double t10 = h5 * t9;
         const double t11 = h1 * (actuator_forces[1].v * t1 + v_1_0 * actuator_forces[1].t[k]) - h2 * t7 + (h5 * (h4 * actuator_forces[2].t[k] + t8) - h6 * t10);
-        const double t12 = actuator_forces[2].v * (g->k[7][i] * t4 - (h1 * (b_32 * t2 + v_1_1 * t5) - h8 * t7));
+        const double t12 = actuator_forces[2].v * (g->k[6][i] * t4 - (h1 * (b_32 * t2 + v_1_1 * t5) - h8 * t7));
         const double t13 = h1 * (actuator_forces[1].v * t2 + v_1_1 * actuator_forces[1].t[k]) - h7 * t7 + (h5 * (h9 * actuator_forces[2].t[k] + t12) - h10 * t10);
         const double t14 = g->e_t[0][i] * actuator_forces[0].t[k] + g->e_1[0][i] * t13 + g->e_x[0][i] * t11;
         const double t15 = g->e_t[1][i] * actuator_forces[0].t[k] + g->e_1[1][i] * t13 + g->e_x[1][i] * t11;

@@ -194,7 +194,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_forward_all_tangent(
     }
 }
 
-/* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.  (52
+/* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.  (50
  * add, 72 multiply, 5 divide, 2 square root, 2 arctangent) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_inverse_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *s, const double *mode,
@@ -208,7 +208,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_inverse_tangent(
     const double h2_a = h2 * h1;
     const double t1 = sqrt(h2_a);
     const double S = mode[0] * t1;
-    const double A = d2 + g->k[5][i] - g->k[6][i];
+    const double A = d2 + g->k[5][i];
     const double n = d_0 * A + d_1 * S;
     const double m = d_1 * A - d_0 * S;
     const double h6 = n * 0.5;
@@ -216,15 +216,15 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_inverse_tangent(
     const double u_1_0 = h6 * h5;
     const double h7 = m * 0.5;
     const double u_1_1 = h5 * h7;
-    const double p_0 = u_1_0 + g->k[7][i] * (d_0 - u_1_0) - g->o_12[0][i];
-    const double p_1 = u_1_1 + g->k[7][i] * (d_1 - u_1_1) - g->o_12[1][i];
+    const double p_0 = u_1_0 + g->k[6][i] * (d_0 - u_1_0) - g->o_12[0][i];
+    const double p_1 = u_1_1 + g->k[6][i] * (d_1 - u_1_1) - g->o_12[1][i];
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
-    const double h9 = d2_2 - g->k[8][i];
-    const double h8 = g->k[9][i] - d2_2;
+    const double h9 = d2_2 - g->k[7][i];
+    const double h8 = g->k[8][i] - d2_2;
     const double h2_2 = h9 * h8;
     const double t2 = sqrt(h2_2);
     const double S_2 = mode[1] * t2;
-    const double A_2 = d2_2 + g->k[10][i] - g->k[0][i];
+    const double A_2 = d2_2 + g->k[9][i];
     const double n_2 = p_0 * A_2 + p_1 * S_2;
     const double m_2 = p_1 * A_2 - p_0 * S_2;
     const double h3 = 1.0 / t1;
@@ -243,8 +243,8 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_inverse_tangent(
         const double t9 = h5 * (h5 * t5);
         const double t10 = h5 * (0.5 * t7) - h6 * t9;
         const double t11 = h5 * (0.5 * t8) - h7 * t9;
-        const double t12 = t10 + g->k[7][i] * (s[0].t[k] - t10);
-        const double t13 = t11 + g->k[7][i] * (s[1].t[k] - t11);
+        const double t12 = t10 + g->k[6][i] * (s[0].t[k] - t10);
+        const double t13 = t11 + g->k[6][i] * (s[1].t[k] - t11);
         const double t14 = p_0 * t12;
         const double t15 = p_1 * t13;
         const double t16 = t14 + t14 + (t15 + t15);
@@ -256,7 +256,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_inverse_tangent(
 }
 
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.
- * (101 add, 123 multiply, 10 divide, 3 square root, 6 arctangent) */
+ * (98 add, 123 multiply, 10 divide, 3 square root, 6 arctangent) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_inverse_all_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *s,
     krhpr_dual *KRHPR_RESTRICT theta)
@@ -268,7 +268,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_inverse_all_tangent(
     const double h1 = g->k[4][i] - d2;
     const double h2_a = h2 * h1;
     const double S = sqrt(h2_a);
-    const double A = d2 + g->k[5][i] - g->k[6][i];
+    const double A = d2 + g->k[5][i];
     const double t1 = d_0 * A;
     const double t2 = d_1 * S;
     const double n = t1 + t2;
@@ -281,14 +281,14 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_inverse_all_tangent(
     const double u_1_0 = h6 * h5;
     const double h7 = m * 0.5;
     const double u_1_1 = h5 * h7;
-    const double p_0 = u_1_0 + g->k[7][i] * (d_0 - u_1_0) - g->o_12[0][i];
-    const double p_1 = u_1_1 + g->k[7][i] * (d_1 - u_1_1) - g->o_12[1][i];
+    const double p_0 = u_1_0 + g->k[6][i] * (d_0 - u_1_0) - g->o_12[0][i];
+    const double p_1 = u_1_1 + g->k[6][i] * (d_1 - u_1_1) - g->o_12[1][i];
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
-    const double h9 = d2_2 - g->k[8][i];
-    const double h8 = g->k[9][i] - d2_2;
+    const double h9 = d2_2 - g->k[7][i];
+    const double h8 = g->k[8][i] - d2_2;
     const double h2_2 = h9 * h8;
     const double S_2 = sqrt(h2_2);
-    const double A_2 = d2_2 + g->k[10][i] - g->k[0][i];
+    const double A_2 = d2_2 + g->k[9][i];
     const double t5 = p_0 * A_2;
     const double t6 = p_1 * S_2;
     const double n_2 = t5 + t6;
@@ -304,14 +304,14 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_inverse_all_tangent(
     const double u_1_0_a = h5 * h14;
     const double h15 = 0.5 * m_a;
     const double u_1_1_a = h5 * h15;
-    const double p_0_a = u_1_0_a + g->k[7][i] * (d_0 - u_1_0_a) - g->o_12[0][i];
-    const double p_1_a = u_1_1_a + g->k[7][i] * (d_1 - u_1_1_a) - g->o_12[1][i];
+    const double p_0_a = u_1_0_a + g->k[6][i] * (d_0 - u_1_0_a) - g->o_12[0][i];
+    const double p_1_a = u_1_1_a + g->k[6][i] * (d_1 - u_1_1_a) - g->o_12[1][i];
     const double d2_2_a = p_0_a * p_0_a + p_1_a * p_1_a;
-    const double h17 = d2_2_a - g->k[8][i];
-    const double h16 = g->k[9][i] - d2_2_a;
+    const double h17 = d2_2_a - g->k[7][i];
+    const double h16 = g->k[8][i] - d2_2_a;
     const double h2_2_a = h17 * h16;
     const double S_2_a = sqrt(h2_2_a);
-    const double A_2_a = g->k[10][i] + d2_2_a - g->k[0][i];
+    const double A_2_a = g->k[9][i] + d2_2_a;
     const double t9 = p_0_a * A_2_a;
     const double t10 = p_1_a * S_2_a;
     const double n_2_b = t9 + t10;
@@ -352,8 +352,8 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_inverse_all_tangent(
         const double t24 = h5 * (h5 * t15);
         const double t25 = h5 * (0.5 * t19) - h6 * t24;
         const double t26 = h5 * (0.5 * t22) - h7 * t24;
-        const double t27 = t25 + g->k[7][i] * (s[0].t[k] - t25);
-        const double t28 = t26 + g->k[7][i] * (s[1].t[k] - t26);
+        const double t27 = t25 + g->k[6][i] * (s[0].t[k] - t25);
+        const double t28 = t26 + g->k[6][i] * (s[1].t[k] - t26);
         const double t29 = p_0 * t27;
         const double t30 = p_1 * t28;
         const double t31 = t29 + t29 + (t30 + t30);
@@ -367,8 +367,8 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_inverse_all_tangent(
         const double t39 = h13 * (n_a * t38 - m_a * t37);
         const double t40 = h5 * (0.5 * t37) - h14 * t24;
         const double t41 = h5 * (0.5 * t38) - h15 * t24;
-        const double t42 = t40 + g->k[7][i] * (s[0].t[k] - t40);
-        const double t43 = t41 + g->k[7][i] * (s[1].t[k] - t41);
+        const double t42 = t40 + g->k[6][i] * (s[0].t[k] - t40);
+        const double t43 = t41 + g->k[6][i] * (s[1].t[k] - t41);
         const double t44 = p_0_a * t42;
         const double t45 = p_1_a * t43;
         const double t46 = t44 + t44 + (t45 + t45);
@@ -421,16 +421,16 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_jacobian_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double h2 = v_1_0 * g->k[7][i];
+    const double h2 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0].v + h2 - g->o_12[0][i] - u_2[0].v;
-    const double h3 = v_1_1 * g->k[7][i];
+    const double h3 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1].v + h3 - g->o_12[1][i] - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[12][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double t1 = u_2[0].v * v_2_1;
     const double t2 = u_2[1].v * v_2_0;
     const double b_33 = t1 - t2;
-    const double h1 = g->k[7][i] * b_22;
+    const double h1 = g->k[6][i] * b_22;
     const double h5 = v_2_1 * h1 - v_1_1 * b_32;
     const double h4 = 1.0 / (h2 * v_2_1 - v_2_0 * h3);
     const double m_00 = h5 * h4;
@@ -448,14 +448,14 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_jacobian_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t3 = d[0].t[k] - u_1[0].t[k];
         const double t4 = d[1].t[k] - u_1[1].t[k];
-        const double t5 = g->k[7][i] * t3;
+        const double t5 = g->k[6][i] * t3;
         const double t6 = u_1[0].t[k] + t5 - u_2[0].t[k];
-        const double t7 = g->k[7][i] * t4;
+        const double t7 = g->k[6][i] * t4;
         const double t8 = u_1[1].t[k] + t7 - u_2[1].t[k];
-        const double t9 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
+        const double t9 = g->k[12][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
         const double t10 = v_2_1 * u_2[0].t[k] + u_2[0].v * t8;
         const double t11 = v_2_0 * u_2[1].t[k] + u_2[1].v * t6;
-        const double t12 = g->k[7][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
+        const double t12 = g->k[6][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
         const double t13 = h4 * (h4 * (v_2_1 * t5 + h2 * t8 - (h3 * t6 + v_2_0 * t7)));
         M[0].t[k] = h4 * (h1 * t8 + v_2_1 * t12 - (b_32 * t4 + v_1_1 * t9)) - h5 * t13;
         M[1].t[k] = h4 * (h6 * t4 + v_1_1 * (t11 - t10)) - h7 * t13;
@@ -472,16 +472,16 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_project_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double h2 = v_1_0 * g->k[7][i];
+    const double h2 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0].v + h2 - g->o_12[0][i] - u_2[0].v;
-    const double h3 = v_1_1 * g->k[7][i];
+    const double h3 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1].v + h3 - g->o_12[1][i] - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[12][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double t1 = u_2[0].v * v_2_1;
     const double t2 = u_2[1].v * v_2_0;
     const double b_33 = t1 - t2;
-    const double h1 = g->k[7][i] * b_22;
+    const double h1 = g->k[6][i] * b_22;
     const double h5 = v_2_1 * h1 - v_1_1 * b_32;
     const double h4 = 1.0 / (h2 * v_2_1 - v_2_0 * h3);
     const double m_00 = h5 * h4;
@@ -497,14 +497,14 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_project_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t3 = d[0].t[k] - u_1[0].t[k];
         const double t4 = d[1].t[k] - u_1[1].t[k];
-        const double t5 = g->k[7][i] * t3;
+        const double t5 = g->k[6][i] * t3;
         const double t6 = u_1[0].t[k] + t5 - u_2[0].t[k];
-        const double t7 = g->k[7][i] * t4;
+        const double t7 = g->k[6][i] * t4;
         const double t8 = u_1[1].t[k] + t7 - u_2[1].t[k];
-        const double t9 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
+        const double t9 = g->k[12][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
         const double t10 = v_2_1 * u_2[0].t[k] + u_2[0].v * t8;
         const double t11 = v_2_0 * u_2[1].t[k] + u_2[1].v * t6;
-        const double t12 = g->k[7][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
+        const double t12 = g->k[6][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
         const double t13 = h4 * (h4 * (v_2_1 * t5 + h2 * t8 - (h3 * t6 + v_2_0 * t7)));
         const double t14 = m_00 * N[0].t[k] + N[0].v * (h4 * (h1 * t8 + v_2_1 * t12 - (b_32 * t4 + v_1_1 * t9)) - h5 * t13);
         const double t15 = m_10 * N[1].t[k] + N[1].v * (h4 * (b_32 * t3 + v_1_0 * t9 - (h1 * t6 + v_2_0 * t12)) - h8 * t13);
@@ -523,20 +523,20 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_velocity_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double h2 = v_1_0 * g->k[7][i];
+    const double h2 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0].v + h2 - g->o_12[0][i] - u_2[0].v;
-    const double h3 = v_1_1 * g->k[7][i];
+    const double h3 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1].v + h3 - g->o_12[1][i] - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[12][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
     const double w_0 = b_22 * theta_dot[0].v;
     const double w_1 = b_32 * theta_dot[0].v + b_33 * theta_dot[1].v;
-    const double h1 = g->k[7][i] * v_2_1;
+    const double h1 = g->k[6][i] * v_2_1;
     const double h5 = w_0 * h1 - v_1_1 * w_1;
     const double h4 = 1.0 / (h2 * v_2_1 - v_2_0 * h3);
     const double v_l_0 = h5 * h4;
-    const double h6 = g->k[7][i] * v_2_0;
+    const double h6 = g->k[6][i] * v_2_0;
     const double h7 = v_1_0 * w_1 - w_0 * h6;
     const double v_l_1 = h4 * h7;
     s_dot[0].v = v_l_0;
@@ -544,18 +544,18 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_velocity_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
-        const double t3 = g->k[7][i] * t1;
+        const double t3 = g->k[6][i] * t1;
         const double t4 = u_1[0].t[k] + t3 - u_2[0].t[k];
-        const double t5 = g->k[7][i] * t2;
+        const double t5 = g->k[6][i] * t2;
         const double t6 = u_1[1].t[k] + t5 - u_2[1].t[k];
-        const double t7 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t4 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t6));
+        const double t7 = g->k[12][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t4 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t6));
         const double t8 = theta_dot[0].v * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
         const double t9 = t8 + b_22 * theta_dot[0].t[k];
         const double t10 = theta_dot[1].v * (v_2_1 * u_2[0].t[k] + u_2[0].v * t6 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t4));
         const double t11 = theta_dot[0].v * t7 + b_32 * theta_dot[0].t[k] + (t10 + b_33 * theta_dot[1].t[k]);
         const double t12 = h4 * (h4 * (v_2_1 * t3 + h2 * t6 - (h3 * t4 + v_2_0 * t5)));
-        s_dot[0].t[k] = h4 * (h1 * t9 + w_0 * (g->k[7][i] * t6) - (w_1 * t2 + v_1_1 * t11)) - h5 * t12;
-        s_dot[1].t[k] = h4 * (w_1 * t1 + v_1_0 * t11 - (h6 * t9 + w_0 * (g->k[7][i] * t4))) - h7 * t12;
+        s_dot[0].t[k] = h4 * (h1 * t9 + w_0 * (g->k[6][i] * t6) - (w_1 * t2 + v_1_1 * t11)) - h5 * t12;
+        s_dot[1].t[k] = h4 * (w_1 * t1 + v_1_0 * t11 - (h6 * t9 + w_0 * (g->k[6][i] * t4))) - h7 * t12;
     }
 }
 
@@ -576,14 +576,14 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_bias_tangent(
     const double u_2_1 = g->l_2[i] * h3;
     const double v_1_0 = d_0 - u_1_0;
     const double v_1_1 = d_1 - u_1_1;
-    const double h8 = v_1_0 * g->k[7][i];
+    const double h8 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1_0 + h8 - g->o_12[0][i] - u_2_0;
-    const double h9 = v_1_1 * g->k[7][i];
+    const double h9 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1_1 + h9 - g->o_12[1][i] - u_2_1;
     const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0;
-    const double b_32 = g->k[13][i] * (u_1_1 * v_2_0 - u_1_0 * v_2_1);
+    const double b_32 = g->k[12][i] * (u_1_1 * v_2_0 - u_1_0 * v_2_1);
     const double b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0;
-    const double h5 = g->k[7][i] * b_22;
+    const double h5 = g->k[6][i] * b_22;
     const double h6 = theta_dot[0].v * h5;
     const double h7 = theta_dot[0].v * b_32 + theta_dot[1].v * b_33;
     const double h11 = v_2_1 * h6 - v_1_1 * h7;
@@ -597,13 +597,13 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_bias_tangent(
     const double h20 = g->l_2[i] * (theta_dot[1].v * h4);
     const double h16 = s_dot_0 + h13;
     const double h14 = s_dot_1 - h15;
-    const double h26 = g->k[7][i] * h16;
+    const double h26 = g->k[6][i] * h16;
     const double h17 = h19 + (h26 - h13);
-    const double h27 = g->k[7][i] * h14;
+    const double h27 = g->k[6][i] * h14;
     const double h18 = h15 + h27 - h20;
-    const double h23 = g->k[13][i] * (v_2_0 * h15 + u_1_1 * h17 - (u_1_0 * h18 - v_2_1 * h13));
+    const double h23 = g->k[12][i] * (v_2_0 * h15 + u_1_1 * h17 - (u_1_0 * h18 - v_2_1 * h13));
     const double h24 = u_2_0 * h18 - v_2_1 * h19 - (v_2_0 * h20 + u_2_1 * h17);
-    const double h21 = g->k[7][i] * (u_1_0 * h14 - v_1_1 * h13 - (v_1_0 * h15 + u_1_1 * h16));
+    const double h21 = g->k[6][i] * (u_1_0 * h14 - v_1_1 * h13 - (v_1_0 * h15 + u_1_1 * h16));
     const double h22 = theta_dot[0].v * h21;
     const double h25 = theta_dot[0].v * h23 + theta_dot[1].v * h24;
     const double h28 = v_2_1 * h26 + h8 * h18 - (h9 * h17 + v_2_0 * h27);
@@ -624,13 +624,13 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_bias_tangent(
         const double t8 = g->l_2[i] * t6;
         const double t9 = s[0].t[k] + t3;
         const double t10 = s[1].t[k] - t4;
-        const double t11 = g->k[7][i] * t9;
+        const double t11 = g->k[6][i] * t9;
         const double t12 = t7 + (t11 - t3);
-        const double t13 = g->k[7][i] * t10;
+        const double t13 = g->k[6][i] * t10;
         const double t14 = t4 + t13 - t8;
-        const double t15 = theta_dot[0].v * (g->k[7][i] * (u_1_0 * t10 - v_1_1 * t3 - (v_1_0 * t4 + u_1_1 * t9)));
+        const double t15 = theta_dot[0].v * (g->k[6][i] * (u_1_0 * t10 - v_1_1 * t3 - (v_1_0 * t4 + u_1_1 * t9)));
         const double t16 = h5 * theta_dot[0].t[k] + t15;
-        const double t17 = theta_dot[0].v * (g->k[13][i] * (v_2_0 * t4 + u_1_1 * t12 - (u_1_0 * t14 - v_2_1 * t3)));
+        const double t17 = theta_dot[0].v * (g->k[12][i] * (v_2_0 * t4 + u_1_1 * t12 - (u_1_0 * t14 - v_2_1 * t3)));
         const double t18 = b_33 * theta_dot[1].t[k] + theta_dot[1].v * (u_2_0 * t14 - v_2_1 * t7 - (v_2_0 * t8 + u_2_1 * t12));
         const double t19 = b_32 * theta_dot[0].t[k] + t17 + t18;
         const double t20 = h10 * (h10 * (v_2_1 * t11 + h8 * t14 - (h9 * t12 + v_2_0 * t13)));
@@ -642,15 +642,15 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_bias_tangent(
         const double t26 = g->l_2[i] * (h4 * theta_dot[1].t[k] - theta_dot[1].v * t5);
         const double t27 = t21 + t23;
         const double t28 = t22 - t24;
-        const double t29 = g->k[7][i] * t27;
+        const double t29 = g->k[6][i] * t27;
         const double t30 = t25 + (t29 - t23);
-        const double t31 = g->k[7][i] * t28;
+        const double t31 = g->k[6][i] * t28;
         const double t32 = t24 + t31 - t26;
         const double t33 = u_1_0 * t28 - h14 * t3 - (h13 * t10 + v_1_1 * t23) - (h15 * t9 + v_1_0 * t24 + (h16 * t4 + u_1_1 * t27));
         const double t34 = h15 * t12 + v_2_0 * t24 + (h17 * t4 + u_1_1 * t30) - (u_1_0 * t32 - h18 * t3 - (h13 * t14 + v_2_1 * t23));
         const double t35 = u_2_0 * t32 - h18 * t7 - (h19 * t14 + v_2_1 * t25) - (h20 * t12 + v_2_0 * t26 + (h17 * t8 + u_2_1 * t30));
-        const double t36 = h21 * theta_dot[0].t[k] + theta_dot[0].v * (g->k[7][i] * t33);
-        const double t37 = h23 * theta_dot[0].t[k] + theta_dot[0].v * (g->k[13][i] * t34) + (h24 * theta_dot[1].t[k] + theta_dot[1].v * t35);
+        const double t36 = h21 * theta_dot[0].t[k] + theta_dot[0].v * (g->k[6][i] * t33);
+        const double t37 = h23 * theta_dot[0].t[k] + theta_dot[0].v * (g->k[12][i] * t34) + (h24 * theta_dot[1].t[k] + theta_dot[1].v * t35);
         const double t38 = h18 * t16 + h6 * t32 + (h22 * t14 + v_2_1 * t36) - (h14 * t19 + h7 * t28 + (h25 * t10 + v_1_1 * t37));
         const double t39 = h26 * t14 + v_2_1 * t29 + (h18 * t11 + h8 * t32) - (h17 * t13 + h9 * t30 + (h27 * t12 + v_2_0 * t31));
         const double t40 = h16 * t19 + h7 * t27 + (h25 * t9 + v_1_0 * t37) - (h17 * t16 + h6 * t30 + (h22 * t12 + v_2_0 * t36));
@@ -669,14 +669,14 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_rates_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double v_2_0 = u_1[0].v + v_1_0 * g->k[7][i] - g->o_12[0][i] - u_2[0].v;
-    const double v_2_1 = u_1[1].v + v_1_1 * g->k[7][i] - g->o_12[1][i] - u_2[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 * g->k[6][i] - g->o_12[0][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 * g->k[6][i] - g->o_12[1][i] - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[12][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
     const double w_0 = v_1_0 * s_dot[0].v + v_1_1 * s_dot[1].v;
-    const double h1 = g->k[7][i] * s_dot[0].v;
-    const double h2 = g->k[7][i] * s_dot[1].v;
+    const double h1 = g->k[6][i] * s_dot[0].v;
+    const double h2 = g->k[6][i] * s_dot[1].v;
     const double w_1 = v_2_0 * h1 + v_2_1 * h2;
     const double h3 = 1.0 / b_22;
     const double h4 = b_32 * w_0;
@@ -687,11 +687,11 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_rates_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
-        const double t3 = u_1[0].t[k] + g->k[7][i] * t1 - u_2[0].t[k];
-        const double t4 = u_1[1].t[k] + g->k[7][i] * t2 - u_2[1].t[k];
-        const double t5 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t3 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t4));
+        const double t3 = u_1[0].t[k] + g->k[6][i] * t1 - u_2[0].t[k];
+        const double t4 = u_1[1].t[k] + g->k[6][i] * t2 - u_2[1].t[k];
+        const double t5 = g->k[12][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t3 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t4));
         const double t6 = s_dot[0].v * t1 + v_1_0 * s_dot[0].t[k] + (s_dot[1].v * t2 + v_1_1 * s_dot[1].t[k]);
-        const double t7 = h1 * t3 + v_2_0 * (g->k[7][i] * s_dot[0].t[k]) + (h2 * t4 + v_2_1 * (g->k[7][i] * s_dot[1].t[k]));
+        const double t7 = h1 * t3 + v_2_0 * (g->k[6][i] * s_dot[0].t[k]) + (h2 * t4 + v_2_1 * (g->k[6][i] * s_dot[1].t[k]));
         const double t8 = h3 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
         const double t9 = h3 * t8;
         const double t10 = theta_dot_1 * (v_2_1 * u_2[0].t[k] + u_2[0].v * t4 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t3));
@@ -708,30 +708,30 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_determinant_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double v_2_0 = u_1[0].v + v_1_0 * g->k[7][i] - g->o_12[0][i] - u_2[0].v;
-    const double v_2_1 = u_1[1].v + v_1_1 * g->k[7][i] - g->o_12[1][i] - u_2[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 * g->k[6][i] - g->o_12[0][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 * g->k[6][i] - g->o_12[1][i] - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
     const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0;
-    const double t1 = g->k[7][i] * delta;
+    const double t1 = g->k[6][i] * delta;
     const double det_M_a = b_22 * b_33 / t1;
     const double h1 = 1.0 / t1;
     det_M[0].v = det_M_a;
-    factors[0].v = b_22 * g->k[15][i];
-    factors[1].v = b_33 * g->k[16][i];
-    factors[2].v = delta * g->k[14][i];
+    factors[0].v = b_22 * g->k[14][i];
+    factors[1].v = b_33 * g->k[15][i];
+    factors[2].v = delta * g->k[13][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t2 = d[0].t[k] - u_1[0].t[k];
         const double t3 = d[1].t[k] - u_1[1].t[k];
-        const double t4 = u_1[0].t[k] + g->k[7][i] * t2 - u_2[0].t[k];
-        const double t5 = u_1[1].t[k] + g->k[7][i] * t3 - u_2[1].t[k];
+        const double t4 = u_1[0].t[k] + g->k[6][i] * t2 - u_2[0].t[k];
+        const double t5 = u_1[1].t[k] + g->k[6][i] * t3 - u_2[1].t[k];
         const double t6 = v_1_1 * u_1[0].t[k] + u_1[0].v * t3 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t2);
         const double t7 = v_2_1 * u_2[0].t[k] + u_2[0].v * t5 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t4);
         const double t8 = v_2_1 * t2 + v_1_0 * t5 - (v_2_0 * t3 + v_1_1 * t4);
-        det_M[0].t[k] = h1 * (b_33 * t6 + b_22 * t7 - det_M_a * (g->k[7][i] * t8));
-        factors[0].t[k] = g->k[15][i] * t6;
-        factors[1].t[k] = g->k[16][i] * t7;
-        factors[2].t[k] = g->k[14][i] * t8;
+        det_M[0].t[k] = h1 * (b_33 * t6 + b_22 * t7 - det_M_a * (g->k[6][i] * t8));
+        factors[0].t[k] = g->k[14][i] * t6;
+        factors[1].t[k] = g->k[15][i] * t7;
+        factors[2].t[k] = g->k[13][i] * t8;
     }
 }
 
@@ -744,16 +744,16 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_gram_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double h2 = v_1_0 * g->k[7][i];
+    const double h2 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0].v + h2 - g->o_12[0][i] - u_2[0].v;
-    const double h3 = v_1_1 * g->k[7][i];
+    const double h3 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1].v + h3 - g->o_12[1][i] - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[12][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double t1 = u_2[0].v * v_2_1;
     const double t2 = u_2[1].v * v_2_0;
     const double b_33 = t1 - t2;
-    const double h1 = g->k[7][i] * b_22;
+    const double h1 = g->k[6][i] * b_22;
     const double h5 = v_2_1 * h1 - v_1_1 * b_32;
     const double h4 = 1.0 / (h2 * v_2_1 - v_2_0 * h3);
     const double m_00 = h5 * h4;
@@ -784,14 +784,14 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_gram_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t3 = d[0].t[k] - u_1[0].t[k];
         const double t4 = d[1].t[k] - u_1[1].t[k];
-        const double t5 = g->k[7][i] * t3;
+        const double t5 = g->k[6][i] * t3;
         const double t6 = u_1[0].t[k] + t5 - u_2[0].t[k];
-        const double t7 = g->k[7][i] * t4;
+        const double t7 = g->k[6][i] * t4;
         const double t8 = u_1[1].t[k] + t7 - u_2[1].t[k];
-        const double t9 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
+        const double t9 = g->k[12][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
         const double t10 = v_2_1 * u_2[0].t[k] + u_2[0].v * t8;
         const double t11 = v_2_0 * u_2[1].t[k] + u_2[1].v * t6;
-        const double t12 = g->k[7][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
+        const double t12 = g->k[6][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
         const double t13 = h4 * (h4 * (v_2_1 * t5 + h2 * t8 - (h3 * t6 + v_2_0 * t7)));
         const double t14 = h4 * (h1 * t8 + v_2_1 * t12 - (b_32 * t4 + v_1_1 * t9)) - h5 * t13;
         const double t15 = h4 * (h6 * t4 + v_1_1 * (t11 - t10)) - h7 * t13;
@@ -829,8 +829,8 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_passive_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double v_2_0 = u_1[0].v + v_1_0 * g->k[18][i] - g->o_12[0][i] - u_2[0].v;
-    const double v_2_1 = u_1[1].v + v_1_1 * g->k[18][i] - g->o_12[1][i] - u_2[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 * g->k[17][i] - g->o_12[0][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 * g->k[17][i] - g->o_12[1][i] - u_2[1].v;
     const double h2 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
     const double h1 = u_1[0].v * v_1_0 + u_1[1].v * v_1_1;
     const double h5 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
@@ -843,13 +843,13 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_passive_tangent(
     passive[0].v = krhpr_atan2(h2, h1);
     passive[1].v = krhpr_atan2(h5, h4);
     passive[2].v = krhpr_atan2(h8, h7);
-    link[0].v = v_1_0 * g->k[17][i];
-    link[1].v = v_1_1 * g->k[17][i];
+    link[0].v = v_1_0 * g->k[16][i];
+    link[1].v = v_1_1 * g->k[16][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
-        const double t3 = u_1[0].t[k] + g->k[18][i] * t1 - u_2[0].t[k];
-        const double t4 = u_1[1].t[k] + g->k[18][i] * t2 - u_2[1].t[k];
+        const double t3 = u_1[0].t[k] + g->k[17][i] * t1 - u_2[0].t[k];
+        const double t4 = u_1[1].t[k] + g->k[17][i] * t2 - u_2[1].t[k];
         const double t5 = h1 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
         const double t6 = h2 * (v_1_0 * u_1[0].t[k] + u_1[0].v * t1 + (v_1_1 * u_1[1].t[k] + u_1[1].v * t2));
         const double t7 = h4 * (v_2_1 * u_2[0].t[k] + u_2[0].v * t4 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t3));
@@ -858,8 +858,8 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_passive_tangent(
         passive[0].t[k] = h3 * (t5 - t6);
         passive[1].t[k] = h6 * (t7 - t8);
         passive[2].t[k] = h9 * t9;
-        link[0].t[k] = g->k[17][i] * t1;
-        link[1].t[k] = g->k[17][i] * t2;
+        link[0].t[k] = g->k[16][i] * t1;
+        link[1].t[k] = g->k[16][i] * t2;
     }
 }
 
@@ -868,16 +868,16 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_points_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
 {
-    const double p_0 = u_1[0].v + g->k[7][i] * (d[0].v - u_1[0].v);
-    const double p_1 = u_1[1].v + g->k[7][i] * (d[1].v - u_1[1].v);
+    const double p_0 = u_1[0].v + g->k[6][i] * (d[0].v - u_1[0].v);
+    const double p_1 = u_1[1].v + g->k[6][i] * (d[1].v - u_1[1].v);
     points[0].v = g->o[0][i];
     points[1].v = g->o[1][i];
-    points[2].v = g->k[19][i];
-    points[3].v = g->k[20][i];
+    points[2].v = g->k[18][i];
+    points[3].v = g->k[19][i];
     points[4].v = g->o[0][i] + u_1[0].v;
     points[5].v = g->o[1][i] + u_1[1].v;
-    points[6].v = u_2[0].v + g->k[19][i];
-    points[7].v = u_2[1].v + g->k[20][i];
+    points[6].v = u_2[0].v + g->k[18][i];
+    points[7].v = u_2[1].v + g->k[19][i];
     points[8].v = g->o[0][i] + p_0;
     points[9].v = g->o[1][i] + p_1;
     points[10].v = s[0].v;
@@ -891,8 +891,8 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_points_tangent(
         points[5].t[k] = u_1[1].t[k];
         points[6].t[k] = u_2[0].t[k];
         points[7].t[k] = u_2[1].t[k];
-        points[8].t[k] = u_1[0].t[k] + g->k[7][i] * (d[0].t[k] - u_1[0].t[k]);
-        points[9].t[k] = u_1[1].t[k] + g->k[7][i] * (d[1].t[k] - u_1[1].t[k]);
+        points[8].t[k] = u_1[0].t[k] + g->k[6][i] * (d[0].t[k] - u_1[0].t[k]);
+        points[9].t[k] = u_1[1].t[k] + g->k[6][i] * (d[1].t[k] - u_1[1].t[k]);
         points[10].t[k] = s[0].t[k];
         points[11].t[k] = s[1].t[k];
     }
@@ -906,16 +906,16 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_transmission_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double h2 = v_1_0 * g->k[7][i];
+    const double h2 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0].v + h2 - g->o_12[0][i] - u_2[0].v;
-    const double h3 = v_1_1 * g->k[7][i];
+    const double h3 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1].v + h3 - g->o_12[1][i] - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[12][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double t1 = u_2[0].v * v_2_1;
     const double t2 = u_2[1].v * v_2_0;
     const double b_33 = t1 - t2;
-    const double h1 = g->k[7][i] * b_22;
+    const double h1 = g->k[6][i] * b_22;
     const double h5 = v_2_1 * h1 - v_1_1 * b_32;
     const double h4 = 1.0 / (h2 * v_2_1 - v_2_0 * h3);
     const double m_00 = h5 * h4;
@@ -933,14 +933,14 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_transmission_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t3 = d[0].t[k] - u_1[0].t[k];
         const double t4 = d[1].t[k] - u_1[1].t[k];
-        const double t5 = g->k[7][i] * t3;
+        const double t5 = g->k[6][i] * t3;
         const double t6 = u_1[0].t[k] + t5 - u_2[0].t[k];
-        const double t7 = g->k[7][i] * t4;
+        const double t7 = g->k[6][i] * t4;
         const double t8 = u_1[1].t[k] + t7 - u_2[1].t[k];
-        const double t9 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
+        const double t9 = g->k[12][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
         const double t10 = v_2_1 * u_2[0].t[k] + u_2[0].v * t8;
         const double t11 = v_2_0 * u_2[1].t[k] + u_2[1].v * t6;
-        const double t12 = g->k[7][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
+        const double t12 = g->k[6][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
         const double t13 = h4 * (h4 * (v_2_1 * t5 + h2 * t8 - (h3 * t6 + v_2_0 * t7)));
         const double t14 = h4 * (h1 * t8 + v_2_1 * t12 - (b_32 * t4 + v_1_1 * t9)) - h5 * t13;
         const double t15 = h4 * (h6 * t4 + v_1_1 * (t11 - t10)) - h7 * t13;
@@ -1082,13 +1082,13 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_end_force_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double v_2_0 = u_1[0].v + v_1_0 * g->k[7][i] - g->o_12[0][i] - u_2[0].v;
-    const double v_2_1 = u_1[1].v + v_1_1 * g->k[7][i] - g->o_12[1][i] - u_2[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 * g->k[6][i] - g->o_12[0][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 * g->k[6][i] - g->o_12[1][i] - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[12][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
-    const double w_1 = g->k[7][i] * v_2_0;
-    const double w_1_a = g->k[7][i] * v_2_1;
+    const double w_1 = g->k[6][i] * v_2_0;
+    const double w_1_a = g->k[6][i] * v_2_1;
     const double h2 = v_1_0 * actuator_forces[0].v;
     const double h1 = 1.0 / b_22;
     const double h3 = v_1_0 * b_32;
@@ -1106,16 +1106,16 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_end_force_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
-        const double t3 = u_1[0].t[k] + g->k[7][i] * t1 - u_2[0].t[k];
-        const double t4 = u_1[1].t[k] + g->k[7][i] * t2 - u_2[1].t[k];
-        const double t5 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t3 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t4));
+        const double t3 = u_1[0].t[k] + g->k[6][i] * t1 - u_2[0].t[k];
+        const double t4 = u_1[1].t[k] + g->k[6][i] * t2 - u_2[1].t[k];
+        const double t5 = g->k[12][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t3 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t4));
         const double t6 = h1 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
         const double t7 = h1 * t6;
-        const double t8 = actuator_forces[1].v * (g->k[7][i] * t3 - (h1 * (b_32 * t1 + v_1_0 * t5) - h3 * t7));
+        const double t8 = actuator_forces[1].v * (g->k[6][i] * t3 - (h1 * (b_32 * t1 + v_1_0 * t5) - h3 * t7));
         const double t9 = h5 * (v_2_1 * u_2[0].t[k] + u_2[0].v * t4 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t3));
         const double t10 = h5 * t9;
         const double t11 = h1 * (actuator_forces[0].v * t1 + v_1_0 * actuator_forces[0].t[k]) - h2 * t7 + (h5 * (h4 * actuator_forces[1].t[k] + t8) - h6 * t10);
-        const double t12 = actuator_forces[1].v * (g->k[7][i] * t4 - (h1 * (b_32 * t2 + v_1_1 * t5) - h8 * t7));
+        const double t12 = actuator_forces[1].v * (g->k[6][i] * t4 - (h1 * (b_32 * t2 + v_1_1 * t5) - h8 * t7));
         const double t13 = h1 * (actuator_forces[0].v * t2 + v_1_1 * actuator_forces[0].t[k]) - h7 * t7 + (h5 * (h9 * actuator_forces[1].t[k] + t12) - h10 * t10);
         end_force[0].t[k] = t11;
         end_force[1].t[k] = t13;

@@ -194,7 +194,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_forward_all_tangent(
     }
 }
 
-/* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.  (42
+/* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.  (40
  * add, 56 multiply, 4 divide, 2 square root, 2 arctangent) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_inverse_tangent(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *s, const double *mode,
@@ -208,7 +208,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_inverse_tangent(
     const double h2_a = h2 * h1;
     const double t1 = sqrt(h2_a);
     const double S = mode[0] * t1;
-    const double A = d2 + g->k[4][i] - g->k[1][i];
+    const double A = d2 + g->k[4][i];
     const double n = d_0 * A + d_1 * S;
     const double m = d_1 * A - d_0 * S;
     const double p_0 = d_0 - g->o_12[0][i];
@@ -219,7 +219,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_inverse_tangent(
     const double h2_2 = h6 * h5;
     const double t2 = sqrt(h2_2);
     const double S_2 = mode[1] * t2;
-    const double A_2 = d2_2 + g->k[7][i] - g->k[0][i];
+    const double A_2 = d2_2 + g->k[7][i];
     const double n_2 = p_0 * A_2 + p_1 * S_2;
     const double m_2 = p_1 * A_2 - p_0 * S_2;
     const double h3 = 1.0 / t1;
@@ -245,7 +245,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_inverse_tangent(
 }
 
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.
- * (54 add, 62 multiply, 6 divide, 2 square root, 4 arctangent) */
+ * (52 add, 62 multiply, 6 divide, 2 square root, 4 arctangent) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_inverse_all_tangent(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *s,
     krhpr_dual *KRHPR_RESTRICT theta)
@@ -257,7 +257,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_inverse_all_tangent(
     const double h1 = g->k[3][i] - d2;
     const double h2_a = h2 * h1;
     const double S = sqrt(h2_a);
-    const double A = d2 + g->k[4][i] - g->k[1][i];
+    const double A = d2 + g->k[4][i];
     const double t1 = d_0 * A;
     const double t2 = d_1 * S;
     const double n = t1 + t2;
@@ -272,7 +272,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_inverse_all_tangent(
     const double h5 = g->k[6][i] - d2_2;
     const double h2_2 = h6 * h5;
     const double S_2 = sqrt(h2_2);
-    const double A_2 = d2_2 + g->k[7][i] - g->k[0][i];
+    const double A_2 = d2_2 + g->k[7][i];
     const double t5 = p_0 * A_2;
     const double t6 = p_1 * S_2;
     const double n_2 = t5 + t6;

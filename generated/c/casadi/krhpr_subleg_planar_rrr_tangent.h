@@ -83,7 +83,7 @@ KRHPR_STATIC void krhpr_subleg_planar_rrr_forward_posture_tangent(
     }
 }
 
-/* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.  (45
+/* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.  (43
  * add, 68 multiply, 5 divide, 1 square root, 1 sine cosine, 3 arctangent) */
 KRHPR_STATIC void krhpr_subleg_planar_rrr_inverse_tangent(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *s, const double *mode,
@@ -98,8 +98,8 @@ KRHPR_STATIC void krhpr_subleg_planar_rrr_inverse_tangent(
     const double h2_a = h2 * h1;
     const double t1 = sqrt(h2_a);
     const double S = mode[0] * t1;
-    const double C = d2 - g->k[2][i] - g->k[3][i];
-    const double A = d2 + g->k[2][i] - g->k[3][i];
+    const double C = d2 - g->k[2][i];
+    const double A = d2 + g->k[3][i];
     const double n = w_0 * A + w_1 * S;
     const double m = w_1 * A - w_0 * S;
     const double h7 = n * 0.5;
@@ -141,7 +141,7 @@ KRHPR_STATIC void krhpr_subleg_planar_rrr_inverse_tangent(
 }
 
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.2.3, 2.5.
- * (68 add, 99 multiply, 7 divide, 1 square root, 1 sine cosine, 6 arctangent) */
+ * (66 add, 99 multiply, 7 divide, 1 square root, 1 sine cosine, 6 arctangent) */
 KRHPR_STATIC void krhpr_subleg_planar_rrr_inverse_all_tangent(
     const krhpr_subleg_planar_rrr_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *swivel,
     krhpr_dual *KRHPR_RESTRICT theta, krhpr_dual *KRHPR_RESTRICT radicand)
@@ -154,8 +154,8 @@ KRHPR_STATIC void krhpr_subleg_planar_rrr_inverse_all_tangent(
     const double h1 = g->k[1][i] - d2;
     const double h2_a = h2 * h1;
     const double S = sqrt(h2_a);
-    const double C = d2 - g->k[2][i] - g->k[3][i];
-    const double A = d2 + g->k[2][i] - g->k[3][i];
+    const double C = d2 - g->k[2][i];
+    const double A = d2 + g->k[3][i];
     const double t1 = w_0 * A;
     const double t2 = w_1 * S;
     const double n = t1 + t2;

@@ -75,7 +75,7 @@ KRHPR_STATIC void krhpr_subleg_prr_forward_posture_tangent(
     }
 }
 
-/* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.1, 2.5.  (36
+/* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.1, 2.5.  (34
  * add, 49 multiply, 3 divide, 1 square root, 2 arctangent) */
 KRHPR_STATIC void krhpr_subleg_prr_inverse_tangent(
     const krhpr_subleg_prr_geometry *g, int i, const krhpr_dual *s, const double *mode,
@@ -92,8 +92,8 @@ KRHPR_STATIC void krhpr_subleg_prr_inverse_tangent(
     const double h2_a = h2 * h1;
     const double t1 = sqrt(h2_a);
     const double S = mode[0] * t1;
-    const double C = d2 - g->k[2][i] - g->k[3][i];
-    const double A = d2 + g->k[2][i] - g->k[3][i];
+    const double C = d2 - g->k[2][i];
+    const double A = d2 + g->k[3][i];
     const double n = d_0 * A + d_1 * S;
     const double m = d_1 * A - d_0 * S;
     const double h3 = 1.0 / t1;
@@ -120,7 +120,7 @@ KRHPR_STATIC void krhpr_subleg_prr_inverse_tangent(
 }
 
 /* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 2.4.1, 2.5.
- * (43 add, 53 multiply, 4 divide, 1 square root, 4 arctangent) */
+ * (41 add, 53 multiply, 4 divide, 1 square root, 4 arctangent) */
 KRHPR_STATIC void krhpr_subleg_prr_inverse_all_tangent(
     const krhpr_subleg_prr_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
     krhpr_dual *KRHPR_RESTRICT radicand)
@@ -135,8 +135,8 @@ KRHPR_STATIC void krhpr_subleg_prr_inverse_all_tangent(
     const double h1 = g->k[1][i] - d2;
     const double h2_a = h2 * h1;
     const double S = sqrt(h2_a);
-    const double C = d2 - g->k[2][i] - g->k[3][i];
-    const double A = d2 + g->k[2][i] - g->k[3][i];
+    const double C = d2 - g->k[2][i];
+    const double A = d2 + g->k[3][i];
     const double t1 = d_0 * A;
     const double t2 = d_1 * S;
     const double n = t1 + t2;

@@ -247,7 +247,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_forward_all_tangent(
     }
 }
 
-/* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: App. B.  (66 add,
+/* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: App. B.  (64 add,
  * 103 multiply, 7 divide, 3 square root, 3 arctangent) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *s, const double *mode,
@@ -270,7 +270,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_tangent(
     const double h2_a = h6 * h5;
     const double t2 = sqrt(h2_a);
     const double S = mode[1] * t2;
-    const double A = d2 + g->k[5][i] - g->k[6][i];
+    const double A = d2 + g->k[5][i];
     const double n = r * A + y * S;
     const double m = y * A - r * S;
     const double h10 = n * 0.5;
@@ -278,15 +278,15 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_tangent(
     const double u_1_0 = h10 * h9;
     const double h11 = m * 0.5;
     const double u_1_1 = h9 * h11;
-    const double p_0 = u_1_0 + g->k[7][i] * (r - u_1_0);
-    const double p_1 = u_1_1 + g->k[7][i] * (y - u_1_1);
+    const double p_0 = u_1_0 + g->k[6][i] * (r - u_1_0);
+    const double p_1 = u_1_1 + g->k[6][i] * (y - u_1_1);
     const double d2_2 = p_0 * p_0 + p_1 * p_1;
-    const double h13 = d2_2 - g->k[8][i];
-    const double h12 = g->k[9][i] - d2_2;
+    const double h13 = d2_2 - g->k[7][i];
+    const double h12 = g->k[8][i] - d2_2;
     const double h2_2 = h13 * h12;
     const double t3 = sqrt(h2_2);
     const double S_2 = mode[2] * t3;
-    const double A_2 = d2_2 + g->k[10][i] - g->k[0][i];
+    const double A_2 = d2_2 + g->k[9][i];
     const double n_2 = p_0 * A_2 + p_1 * S_2;
     const double m_2 = p_1 * A_2 - p_0 * S_2;
     const double h1 = 1.0 / t1;
@@ -314,8 +314,8 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_tangent(
         const double t16 = h9 * (h9 * t12);
         const double t17 = h9 * (0.5 * t14) - h10 * t16;
         const double t18 = h9 * (0.5 * t15) - h11 * t16;
-        const double t19 = t17 + g->k[7][i] * (t10 - t17);
-        const double t20 = t18 + g->k[7][i] * (t6 - t18);
+        const double t19 = t17 + g->k[6][i] * (t10 - t17);
+        const double t20 = t18 + g->k[6][i] * (t6 - t18);
         const double t21 = p_0 * t19;
         const double t22 = p_1 * t20;
         const double t23 = t21 + t21 + (t22 + t22);
@@ -327,7 +327,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_tangent(
     }
 }
 
-/* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: App. B.  (174
+/* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: App. B.  (169
  * add, 218 multiply, 19 divide, 6 square root, 14 arctangent) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_all_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta)
@@ -346,7 +346,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_all_tangent(
     const double h3 = g->k[4][i] - d2;
     const double h2 = h4 * h3;
     const double S = sqrt(h2);
-    const double A = d2 + g->k[5][i] - g->k[6][i];
+    const double A = d2 + g->k[5][i];
     const double t1 = r * A;
     const double t2 = y * S;
     const double n = t1 + t2;
@@ -359,15 +359,15 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_all_tangent(
     const double u_1_0 = h8 * h7;
     const double h9 = m * 0.5;
     const double u_1_1 = h7 * h9;
-    const double p_0 = u_1_0 + g->k[7][i] * (r - u_1_0);
-    const double p_1 = u_1_1 + g->k[7][i] * (y - u_1_1);
+    const double p_0 = u_1_0 + g->k[6][i] * (r - u_1_0);
+    const double p_1 = u_1_1 + g->k[6][i] * (y - u_1_1);
     const double t5 = p_1 * p_1;
     const double d2_2 = p_0 * p_0 + t5;
-    const double h11 = d2_2 - g->k[8][i];
-    const double h10 = g->k[9][i] - d2_2;
+    const double h11 = d2_2 - g->k[7][i];
+    const double h10 = g->k[8][i] - d2_2;
     const double h2_2 = h11 * h10;
     const double S_2 = sqrt(h2_2);
-    const double A_2 = d2_2 + g->k[10][i] - g->k[0][i];
+    const double A_2 = d2_2 + g->k[9][i];
     const double t6 = p_0 * A_2;
     const double t7 = p_1 * S_2;
     const double n_2 = t6 + t7;
@@ -383,15 +383,15 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_all_tangent(
     const double u_1_0_a = h7 * h16;
     const double h17 = 0.5 * m_a;
     const double u_1_1_a = h7 * h17;
-    const double p_0_a = u_1_0_a + g->k[7][i] * (r - u_1_0_a);
-    const double p_1_a = u_1_1_a + g->k[7][i] * (y - u_1_1_a);
+    const double p_0_a = u_1_0_a + g->k[6][i] * (r - u_1_0_a);
+    const double p_1_a = u_1_1_a + g->k[6][i] * (y - u_1_1_a);
     const double t10 = p_1_a * p_1_a;
     const double d2_2_a = p_0_a * p_0_a + t10;
-    const double h19 = d2_2_a - g->k[8][i];
-    const double h18 = g->k[9][i] - d2_2_a;
+    const double h19 = d2_2_a - g->k[7][i];
+    const double h18 = g->k[8][i] - d2_2_a;
     const double h2_2_a = h19 * h18;
     const double S_2_a = sqrt(h2_2_a);
-    const double A_2_a = g->k[10][i] + d2_2_a - g->k[0][i];
+    const double A_2_a = g->k[9][i] + d2_2_a;
     const double t11 = p_0_a * A_2_a;
     const double t12 = p_1_a * S_2_a;
     const double n_2_b = t11 + t12;
@@ -405,13 +405,13 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_all_tangent(
     const double theta_1_b = krhpr_atan2(m_a, n_b);
     const double h24 = 0.5 * n_b;
     const double u_1_0_b = h7 * h24;
-    const double p_0_b = u_1_0_b - g->k[7][i] * (r + u_1_0_b);
+    const double p_0_b = u_1_0_b - g->k[6][i] * (r + u_1_0_b);
     const double d2_2_b = t10 + p_0_b * p_0_b;
-    const double h26 = d2_2_b - g->k[8][i];
-    const double h25 = g->k[9][i] - d2_2_b;
+    const double h26 = d2_2_b - g->k[7][i];
+    const double h25 = g->k[8][i] - d2_2_b;
     const double h2_2_b = h26 * h25;
     const double S_2_b = sqrt(h2_2_b);
-    const double A_2_b = g->k[10][i] + d2_2_b - g->k[0][i];
+    const double A_2_b = g->k[9][i] + d2_2_b;
     const double t15 = p_0_b * A_2_b;
     const double t16 = p_1_a * S_2_b;
     const double n_2_d = t15 + t16;
@@ -422,13 +422,13 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_all_tangent(
     const double m_2_e = t17 + t18;
     const double n_c = -n;
     const double theta_1_c = krhpr_atan2(m, n_c);
-    const double p_0_c = g->k[7][i] * (u_1_0 - r) - u_1_0;
+    const double p_0_c = g->k[6][i] * (u_1_0 - r) - u_1_0;
     const double d2_2_c = t5 + p_0_c * p_0_c;
-    const double h31 = d2_2_c - g->k[8][i];
-    const double h30 = g->k[9][i] - d2_2_c;
+    const double h31 = d2_2_c - g->k[7][i];
+    const double h30 = g->k[8][i] - d2_2_c;
     const double h2_2_c = h31 * h30;
     const double S_2_c = sqrt(h2_2_c);
-    const double A_2_c = g->k[10][i] + d2_2_c - g->k[0][i];
+    const double A_2_c = g->k[9][i] + d2_2_c;
     const double t19 = p_0_c * A_2_c;
     const double t20 = p_1 * S_2_c;
     const double n_2_f = t19 + t20;
@@ -504,8 +504,8 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_all_tangent(
         const double t44 = h7 * (h7 * t33);
         const double t45 = h7 * (0.5 * t37) - h8 * t44;
         const double t46 = h7 * (0.5 * t40) - h9 * t44;
-        const double t47 = t45 + g->k[7][i] * (t30 - t45);
-        const double t48 = t46 + g->k[7][i] * (t26 - t46);
+        const double t47 = t45 + g->k[6][i] * (t30 - t45);
+        const double t48 = t46 + g->k[6][i] * (t26 - t46);
         const double t49 = p_0 * t47;
         const double t50 = p_1 * t48;
         const double t51 = t50 + t50;
@@ -520,8 +520,8 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_all_tangent(
         const double t60 = h15 * (n_a * t59 - m_a * t58);
         const double t61 = h7 * (0.5 * t58) - h16 * t44;
         const double t62 = h7 * (0.5 * t59) - h17 * t44;
-        const double t63 = t61 + g->k[7][i] * (t30 - t61);
-        const double t64 = t62 + g->k[7][i] * (t26 - t62);
+        const double t63 = t61 + g->k[6][i] * (t30 - t61);
+        const double t64 = t62 + g->k[6][i] * (t26 - t62);
         const double t65 = p_0_a * t63;
         const double t66 = p_1_a * t64;
         const double t67 = t66 + t66;
@@ -534,7 +534,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_all_tangent(
         const double t74 = t36 - t35;
         const double t75 = h23 * (n_b * t59 - m_a * t74);
         const double t76 = h7 * (0.5 * t74) - h24 * t44;
-        const double t77 = t76 - g->k[7][i] * (t30 + t76);
+        const double t77 = t76 - g->k[6][i] * (t30 + t76);
         const double t78 = p_0_b * t77;
         const double t79 = t67 + (t78 + t78);
         const double t80 = h27 * (0.5 * (h25 * t79 - h26 * t79));
@@ -543,7 +543,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_inverse_all_tangent(
         const double t83 = A_2_b * t64 + p_1_a * t79;
         const double t84 = S_2_b * t77 + p_0_b * t80;
         const double t85 = h6 * (t42 - t41);
-        const double t86 = g->k[7][i] * (t45 - t30) - t45;
+        const double t86 = g->k[6][i] * (t45 - t30) - t45;
         const double t87 = p_0_c * t86;
         const double t88 = t51 + (t87 + t87);
         const double t89 = h32 * (0.5 * (h30 * t88 - h31 * t88));
@@ -636,16 +636,16 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_jacobian_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double h2 = v_1_0 * g->k[7][i];
+    const double h2 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0].v + h2 - u_2[0].v;
-    const double h3 = v_1_1 * g->k[7][i];
+    const double h3 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1].v + h3 - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[12][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double t1 = u_2[0].v * v_2_1;
     const double t2 = u_2[1].v * v_2_0;
     const double b_33 = t1 - t2;
-    const double h1 = g->k[7][i] * b_22;
+    const double h1 = g->k[6][i] * b_22;
     const double h5 = v_2_1 * h1 - v_1_1 * b_32;
     const double h4 = 1.0 / (h2 * v_2_1 - v_2_0 * h3);
     const double m_01 = h5 * h4;
@@ -668,14 +668,14 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_jacobian_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t3 = d[0].t[k] - u_1[0].t[k];
         const double t4 = d[1].t[k] - u_1[1].t[k];
-        const double t5 = g->k[7][i] * t3;
+        const double t5 = g->k[6][i] * t3;
         const double t6 = u_1[0].t[k] + t5 - u_2[0].t[k];
-        const double t7 = g->k[7][i] * t4;
+        const double t7 = g->k[6][i] * t4;
         const double t8 = u_1[1].t[k] + t7 - u_2[1].t[k];
-        const double t9 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
+        const double t9 = g->k[12][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
         const double t10 = v_2_1 * u_2[0].t[k] + u_2[0].v * t8;
         const double t11 = v_2_0 * u_2[1].t[k] + u_2[1].v * t6;
-        const double t12 = g->k[7][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
+        const double t12 = g->k[6][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
         const double t13 = h4 * (h4 * (v_2_1 * t5 + h2 * t8 - (h3 * t6 + v_2_0 * t7)));
         const double t14 = h4 * (h1 * t8 + v_2_1 * t12 - (b_32 * t4 + v_1_1 * t9)) - h5 * t13;
         const double t15 = h4 * (h6 * t4 + v_1_1 * (t11 - t10)) - h7 * t13;
@@ -702,16 +702,16 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_project_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double h2 = v_1_0 * g->k[7][i];
+    const double h2 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0].v + h2 - u_2[0].v;
-    const double h3 = v_1_1 * g->k[7][i];
+    const double h3 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1].v + h3 - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[12][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double t1 = u_2[0].v * v_2_1;
     const double t2 = u_2[1].v * v_2_0;
     const double b_33 = t1 - t2;
-    const double h1 = g->k[7][i] * b_22;
+    const double h1 = g->k[6][i] * b_22;
     const double h5 = v_2_1 * h1 - v_1_1 * b_32;
     const double h4 = 1.0 / (h2 * v_2_1 - v_2_0 * h3);
     const double m_01 = h5 * h4;
@@ -737,14 +737,14 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_project_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t3 = d[0].t[k] - u_1[0].t[k];
         const double t4 = d[1].t[k] - u_1[1].t[k];
-        const double t5 = g->k[7][i] * t3;
+        const double t5 = g->k[6][i] * t3;
         const double t6 = u_1[0].t[k] + t5 - u_2[0].t[k];
-        const double t7 = g->k[7][i] * t4;
+        const double t7 = g->k[6][i] * t4;
         const double t8 = u_1[1].t[k] + t7 - u_2[1].t[k];
-        const double t9 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
+        const double t9 = g->k[12][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
         const double t10 = v_2_1 * u_2[0].t[k] + u_2[0].v * t8;
         const double t11 = v_2_0 * u_2[1].t[k] + u_2[1].v * t6;
-        const double t12 = g->k[7][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
+        const double t12 = g->k[6][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
         const double t13 = h4 * (h4 * (v_2_1 * t5 + h2 * t8 - (h3 * t6 + v_2_0 * t7)));
         const double t14 = h4 * (h1 * t8 + v_2_1 * t12 - (b_32 * t4 + v_1_1 * t9)) - h5 * t13;
         const double t15 = h4 * (h6 * t4 + v_1_1 * (t11 - t10)) - h7 * t13;
@@ -778,21 +778,21 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_velocity_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double h2 = v_1_0 * g->k[7][i];
+    const double h2 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0].v + h2 - u_2[0].v;
-    const double h3 = v_1_1 * g->k[7][i];
+    const double h3 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1].v + h3 - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[12][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
     const double h8 = d[0].v * theta_dot[0].v;
     const double w_1 = b_22 * theta_dot[1].v;
     const double w_2 = b_32 * theta_dot[1].v + b_33 * theta_dot[2].v;
-    const double h1 = g->k[7][i] * v_2_1;
+    const double h1 = g->k[6][i] * v_2_1;
     const double h5 = w_1 * h1 - v_1_1 * w_2;
     const double h4 = 1.0 / (h2 * v_2_1 - v_2_0 * h3);
     const double v_l_0 = h5 * h4;
-    const double h6 = g->k[7][i] * v_2_0;
+    const double h6 = g->k[6][i] * v_2_0;
     const double h7 = v_1_0 * w_2 - w_1 * h6;
     const double v_l_1 = h4 * h7;
     s_dot[0].v = g->e_1[0][i] * v_l_1 - e_2[0].v * h8 + x[0].v * v_l_0;
@@ -801,19 +801,19 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_velocity_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
-        const double t3 = g->k[7][i] * t1;
+        const double t3 = g->k[6][i] * t1;
         const double t4 = u_1[0].t[k] + t3 - u_2[0].t[k];
-        const double t5 = g->k[7][i] * t2;
+        const double t5 = g->k[6][i] * t2;
         const double t6 = u_1[1].t[k] + t5 - u_2[1].t[k];
-        const double t7 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t4 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t6));
+        const double t7 = g->k[12][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t4 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t6));
         const double t8 = theta_dot[0].v * d[0].t[k] + d[0].v * theta_dot[0].t[k];
         const double t9 = theta_dot[1].v * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
         const double t10 = t9 + b_22 * theta_dot[1].t[k];
         const double t11 = theta_dot[2].v * (v_2_1 * u_2[0].t[k] + u_2[0].v * t6 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t4));
         const double t12 = theta_dot[1].v * t7 + b_32 * theta_dot[1].t[k] + (t11 + b_33 * theta_dot[2].t[k]);
         const double t13 = h4 * (h4 * (v_2_1 * t3 + h2 * t6 - (h3 * t4 + v_2_0 * t5)));
-        const double t14 = h4 * (h1 * t10 + w_1 * (g->k[7][i] * t6) - (w_2 * t2 + v_1_1 * t12)) - h5 * t13;
-        const double t15 = h4 * (w_2 * t1 + v_1_0 * t12 - (h6 * t10 + w_1 * (g->k[7][i] * t4))) - h7 * t13;
+        const double t14 = h4 * (h1 * t10 + w_1 * (g->k[6][i] * t6) - (w_2 * t2 + v_1_1 * t12)) - h5 * t13;
+        const double t15 = h4 * (w_2 * t1 + v_1_0 * t12 - (h6 * t10 + w_1 * (g->k[6][i] * t4))) - h7 * t13;
         const double t16 = g->e_1[0][i] * t15 - (h8 * e_2[0].t[k] + e_2[0].v * t8) + (v_l_0 * x[0].t[k] + x[0].v * t14);
         const double t17 = g->e_1[1][i] * t15 - (h8 * e_2[1].t[k] + e_2[1].v * t8) + (v_l_0 * x[1].t[k] + x[1].v * t14);
         const double t18 = g->e_1[2][i] * t15 - (h8 * e_2[2].t[k] + e_2[2].v * t8) + (v_l_0 * x[2].t[k] + x[2].v * t14);
@@ -849,15 +849,15 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_bias_tangent(
     const double u_2_1 = g->l_2[i] * h3;
     const double v_1_0 = d_0 - u_1_0;
     const double v_1_1 = d_1 - u_1_1;
-    const double h8 = v_1_0 * g->k[7][i];
+    const double h8 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1_0 + h8 - u_2_0;
-    const double h9 = v_1_1 * g->k[7][i];
+    const double h9 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1_1 + h9 - u_2_1;
     const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0;
-    const double b_32 = g->k[13][i] * (u_1_1 * v_2_0 - u_1_0 * v_2_1);
+    const double b_32 = g->k[12][i] * (u_1_1 * v_2_0 - u_1_0 * v_2_1);
     const double b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0;
     const double h5 = theta_dot[1].v * b_32 + theta_dot[2].v * b_33;
-    const double h6 = g->k[7][i] * b_22;
+    const double h6 = g->k[6][i] * b_22;
     const double h7 = theta_dot[1].v * h6;
     const double t1 = v_1_0 * h5 - v_2_0 * h7;
     const double h11 = g->e_1[0][i] * t1;
@@ -895,14 +895,14 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_bias_tangent(
     const double h31 = g->l_2[i] * (theta_dot[2].v * h4);
     const double h27 = h46 + h24;
     const double h25 = g->e_1[0][i] * s_dot_0 + g->e_1[1][i] * s_dot_1 + g->e_1[2][i] * s_dot_2 - h26;
-    const double h37 = g->k[7][i] * h27;
+    const double h37 = g->k[6][i] * h27;
     const double h28 = h30 + (h37 - h24);
-    const double h38 = g->k[7][i] * h25;
+    const double h38 = g->k[6][i] * h25;
     const double h29 = h26 + h38 - h31;
-    const double h32 = g->k[13][i] * (v_2_0 * h26 + u_1_1 * h28 - (u_1_0 * h29 - v_2_1 * h24));
+    const double h32 = g->k[12][i] * (v_2_0 * h26 + u_1_1 * h28 - (u_1_0 * h29 - v_2_1 * h24));
     const double h33 = u_2_0 * h29 - v_2_1 * h30 - (v_2_0 * h31 + u_2_1 * h28);
     const double h34 = theta_dot[1].v * h32 + theta_dot[2].v * h33;
-    const double h35 = g->k[7][i] * (u_1_0 * h25 - v_1_1 * h24 - (v_1_0 * h26 + u_1_1 * h27));
+    const double h35 = g->k[6][i] * (u_1_0 * h25 - v_1_1 * h24 - (v_1_0 * h26 + u_1_1 * h27));
     const double h36 = theta_dot[1].v * h35;
     const double t4 = h5 * h27 + v_1_0 * h34 - (h7 * h28 + v_2_0 * h36);
     const double h39 = v_2_1 * h37 + h8 * h29 - (h9 * h28 + v_2_0 * h38);
@@ -942,14 +942,14 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_bias_tangent(
         const double t21 = g->l_2[i] * t19;
         const double t22 = t13 + t16;
         const double t23 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k] - t17;
-        const double t24 = g->k[7][i] * t22;
+        const double t24 = g->k[6][i] * t22;
         const double t25 = t20 + (t24 - t16);
-        const double t26 = g->k[7][i] * t23;
+        const double t26 = g->k[6][i] * t23;
         const double t27 = t17 + t26 - t21;
-        const double t28 = theta_dot[1].v * (g->k[13][i] * (v_2_0 * t17 + u_1_1 * t25 - (u_1_0 * t27 - v_2_1 * t16)));
+        const double t28 = theta_dot[1].v * (g->k[12][i] * (v_2_0 * t17 + u_1_1 * t25 - (u_1_0 * t27 - v_2_1 * t16)));
         const double t29 = b_33 * theta_dot[2].t[k] + theta_dot[2].v * (u_2_0 * t27 - v_2_1 * t20 - (v_2_0 * t21 + u_2_1 * t25));
         const double t30 = b_32 * theta_dot[1].t[k] + t28 + t29;
-        const double t31 = theta_dot[1].v * (g->k[7][i] * (u_1_0 * t23 - v_1_1 * t16 - (v_1_0 * t17 + u_1_1 * t22)));
+        const double t31 = theta_dot[1].v * (g->k[6][i] * (u_1_0 * t23 - v_1_1 * t16 - (v_1_0 * t17 + u_1_1 * t22)));
         const double t32 = h6 * theta_dot[1].t[k] + t31;
         const double t33 = h5 * t22 + v_1_0 * t30 - (h7 * t25 + v_2_0 * t32);
         const double t34 = h10 * (h10 * (v_2_1 * t24 + h8 * t27 - (h9 * t25 + v_2_0 * t26)));
@@ -976,15 +976,15 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_bias_tangent(
         const double t55 = g->l_2[i] * (h4 * theta_dot[2].t[k] - theta_dot[2].v * t18);
         const double t56 = t51 + t52;
         const double t57 = g->e_1[0][i] * t38 + g->e_1[1][i] * t41 + g->e_1[2][i] * t44 - t53;
-        const double t58 = g->k[7][i] * t56;
+        const double t58 = g->k[6][i] * t56;
         const double t59 = t54 + (t58 - t52);
-        const double t60 = g->k[7][i] * t57;
+        const double t60 = g->k[6][i] * t57;
         const double t61 = t53 + t60 - t55;
         const double t62 = u_1_0 * t57 - h25 * t16 - (h24 * t23 + v_1_1 * t52) - (h26 * t22 + v_1_0 * t53 + (h27 * t17 + u_1_1 * t56));
         const double t63 = h26 * t25 + v_2_0 * t53 + (h28 * t17 + u_1_1 * t59) - (u_1_0 * t61 - h29 * t16 - (h24 * t27 + v_2_1 * t52));
         const double t64 = u_2_0 * t61 - h29 * t20 - (h30 * t27 + v_2_1 * t54) - (h31 * t25 + v_2_0 * t55 + (h28 * t21 + u_2_1 * t59));
-        const double t65 = h32 * theta_dot[1].t[k] + theta_dot[1].v * (g->k[13][i] * t63) + (h33 * theta_dot[2].t[k] + theta_dot[2].v * t64);
-        const double t66 = h35 * theta_dot[1].t[k] + theta_dot[1].v * (g->k[7][i] * t62);
+        const double t65 = h32 * theta_dot[1].t[k] + theta_dot[1].v * (g->k[12][i] * t63) + (h33 * theta_dot[2].t[k] + theta_dot[2].v * t64);
+        const double t66 = h35 * theta_dot[1].t[k] + theta_dot[1].v * (g->k[6][i] * t62);
         const double t67 = h27 * t30 + h5 * t56 + (h34 * t22 + v_1_0 * t65) - (h28 * t32 + h7 * t59 + (h36 * t25 + v_2_0 * t66));
         const double t68 = h37 * t27 + v_2_1 * t58 + (h29 * t24 + h8 * t61) - (h28 * t26 + h9 * t59 + (h38 * t25 + v_2_0 * t60));
         const double t69 = h29 * t32 + h7 * t61 + (h36 * t27 + v_2_1 * t66) - (h25 * t30 + h5 * t57 + (h34 * t23 + v_1_1 * t65));
@@ -1015,17 +1015,17 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_rates_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double v_2_0 = u_1[0].v + v_1_0 * g->k[7][i] - u_2[0].v;
-    const double v_2_1 = u_1[1].v + v_1_1 * g->k[7][i] - u_2[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 * g->k[6][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 * g->k[6][i] - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[12][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
     const double v_l_0 = x[0].v * s_dot[0].v + x[1].v * s_dot[1].v + x[2].v * s_dot[2].v;
     const double v_l_1 = g->e_1[0][i] * s_dot[0].v + g->e_1[1][i] * s_dot[1].v + g->e_1[2][i] * s_dot[2].v;
     const double v_l_2 = e_2[0].v * s_dot[0].v + e_2[1].v * s_dot[1].v + e_2[2].v * s_dot[2].v;
     const double w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1;
-    const double h1 = g->k[7][i] * v_2_0;
-    const double h2 = g->k[7][i] * v_2_1;
+    const double h1 = g->k[6][i] * v_2_0;
+    const double h2 = g->k[6][i] * v_2_1;
     const double w_2 = v_l_0 * h1 + v_l_1 * h2;
     const double h3 = v_l_2 / d[0].v;
     const double h5 = 1.0 / b_22;
@@ -1039,9 +1039,9 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_rates_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
-        const double t3 = u_1[0].t[k] + g->k[7][i] * t1 - u_2[0].t[k];
-        const double t4 = u_1[1].t[k] + g->k[7][i] * t2 - u_2[1].t[k];
-        const double t5 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t3 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t4));
+        const double t3 = u_1[0].t[k] + g->k[6][i] * t1 - u_2[0].t[k];
+        const double t4 = u_1[1].t[k] + g->k[6][i] * t2 - u_2[1].t[k];
+        const double t5 = g->k[12][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t3 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t4));
         const double t6 = s_dot[0].v * x[0].t[k] + x[0].v * s_dot[0].t[k] + (s_dot[1].v * x[1].t[k] + x[1].v * s_dot[1].t[k]);
         const double t7 = t6 + (s_dot[2].v * x[2].t[k] + x[2].v * s_dot[2].t[k]);
         const double t8 = g->e_1[0][i] * s_dot[0].t[k] + g->e_1[1][i] * s_dot[1].t[k] + g->e_1[2][i] * s_dot[2].t[k];
@@ -1050,7 +1050,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_rates_tangent(
         const double t11 = h4 * (t9 + (s_dot[2].v * e_2[2].t[k] + e_2[2].v * s_dot[2].t[k]) - h3 * d[0].t[k]);
         const double t12 = h5 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
         const double t13 = h5 * t12;
-        const double t14 = h1 * t7 + v_l_0 * (g->k[7][i] * t3) + (h2 * t8 + v_l_1 * (g->k[7][i] * t4)) - (h5 * (w_1 * t5 + b_32 * t10) - h6 * t13);
+        const double t14 = h1 * t7 + v_l_0 * (g->k[6][i] * t3) + (h2 * t8 + v_l_1 * (g->k[6][i] * t4)) - (h5 * (w_1 * t5 + b_32 * t10) - h6 * t13);
         const double t15 = theta_dot_2 * (v_2_1 * u_2[0].t[k] + u_2[0].v * t4 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t3));
         theta_dot[0].t[k] = -t11;
         theta_dot[1].t[k] = h5 * t10 - w_1 * t13;
@@ -1066,8 +1066,8 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_determinant_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double v_2_0 = u_1[0].v + v_1_0 * g->k[7][i] - u_2[0].v;
-    const double v_2_1 = u_1[1].v + v_1_1 * g->k[7][i] - u_2[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 * g->k[6][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 * g->k[6][i] - u_2[1].v;
     const double t1 = u_1[0].v * v_1_1;
     const double t2 = u_1[1].v * v_1_0;
     const double b_22 = t1 - t2;
@@ -1075,29 +1075,29 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_determinant_tangent(
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0;
     const double h1 = t2 - t1;
     const double h2 = b_33 * h1;
-    const double t3 = g->k[7][i] * delta;
+    const double t3 = g->k[6][i] * delta;
     const double det_M_a = d[0].v * h2 / t3;
     const double h3 = 1.0 / t3;
     det_M[0].v = det_M_a;
-    factors[0].v = d[0].v * g->k[15][i];
-    factors[1].v = b_22 * g->k[16][i];
-    factors[2].v = b_33 * g->k[17][i];
-    factors[3].v = delta * g->k[14][i];
+    factors[0].v = d[0].v * g->k[14][i];
+    factors[1].v = b_22 * g->k[15][i];
+    factors[2].v = b_33 * g->k[16][i];
+    factors[3].v = delta * g->k[13][i];
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t4 = d[0].t[k] - u_1[0].t[k];
         const double t5 = d[1].t[k] - u_1[1].t[k];
-        const double t6 = u_1[0].t[k] + g->k[7][i] * t4 - u_2[0].t[k];
-        const double t7 = u_1[1].t[k] + g->k[7][i] * t5 - u_2[1].t[k];
+        const double t6 = u_1[0].t[k] + g->k[6][i] * t4 - u_2[0].t[k];
+        const double t7 = u_1[1].t[k] + g->k[6][i] * t5 - u_2[1].t[k];
         const double t8 = v_1_1 * u_1[0].t[k] + u_1[0].v * t5;
         const double t9 = v_1_0 * u_1[1].t[k] + u_1[1].v * t4;
         const double t10 = v_2_1 * u_2[0].t[k] + u_2[0].v * t7 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t6);
         const double t11 = v_2_1 * t4 + v_1_0 * t7 - (v_2_0 * t5 + v_1_1 * t6);
-        const double t12 = h2 * d[0].t[k] + d[0].v * (h1 * t10 + b_33 * (t9 - t8)) - det_M_a * (g->k[7][i] * t11);
+        const double t12 = h2 * d[0].t[k] + d[0].v * (h1 * t10 + b_33 * (t9 - t8)) - det_M_a * (g->k[6][i] * t11);
         det_M[0].t[k] = h3 * t12;
-        factors[0].t[k] = g->k[15][i] * d[0].t[k];
-        factors[1].t[k] = g->k[16][i] * (t8 - t9);
-        factors[2].t[k] = g->k[17][i] * t10;
-        factors[3].t[k] = g->k[14][i] * t11;
+        factors[0].t[k] = g->k[14][i] * d[0].t[k];
+        factors[1].t[k] = g->k[15][i] * (t8 - t9);
+        factors[2].t[k] = g->k[16][i] * t10;
+        factors[3].t[k] = g->k[13][i] * t11;
     }
 }
 
@@ -1111,16 +1111,16 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_gram_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double h2 = v_1_0 * g->k[7][i];
+    const double h2 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0].v + h2 - u_2[0].v;
-    const double h3 = v_1_1 * g->k[7][i];
+    const double h3 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1].v + h3 - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[12][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double t1 = u_2[0].v * v_2_1;
     const double t2 = u_2[1].v * v_2_0;
     const double b_33 = t1 - t2;
-    const double h1 = g->k[7][i] * b_22;
+    const double h1 = g->k[6][i] * b_22;
     const double h5 = v_2_1 * h1 - v_1_1 * b_32;
     const double h4 = 1.0 / (h2 * v_2_1 - v_2_0 * h3);
     const double m_01 = h5 * h4;
@@ -1179,14 +1179,14 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_gram_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t3 = d[0].t[k] - u_1[0].t[k];
         const double t4 = d[1].t[k] - u_1[1].t[k];
-        const double t5 = g->k[7][i] * t3;
+        const double t5 = g->k[6][i] * t3;
         const double t6 = u_1[0].t[k] + t5 - u_2[0].t[k];
-        const double t7 = g->k[7][i] * t4;
+        const double t7 = g->k[6][i] * t4;
         const double t8 = u_1[1].t[k] + t7 - u_2[1].t[k];
-        const double t9 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
+        const double t9 = g->k[12][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
         const double t10 = v_2_1 * u_2[0].t[k] + u_2[0].v * t8;
         const double t11 = v_2_0 * u_2[1].t[k] + u_2[1].v * t6;
-        const double t12 = g->k[7][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
+        const double t12 = g->k[6][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
         const double t13 = h4 * (h4 * (v_2_1 * t5 + h2 * t8 - (h3 * t6 + v_2_0 * t7)));
         const double t14 = h4 * (h1 * t8 + v_2_1 * t12 - (b_32 * t4 + v_1_1 * t9)) - h5 * t13;
         const double t15 = h4 * (h6 * t4 + v_1_1 * (t11 - t10)) - h7 * t13;
@@ -1263,16 +1263,16 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_passive_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double v_2_0 = u_1[0].v + v_1_0 * g->k[19][i] - u_2[0].v;
-    const double v_2_1 = u_1[1].v + v_1_1 * g->k[19][i] - u_2[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 * g->k[18][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 * g->k[18][i] - u_2[1].v;
     const double h2 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
     const double h1 = u_1[0].v * v_1_0 + u_1[1].v * v_1_1;
     const double h5 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
     const double h4 = u_2[0].v * v_2_0 + u_2[1].v * v_2_1;
     const double h8 = v_1_1 * v_2_0 - v_1_0 * v_2_1;
     const double h7 = v_1_0 * v_2_0 + v_1_1 * v_2_1;
-    const double dir_0 = v_1_0 * g->k[18][i];
-    const double dir_1 = v_1_1 * g->k[18][i];
+    const double dir_0 = v_1_0 * g->k[17][i];
+    const double dir_1 = v_1_1 * g->k[17][i];
     const double along_0 = x[0].v * dir_0 + g->e_1[0][i] * dir_1;
     const double along_1 = x[1].v * dir_0 + g->e_1[1][i] * dir_1;
     const double along_2 = x[2].v * dir_0 + g->e_1[2][i] * dir_1;
@@ -1297,15 +1297,15 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_passive_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
-        const double t3 = u_1[0].t[k] + g->k[19][i] * t1 - u_2[0].t[k];
-        const double t4 = u_1[1].t[k] + g->k[19][i] * t2 - u_2[1].t[k];
+        const double t3 = u_1[0].t[k] + g->k[18][i] * t1 - u_2[0].t[k];
+        const double t4 = u_1[1].t[k] + g->k[18][i] * t2 - u_2[1].t[k];
         const double t5 = h1 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
         const double t6 = h2 * (v_1_0 * u_1[0].t[k] + u_1[0].v * t1 + (v_1_1 * u_1[1].t[k] + u_1[1].v * t2));
         const double t7 = h4 * (v_2_1 * u_2[0].t[k] + u_2[0].v * t4 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t3));
         const double t8 = h5 * (v_2_0 * u_2[0].t[k] + u_2[0].v * t3 + (v_2_1 * u_2[1].t[k] + u_2[1].v * t4));
         const double t9 = h7 * (v_2_0 * t2 + v_1_1 * t3 - (v_2_1 * t1 + v_1_0 * t4)) - h8 * (v_2_0 * t1 + v_1_0 * t3 + (v_2_1 * t2 + v_1_1 * t4));
-        const double t10 = g->k[18][i] * t1;
-        const double t11 = g->k[18][i] * t2;
+        const double t10 = g->k[17][i] * t1;
+        const double t11 = g->k[17][i] * t2;
         passive[0].t[k] = h3 * (t5 - t6);
         passive[1].t[k] = h6 * (t7 - t8);
         passive[2].t[k] = h9 * t9;
@@ -1326,11 +1326,11 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_points_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *d,
     const krhpr_dual *u_1, const krhpr_dual *u_2, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT points)
 {
-    const double p_0 = u_1[0].v + g->k[7][i] * (d[0].v - u_1[0].v);
-    const double p_1 = u_1[1].v + g->k[7][i] * (d[1].v - u_1[1].v);
-    points[0].v = g->k[20][i];
-    points[1].v = g->k[21][i];
-    points[2].v = g->k[22][i];
+    const double p_0 = u_1[0].v + g->k[6][i] * (d[0].v - u_1[0].v);
+    const double p_1 = u_1[1].v + g->k[6][i] * (d[1].v - u_1[1].v);
+    points[0].v = g->k[19][i];
+    points[1].v = g->k[20][i];
+    points[2].v = g->k[21][i];
     points[3].v = g->c[0][i];
     points[4].v = g->c[1][i];
     points[5].v = g->c[2][i];
@@ -1347,8 +1347,8 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_points_tangent(
     points[16].v = s[1].v;
     points[17].v = s[2].v;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = u_1[0].t[k] + g->k[7][i] * (d[0].t[k] - u_1[0].t[k]);
-        const double t2 = u_1[1].t[k] + g->k[7][i] * (d[1].t[k] - u_1[1].t[k]);
+        const double t1 = u_1[0].t[k] + g->k[6][i] * (d[0].t[k] - u_1[0].t[k]);
+        const double t2 = u_1[1].t[k] + g->k[6][i] * (d[1].t[k] - u_1[1].t[k]);
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
         points[2].t[k] = 0.0;
@@ -1379,16 +1379,16 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_transmission_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double h2 = v_1_0 * g->k[7][i];
+    const double h2 = v_1_0 * g->k[6][i];
     const double v_2_0 = u_1[0].v + h2 - u_2[0].v;
-    const double h3 = v_1_1 * g->k[7][i];
+    const double h3 = v_1_1 * g->k[6][i];
     const double v_2_1 = u_1[1].v + h3 - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[12][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double t1 = u_2[0].v * v_2_1;
     const double t2 = u_2[1].v * v_2_0;
     const double b_33 = t1 - t2;
-    const double h1 = g->k[7][i] * b_22;
+    const double h1 = g->k[6][i] * b_22;
     const double h5 = v_2_1 * h1 - v_1_1 * b_32;
     const double h4 = 1.0 / (h2 * v_2_1 - v_2_0 * h3);
     const double m_01 = h5 * h4;
@@ -1420,14 +1420,14 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_transmission_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t3 = d[0].t[k] - u_1[0].t[k];
         const double t4 = d[1].t[k] - u_1[1].t[k];
-        const double t5 = g->k[7][i] * t3;
+        const double t5 = g->k[6][i] * t3;
         const double t6 = u_1[0].t[k] + t5 - u_2[0].t[k];
-        const double t7 = g->k[7][i] * t4;
+        const double t7 = g->k[6][i] * t4;
         const double t8 = u_1[1].t[k] + t7 - u_2[1].t[k];
-        const double t9 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
+        const double t9 = g->k[12][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t6 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t8));
         const double t10 = v_2_1 * u_2[0].t[k] + u_2[0].v * t8;
         const double t11 = v_2_0 * u_2[1].t[k] + u_2[1].v * t6;
-        const double t12 = g->k[7][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
+        const double t12 = g->k[6][i] * (v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3));
         const double t13 = h4 * (h4 * (v_2_1 * t5 + h2 * t8 - (h3 * t6 + v_2_0 * t7)));
         const double t14 = h4 * (h1 * t8 + v_2_1 * t12 - (b_32 * t4 + v_1_1 * t9)) - h5 * t13;
         const double t15 = h4 * (h6 * t4 + v_1_1 * (t11 - t10)) - h7 * t13;
@@ -1723,13 +1723,13 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_end_force_tangent(
 {
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
-    const double v_2_0 = u_1[0].v + v_1_0 * g->k[7][i] - u_2[0].v;
-    const double v_2_1 = u_1[1].v + v_1_1 * g->k[7][i] - u_2[1].v;
+    const double v_2_0 = u_1[0].v + v_1_0 * g->k[6][i] - u_2[0].v;
+    const double v_2_1 = u_1[1].v + v_1_1 * g->k[6][i] - u_2[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double b_32 = g->k[13][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
+    const double b_32 = g->k[12][i] * (u_1[1].v * v_2_0 - u_1[0].v * v_2_1);
     const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
-    const double w_2 = g->k[7][i] * v_2_0;
-    const double w_2_a = g->k[7][i] * v_2_1;
+    const double w_2 = g->k[6][i] * v_2_0;
+    const double w_2_a = g->k[6][i] * v_2_1;
     const double h2 = v_1_0 * actuator_forces[1].v;
     const double h1 = 1.0 / b_22;
     const double h3 = v_1_0 * b_32;
@@ -1750,16 +1750,16 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_end_force_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
-        const double t3 = u_1[0].t[k] + g->k[7][i] * t1 - u_2[0].t[k];
-        const double t4 = u_1[1].t[k] + g->k[7][i] * t2 - u_2[1].t[k];
-        const double t5 = g->k[13][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t3 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t4));
+        const double t3 = u_1[0].t[k] + g->k[6][i] * t1 - u_2[0].t[k];
+        const double t4 = u_1[1].t[k] + g->k[6][i] * t2 - u_2[1].t[k];
+        const double t5 = g->k[12][i] * (v_2_0 * u_1[1].t[k] + u_1[1].v * t3 - (v_2_1 * u_1[0].t[k] + u_1[0].v * t4));
         const double t6 = h1 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
         const double t7 = h1 * t6;
-        const double t8 = actuator_forces[2].v * (g->k[7][i] * t3 - (h1 * (b_32 * t1 + v_1_0 * t5) - h3 * t7));
+        const double t8 = actuator_forces[2].v * (g->k[6][i] * t3 - (h1 * (b_32 * t1 + v_1_0 * t5) - h3 * t7));
         const double t9 = h5 * (v_2_1 * u_2[0].t[k] + u_2[0].v * t4 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t3));
         const double t10 = h5 * t9;
         const double t11 = h1 * (actuator_forces[1].v * t1 + v_1_0 * actuator_forces[1].t[k]) - h2 * t7 + (h5 * (h4 * actuator_forces[2].t[k] + t8) - h6 * t10);
-        const double t12 = actuator_forces[2].v * (g->k[7][i] * t4 - (h1 * (b_32 * t2 + v_1_1 * t5) - h8 * t7));
+        const double t12 = actuator_forces[2].v * (g->k[6][i] * t4 - (h1 * (b_32 * t2 + v_1_1 * t5) - h8 * t7));
         const double t13 = h1 * (actuator_forces[1].v * t2 + v_1_1 * actuator_forces[1].t[k]) - h7 * t7 + (h5 * (h9 * actuator_forces[2].t[k] + t12) - h10 * t10);
         const double t14 = h12 * (actuator_forces[0].t[k] - h11 * d[0].t[k]);
         const double t15 = g->e_1[0][i] * t13 - (h11 * e_2[0].t[k] + e_2[0].v * t14) + (g_l_0 * x[0].t[k] + x[0].v * t11);

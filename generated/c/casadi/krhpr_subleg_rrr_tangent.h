@@ -99,7 +99,7 @@ KRHPR_STATIC void krhpr_subleg_rrr_forward_posture_tangent(
     }
 }
 
-/* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.5, 2.5.  (41
+/* `inverse` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.5, 2.5.  (39
  * add, 64 multiply, 5 divide, 2 square root, 3 arctangent) */
 KRHPR_STATIC void krhpr_subleg_rrr_inverse_tangent(
     const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *s, const double *mode,
@@ -122,8 +122,8 @@ KRHPR_STATIC void krhpr_subleg_rrr_inverse_tangent(
     const double h2_a = h6 * h5;
     const double t2 = sqrt(h2_a);
     const double S = mode[1] * t2;
-    const double C = d2 - g->k[2][i] - g->k[3][i];
-    const double A = d2 + g->k[2][i] - g->k[3][i];
+    const double C = d2 - g->k[2][i];
+    const double A = d2 + g->k[3][i];
     const double n = r * A + y * S;
     const double m = y * A - r * S;
     const double h1 = 1.0 / t1;
@@ -155,7 +155,7 @@ KRHPR_STATIC void krhpr_subleg_rrr_inverse_tangent(
     }
 }
 
-/* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.5, 2.5.  (52
+/* `inverse_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.5, 2.5.  (50
  * add, 65 multiply, 7 divide, 2 square root, 8 arctangent) */
 KRHPR_STATIC void krhpr_subleg_rrr_inverse_all_tangent(
     const krhpr_subleg_rrr_geometry *g, int i, const krhpr_dual *s, krhpr_dual *KRHPR_RESTRICT theta,
@@ -175,8 +175,8 @@ KRHPR_STATIC void krhpr_subleg_rrr_inverse_all_tangent(
     const double h3 = g->k[1][i] - d2;
     const double h2 = h4 * h3;
     const double S = sqrt(h2);
-    const double C = d2 - g->k[2][i] - g->k[3][i];
-    const double A = d2 + g->k[2][i] - g->k[3][i];
+    const double C = d2 - g->k[2][i];
+    const double A = d2 + g->k[3][i];
     const double t1 = r * A;
     const double t2 = y * S;
     const double n = t1 + t2;

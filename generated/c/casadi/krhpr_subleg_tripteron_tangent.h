@@ -368,7 +368,7 @@ KRHPR_STATIC void krhpr_subleg_tripteron_gram_tangent(
     }
 }
 
-/* `passive` with the derivatives of its outputs along directions of its inputs.  (66 add, 87 multiply, 9
+/* `passive` with the derivatives of its outputs along directions of its inputs.  (60 add, 87 multiply, 9
  * divide, 3 square root, 6 arctangent) */
 KRHPR_STATIC void krhpr_subleg_tripteron_passive_tangent(
     const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *rho,
@@ -381,8 +381,8 @@ KRHPR_STATIC void krhpr_subleg_tripteron_passive_tangent(
     const double h1 = g->k[1][i] - d2_1;
     const double h2_1 = h2 * h1;
     const double S_1 = sqrt(h2_1);
-    const double C_1 = d2_1 - g->k[4][i] - g->k[5][i];
-    const double A_1 = d2_1 + g->k[4][i] - g->k[5][i];
+    const double C_1 = d2_1 - g->k[4][i];
+    const double A_1 = d2_1 + g->k[5][i];
     const double n_1 = rho[1].v * A_1 + rho[2].v * S_1;
     const double m_1 = rho[2].v * A_1 - rho[1].v * S_1;
     const double t3 = rho[0].v * rho[0].v;
@@ -391,8 +391,8 @@ KRHPR_STATIC void krhpr_subleg_tripteron_passive_tangent(
     const double h6 = g->k[1][i] - d2_2;
     const double h2_2 = h7 * h6;
     const double S_2 = sqrt(h2_2);
-    const double C_2 = d2_2 - g->k[4][i] - g->k[5][i];
-    const double A_2 = g->k[4][i] + d2_2 - g->k[5][i];
+    const double C_2 = d2_2 - g->k[4][i];
+    const double A_2 = g->k[5][i] + d2_2;
     const double n_2 = rho[2].v * A_2 + rho[0].v * S_2;
     const double m_2 = rho[0].v * A_2 - rho[2].v * S_2;
     const double d2_3 = t1 + t3;
@@ -400,8 +400,8 @@ KRHPR_STATIC void krhpr_subleg_tripteron_passive_tangent(
     const double h11 = g->k[1][i] - d2_3;
     const double h2_3 = h12 * h11;
     const double S_3 = sqrt(h2_3);
-    const double C_3 = d2_3 - g->k[4][i] - g->k[5][i];
-    const double A_3 = g->k[4][i] + d2_3 - g->k[5][i];
+    const double C_3 = d2_3 - g->k[4][i];
+    const double A_3 = g->k[5][i] + d2_3;
     const double n_3 = rho[0].v * A_3 + rho[1].v * S_3;
     const double m_3 = rho[1].v * A_3 - rho[0].v * S_3;
     const double h3 = 1.0 / S_1;
@@ -465,7 +465,7 @@ KRHPR_STATIC void krhpr_subleg_tripteron_passive_tangent(
     }
 }
 
-/* `points` with the derivatives of its outputs along directions of its inputs.  (103 add, 159 multiply, 6
+/* `points` with the derivatives of its outputs along directions of its inputs.  (100 add, 193 multiply, 6
  * divide, 3 square root) */
 KRHPR_STATIC void krhpr_subleg_tripteron_points_tangent(
     const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_dual *rho, const krhpr_dual *s,
@@ -481,7 +481,7 @@ KRHPR_STATIC void krhpr_subleg_tripteron_points_tangent(
     const double h1 = g->k[1][i] - d2_1;
     const double h2_1 = h2 * h1;
     const double S_1 = sqrt(h2_1);
-    const double A_1 = d2_1 + g->k[4][i] - g->k[5][i];
+    const double A_1 = d2_1 + g->k[5][i];
     const double n_1 = rho[1].v * A_1 + rho[2].v * S_1;
     const double m_1 = rho[2].v * A_1 - rho[1].v * S_1;
     const double slider_2_0 = g->c[0][i] + g->e_1[0][i] * rho[1].v;
@@ -493,7 +493,7 @@ KRHPR_STATIC void krhpr_subleg_tripteron_points_tangent(
     const double h4 = g->k[1][i] - d2_2;
     const double h2_2 = h5 * h4;
     const double S_2 = sqrt(h2_2);
-    const double A_2 = g->k[4][i] + d2_2 - g->k[5][i];
+    const double A_2 = g->k[5][i] + d2_2;
     const double n_2 = rho[2].v * A_2 + rho[0].v * S_2;
     const double m_2 = rho[0].v * A_2 - rho[2].v * S_2;
     const double slider_3_0 = g->c[0][i] + g->e_t[0][i] * rho[2].v;
@@ -503,28 +503,28 @@ KRHPR_STATIC void krhpr_subleg_tripteron_points_tangent(
     const double h7 = g->k[1][i] - d2_3;
     const double h2_3 = h8 * h7;
     const double S_3 = sqrt(h2_3);
-    const double A_3 = g->k[4][i] + d2_3 - g->k[5][i];
+    const double A_3 = g->k[5][i] + d2_3;
     const double n_3 = rho[0].v * A_3 + rho[1].v * S_3;
     const double m_3 = rho[1].v * A_3 - rho[0].v * S_3;
-    const double h11 = n_1 * g->k[7][i];
+    const double h11 = g->e_1[0][i] * n_1;
     const double h10 = 1.0 / d2_1;
-    const double h12 = m_1 * g->k[8][i];
-    const double h13 = n_1 * g->k[9][i];
-    const double h14 = m_1 * g->k[10][i];
-    const double h15 = n_1 * g->k[11][i];
-    const double h17 = n_2 * g->k[8][i];
+    const double h12 = g->e_t[0][i] * m_1;
+    const double h13 = g->e_1[1][i] * n_1;
+    const double h14 = g->e_t[1][i] * m_1;
+    const double h15 = g->e_1[2][i] * n_1;
+    const double h17 = g->e_t[0][i] * n_2;
     const double h16 = 1.0 / d2_2;
-    const double h18 = m_2 * g->k[12][i];
-    const double h19 = n_2 * g->k[10][i];
-    const double h20 = m_2 * g->k[13][i];
-    const double h21 = m_2 * g->k[14][i];
-    const double h23 = m_3 * g->k[7][i];
+    const double h18 = g->e_x[0][i] * m_2;
+    const double h19 = g->e_t[1][i] * n_2;
+    const double h20 = g->e_x[1][i] * m_2;
+    const double h21 = g->e_x[2][i] * m_2;
+    const double h23 = g->e_1[0][i] * m_3;
     const double h22 = 1.0 / d2_3;
-    const double h24 = n_3 * g->k[12][i];
-    const double h25 = m_3 * g->k[9][i];
-    const double h26 = n_3 * g->k[13][i];
-    const double h27 = m_3 * g->k[11][i];
-    const double h28 = n_3 * g->k[14][i];
+    const double h24 = g->e_x[0][i] * n_3;
+    const double h25 = g->e_1[1][i] * m_3;
+    const double h26 = g->e_x[1][i] * n_3;
+    const double h27 = g->e_1[2][i] * m_3;
+    const double h28 = g->e_x[2][i] * n_3;
     const double h3 = 1.0 / S_1;
     const double h6 = 1.0 / S_2;
     const double h9 = 1.0 / S_3;
@@ -534,21 +534,21 @@ KRHPR_STATIC void krhpr_subleg_tripteron_points_tangent(
     points[3].v = slider_1_0;
     points[4].v = slider_1_1;
     points[5].v = slider_1_2;
-    points[6].v = slider_1_0 + h11 * h10 + h10 * h12;
-    points[7].v = slider_1_1 + h10 * h13 + h10 * h14;
-    points[8].v = slider_1_2 + h10 * h15;
+    points[6].v = (slider_1_0 * 2.0 + h11 * h10 + h10 * h12) * 0.5;
+    points[7].v = 0.5 * (slider_1_1 * 2.0 + h10 * h13 + h10 * h14);
+    points[8].v = 0.5 * (slider_1_2 * 2.0 + h10 * h15);
     points[9].v = slider_2_0;
     points[10].v = slider_2_1;
     points[11].v = slider_2_2;
-    points[12].v = slider_2_0 + h17 * h16 + h16 * h18;
-    points[13].v = slider_2_1 + h16 * h19 + h16 * h20;
-    points[14].v = slider_2_2 + h16 * h21;
+    points[12].v = 0.5 * (slider_2_0 * 2.0 + h17 * h16 + h16 * h18);
+    points[13].v = 0.5 * (slider_2_1 * 2.0 + h16 * h19 + h16 * h20);
+    points[14].v = 0.5 * (slider_2_2 * 2.0 + h16 * h21);
     points[15].v = slider_3_0;
     points[16].v = slider_3_1;
     points[17].v = g->c[2][i];
-    points[18].v = slider_3_0 + h23 * h22 + h22 * h24;
-    points[19].v = slider_3_1 + h22 * h25 + h22 * h26;
-    points[20].v = g->c[2][i] + h22 * h27 + h22 * h28;
+    points[18].v = 0.5 * (slider_3_0 * 2.0 + h23 * h22 + h22 * h24);
+    points[19].v = 0.5 * (slider_3_1 * 2.0 + h22 * h25 + h22 * h26);
+    points[20].v = 0.5 * (g->k[7][i] + h22 * h27 + h22 * h28);
     points[21].v = s[0].v;
     points[22].v = s[1].v;
     points[23].v = s[2].v;
@@ -580,36 +580,36 @@ KRHPR_STATIC void krhpr_subleg_tripteron_points_tangent(
         const double t28 = A_3 * rho[0].t[k] + rho[0].v * t26 + (S_3 * rho[1].t[k] + rho[1].v * t27);
         const double t29 = A_3 * rho[1].t[k] + rho[1].v * t26 - (S_3 * rho[0].t[k] + rho[0].v * t27);
         const double t30 = h10 * (h10 * t11);
-        const double t31 = t4 + (h10 * (g->k[7][i] * t13) - h11 * t30) + (h10 * (g->k[8][i] * t14) - h12 * t30);
-        const double t32 = t5 + (h10 * (g->k[9][i] * t13) - h13 * t30) + (h10 * (g->k[10][i] * t14) - h14 * t30);
+        const double t31 = 2.0 * t4 + (h10 * (g->e_1[0][i] * t13) - h11 * t30) + (h10 * (g->e_t[0][i] * t14) - h12 * t30);
+        const double t32 = 2.0 * t5 + (h10 * (g->e_1[1][i] * t13) - h13 * t30) + (h10 * (g->e_t[1][i] * t14) - h14 * t30);
         const double t33 = h16 * (h16 * t20);
-        const double t34 = t15 + (h16 * (g->k[8][i] * t22) - h17 * t33) + (h16 * (g->k[12][i] * t23) - h18 * t33);
-        const double t35 = t16 + (h16 * (g->k[10][i] * t22) - h19 * t33) + (h16 * (g->k[13][i] * t23) - h20 * t33);
+        const double t34 = 2.0 * t15 + (h16 * (g->e_t[0][i] * t22) - h17 * t33) + (h16 * (g->e_x[0][i] * t23) - h18 * t33);
+        const double t35 = 2.0 * t16 + (h16 * (g->e_t[1][i] * t22) - h19 * t33) + (h16 * (g->e_x[1][i] * t23) - h20 * t33);
         const double t36 = h22 * (h22 * t26);
-        const double t37 = t24 + (h22 * (g->k[7][i] * t29) - h23 * t36) + (h22 * (g->k[12][i] * t28) - h24 * t36);
-        const double t38 = t25 + (h22 * (g->k[9][i] * t29) - h25 * t36) + (h22 * (g->k[13][i] * t28) - h26 * t36);
-        const double t39 = h22 * (g->k[11][i] * t29) - h27 * t36 + (h22 * (g->k[14][i] * t28) - h28 * t36);
+        const double t37 = 2.0 * t24 + (h22 * (g->e_1[0][i] * t29) - h23 * t36) + (h22 * (g->e_x[0][i] * t28) - h24 * t36);
+        const double t38 = 2.0 * t25 + (h22 * (g->e_1[1][i] * t29) - h25 * t36) + (h22 * (g->e_x[1][i] * t28) - h26 * t36);
+        const double t39 = h22 * (g->e_1[2][i] * t29) - h27 * t36 + (h22 * (g->e_x[2][i] * t28) - h28 * t36);
         points[0].t[k] = 0.0;
         points[1].t[k] = 0.0;
         points[2].t[k] = 0.0;
         points[3].t[k] = t4;
         points[4].t[k] = t5;
         points[5].t[k] = t6;
-        points[6].t[k] = t31;
-        points[7].t[k] = t32;
-        points[8].t[k] = t6 + (h10 * (g->k[11][i] * t13) - h15 * t30);
+        points[6].t[k] = 0.5 * t31;
+        points[7].t[k] = 0.5 * t32;
+        points[8].t[k] = 0.5 * (2.0 * t6 + (h10 * (g->e_1[2][i] * t13) - h15 * t30));
         points[9].t[k] = t15;
         points[10].t[k] = t16;
         points[11].t[k] = t17;
-        points[12].t[k] = t34;
-        points[13].t[k] = t35;
-        points[14].t[k] = t17 + (h16 * (g->k[14][i] * t23) - h21 * t33);
+        points[12].t[k] = 0.5 * t34;
+        points[13].t[k] = 0.5 * t35;
+        points[14].t[k] = 0.5 * (2.0 * t17 + (h16 * (g->e_x[2][i] * t23) - h21 * t33));
         points[15].t[k] = t24;
         points[16].t[k] = t25;
         points[17].t[k] = 0.0;
-        points[18].t[k] = t37;
-        points[19].t[k] = t38;
-        points[20].t[k] = t39;
+        points[18].t[k] = 0.5 * t37;
+        points[19].t[k] = 0.5 * t38;
+        points[20].t[k] = 0.5 * t39;
         points[21].t[k] = s[0].t[k];
         points[22].t[k] = s[1].t[k];
         points[23].t[k] = s[2].t[k];

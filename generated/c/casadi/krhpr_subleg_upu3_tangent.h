@@ -10,7 +10,7 @@
 #include "../krhpr_subleg_upu3.h"
 #include "krhpr_dual.h"
 
-/* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (24 add, 38
+/* `forward` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (24 add, 36
  * multiply) */
 KRHPR_STATIC void krhpr_subleg_upu3_forward_tangent(
     const krhpr_subleg_upu3_geometry *g, int i, const krhpr_dual *theta, const krhpr_dual *s_near,
@@ -18,40 +18,37 @@ KRHPR_STATIC void krhpr_subleg_upu3_forward_tangent(
 {
     (void)(s_near);
     const double t1 = theta[0].v * theta[0].v;
-    const double t2 = 0.5 * t1;
-    const double q_2 = g->k[2][i] + t2 - 0.5 * (theta[1].v * theta[1].v);
-    const double q_3 = t2 + g->k[3][i] - 0.5 * (theta[2].v * theta[2].v);
+    const double q_2 = (g->k[2][i] + t1 - theta[1].v * theta[1].v) * 0.5;
+    const double q_3 = 0.5 * (t1 + g->k[3][i] - theta[2].v * theta[2].v);
     const double foot_0 = (q_2 * g->k[4][i] + q_3 * g->k[5][i]) * g->k[6][i];
     const double foot_1 = g->k[6][i] * (q_2 * g->k[7][i] + q_3 * g->k[8][i]);
     const double foot_2 = g->k[6][i] * (g->k[0][i] * q_2 + g->k[0][i] * q_3);
     const double h2 = g->k[6][i] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     radicand[0].v = h2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t3 = theta[0].v * theta[0].t[k];
-        const double t4 = t3 + t3;
-        const double t5 = 0.5 * t4;
-        const double t6 = theta[1].v * theta[1].t[k];
-        const double t7 = t5 - 0.5 * (t6 + t6);
-        const double t8 = theta[2].v * theta[2].t[k];
-        const double t9 = t5 - 0.5 * (t8 + t8);
-        const double t10 = foot_0 * (g->k[6][i] * (g->k[4][i] * t7 + g->k[5][i] * t9));
-        const double t11 = foot_1 * (g->k[6][i] * (g->k[7][i] * t7 + g->k[8][i] * t9));
-        const double t12 = foot_2 * (g->k[6][i] * (g->k[0][i] * t7 + g->k[0][i] * t9));
-        radicand[0].t[k] = g->k[6][i] * (t4 - (t10 + t10) - (t11 + t11) - (t12 + t12));
+        const double t2 = theta[0].v * theta[0].t[k];
+        const double t3 = t2 + t2;
+        const double t4 = theta[1].v * theta[1].t[k];
+        const double t5 = 0.5 * (t3 - (t4 + t4));
+        const double t6 = theta[2].v * theta[2].t[k];
+        const double t7 = 0.5 * (t3 - (t6 + t6));
+        const double t8 = foot_0 * (g->k[6][i] * (g->k[4][i] * t5 + g->k[5][i] * t7));
+        const double t9 = foot_1 * (g->k[6][i] * (g->k[7][i] * t5 + g->k[8][i] * t7));
+        const double t10 = foot_2 * (g->k[6][i] * (g->k[0][i] * t5 + g->k[0][i] * t7));
+        radicand[0].t[k] = g->k[6][i] * (t3 - (t8 + t8) - (t9 + t9) - (t10 + t10));
     }
 }
 
 /* `forward_posture` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (24
- * add, 38 multiply) */
+ * add, 36 multiply) */
 KRHPR_STATIC void krhpr_subleg_upu3_forward_posture_tangent(
     const krhpr_subleg_upu3_geometry *g, int i, const krhpr_dual *theta, const krhpr_dual *s_near,
     krhpr_dual *KRHPR_RESTRICT b, krhpr_dual *KRHPR_RESTRICT radicand)
 {
     (void)(s_near);
     const double t1 = theta[0].v * theta[0].v;
-    const double t2 = 0.5 * t1;
-    const double q_2 = g->k[2][i] + t2 - 0.5 * (theta[1].v * theta[1].v);
-    const double q_3 = t2 + g->k[3][i] - 0.5 * (theta[2].v * theta[2].v);
+    const double q_2 = (g->k[2][i] + t1 - theta[1].v * theta[1].v) * 0.5;
+    const double q_3 = 0.5 * (t1 + g->k[3][i] - theta[2].v * theta[2].v);
     const double foot_0 = (q_2 * g->k[4][i] + q_3 * g->k[5][i]) * g->k[6][i];
     const double foot_1 = g->k[6][i] * (q_2 * g->k[7][i] + q_3 * g->k[8][i]);
     const double foot_2 = g->k[6][i] * (g->k[0][i] * q_2 + g->k[0][i] * q_3);
@@ -61,76 +58,73 @@ KRHPR_STATIC void krhpr_subleg_upu3_forward_posture_tangent(
     b[2].v = theta[2].v;
     radicand[0].v = h2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t3 = theta[0].v * theta[0].t[k];
-        const double t4 = t3 + t3;
-        const double t5 = 0.5 * t4;
-        const double t6 = theta[1].v * theta[1].t[k];
-        const double t7 = t5 - 0.5 * (t6 + t6);
-        const double t8 = theta[2].v * theta[2].t[k];
-        const double t9 = t5 - 0.5 * (t8 + t8);
-        const double t10 = foot_0 * (g->k[6][i] * (g->k[4][i] * t7 + g->k[5][i] * t9));
-        const double t11 = foot_1 * (g->k[6][i] * (g->k[7][i] * t7 + g->k[8][i] * t9));
-        const double t12 = foot_2 * (g->k[6][i] * (g->k[0][i] * t7 + g->k[0][i] * t9));
+        const double t2 = theta[0].v * theta[0].t[k];
+        const double t3 = t2 + t2;
+        const double t4 = theta[1].v * theta[1].t[k];
+        const double t5 = 0.5 * (t3 - (t4 + t4));
+        const double t6 = theta[2].v * theta[2].t[k];
+        const double t7 = 0.5 * (t3 - (t6 + t6));
+        const double t8 = foot_0 * (g->k[6][i] * (g->k[4][i] * t5 + g->k[5][i] * t7));
+        const double t9 = foot_1 * (g->k[6][i] * (g->k[7][i] * t5 + g->k[8][i] * t7));
+        const double t10 = foot_2 * (g->k[6][i] * (g->k[0][i] * t5 + g->k[0][i] * t7));
         b[0].t[k] = theta[0].t[k];
         b[1].t[k] = theta[1].t[k];
         b[2].t[k] = theta[2].t[k];
-        radicand[0].t[k] = g->k[6][i] * (t4 - (t10 + t10) - (t11 + t11) - (t12 + t12));
+        radicand[0].t[k] = g->k[6][i] * (t3 - (t8 + t8) - (t9 + t9) - (t10 + t10));
     }
 }
 
 /* `forward_all` with the derivatives of its outputs along directions of its inputs.  Thesis: 3.5.  (39 add,
- * 44 multiply, 1 divide, 1 square root) */
+ * 42 multiply, 1 divide, 1 square root) */
 KRHPR_STATIC void krhpr_subleg_upu3_forward_all_tangent(
     const krhpr_subleg_upu3_geometry *g, int i, const krhpr_dual *theta, krhpr_dual *KRHPR_RESTRICT s,
     krhpr_dual *KRHPR_RESTRICT radicand)
 {
     const double t1 = theta[0].v * theta[0].v;
-    const double t2 = 0.5 * t1;
-    const double q_2 = g->k[2][i] + t2 - 0.5 * (theta[1].v * theta[1].v);
-    const double q_3 = t2 + g->k[3][i] - 0.5 * (theta[2].v * theta[2].v);
+    const double q_2 = (g->k[2][i] + t1 - theta[1].v * theta[1].v) * 0.5;
+    const double q_3 = 0.5 * (t1 + g->k[3][i] - theta[2].v * theta[2].v);
     const double foot_0 = (q_2 * g->k[4][i] + q_3 * g->k[5][i]) * g->k[6][i];
     const double foot_1 = g->k[6][i] * (q_2 * g->k[7][i] + q_3 * g->k[8][i]);
     const double foot_2 = g->k[6][i] * (g->k[0][i] * q_2 + g->k[0][i] * q_3);
     const double h2 = g->k[6][i] * (t1 - foot_0 * foot_0 - foot_1 * foot_1 - foot_2 * foot_2);
     const double height = sqrt(h2);
-    const double t3 = g->g[0][i] + foot_0;
-    const double t4 = g->k[0][i] * height;
-    const double t5 = g->g[1][i] + foot_1;
-    const double t6 = g->g[2][i] + foot_2;
-    const double t7 = g->k[1][i] * height;
+    const double t2 = g->g[0][i] + foot_0;
+    const double t3 = g->k[0][i] * height;
+    const double t4 = g->g[1][i] + foot_1;
+    const double t5 = g->g[2][i] + foot_2;
+    const double t6 = g->k[1][i] * height;
     const double h1 = 1.0 / height;
-    s[0].v = t3 + t4;
-    s[1].v = t4 + t5;
-    s[2].v = t6 + t7;
-    s[3].v = t3 - t4;
-    s[4].v = t5 - t4;
-    s[5].v = t6 - t7;
+    s[0].v = t2 + t3;
+    s[1].v = t3 + t4;
+    s[2].v = t5 + t6;
+    s[3].v = t2 - t3;
+    s[4].v = t4 - t3;
+    s[5].v = t5 - t6;
     radicand[0].v = h2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t8 = theta[0].v * theta[0].t[k];
-        const double t9 = t8 + t8;
-        const double t10 = 0.5 * t9;
-        const double t11 = theta[1].v * theta[1].t[k];
-        const double t12 = t10 - 0.5 * (t11 + t11);
-        const double t13 = theta[2].v * theta[2].t[k];
-        const double t14 = t10 - 0.5 * (t13 + t13);
-        const double t15 = g->k[6][i] * (g->k[4][i] * t12 + g->k[5][i] * t14);
-        const double t16 = g->k[6][i] * (g->k[7][i] * t12 + g->k[8][i] * t14);
-        const double t17 = g->k[6][i] * (g->k[0][i] * t12 + g->k[0][i] * t14);
-        const double t18 = foot_0 * t15;
-        const double t19 = foot_1 * t16;
-        const double t20 = foot_2 * t17;
-        const double t21 = g->k[6][i] * (t9 - (t18 + t18) - (t19 + t19) - (t20 + t20));
-        const double t22 = h1 * (0.5 * t21);
-        const double t23 = g->k[0][i] * t22;
-        const double t24 = g->k[1][i] * t22;
-        s[0].t[k] = t15 + t23;
-        s[1].t[k] = t16 + t23;
-        s[2].t[k] = t17 + t24;
-        s[3].t[k] = t15 - t23;
-        s[4].t[k] = t16 - t23;
-        s[5].t[k] = t17 - t24;
-        radicand[0].t[k] = t21;
+        const double t7 = theta[0].v * theta[0].t[k];
+        const double t8 = t7 + t7;
+        const double t9 = theta[1].v * theta[1].t[k];
+        const double t10 = 0.5 * (t8 - (t9 + t9));
+        const double t11 = theta[2].v * theta[2].t[k];
+        const double t12 = 0.5 * (t8 - (t11 + t11));
+        const double t13 = g->k[6][i] * (g->k[4][i] * t10 + g->k[5][i] * t12);
+        const double t14 = g->k[6][i] * (g->k[7][i] * t10 + g->k[8][i] * t12);
+        const double t15 = g->k[6][i] * (g->k[0][i] * t10 + g->k[0][i] * t12);
+        const double t16 = foot_0 * t13;
+        const double t17 = foot_1 * t14;
+        const double t18 = foot_2 * t15;
+        const double t19 = g->k[6][i] * (t8 - (t16 + t16) - (t17 + t17) - (t18 + t18));
+        const double t20 = h1 * (0.5 * t19);
+        const double t21 = g->k[0][i] * t20;
+        const double t22 = g->k[1][i] * t20;
+        s[0].t[k] = t13 + t21;
+        s[1].t[k] = t14 + t21;
+        s[2].t[k] = t15 + t22;
+        s[3].t[k] = t13 - t21;
+        s[4].t[k] = t14 - t21;
+        s[5].t[k] = t15 - t22;
+        radicand[0].t[k] = t19;
     }
 }
 

@@ -13,7 +13,6 @@ from krhpr.codegen.composition import (
     EachPair,
     EachRoot,
     Guard,
-    Relation,
     Repeat,
     RobotCode,
     RobotFunction,
@@ -28,7 +27,7 @@ from krhpr.codegen.printers.c import print_kernel
 from krhpr.codegen.targets.base import broken, port_text
 from krhpr.codegen.targets.c_defaults import default
 from krhpr.codegen.targets.c_legs import LegsView, legs_view
-from krhpr.codegen.targets.c_numbers import LANES, NUMBER, Writing
+from krhpr.codegen.targets.c_numbers import LANES, NUMBER, Writing, holds
 from krhpr.codegen.targets.c_statements import AtPairs, AtRoots, Iteration, Row, Statement
 
 
@@ -45,6 +44,9 @@ class FunctionView:
     parameters: tuple[str, ...]
     optional: tuple[tuple[str, str], ...]
     finite: tuple[tuple[str, int], ...]
+    """Inputs that are looked at by themselves."""
+    of_angles: tuple[tuple[str, int], ...]
+    """Inputs that need no look where the angles made of them are near zero."""
     fills: tuple[tuple[str, int], ...]
     whole_fills: tuple[tuple[str, int], ...]
     """Outputs that are NaN as a whole where any guard fails; what some guards leave is in their own fills."""
@@ -129,6 +131,10 @@ def function_view(robot: RobotCode, function: RobotFunction, writing: Writing = 
     outside = _read_outside_the_loop(robot, function)
     legs = legs_view(robot, function, known, outside) if writing is NUMBER else None
     plan = _Plan(robot, function, known, outside, writing, leave_out=Stage.LEG if legs else None)
+    if writing is LANES:
+        covered = _covered(robot, function, (Stage.SHARED, Stage.LEG))
+    else:
+        covered = _covered(robot, function, (Stage.LEG,)) if legs else set()
     diagonal = [port for port in function.outputs if port.layout is Layout.DIAGONAL]
     of_roots = {  # they have variables of their own
         call.variable_out(port.name)
@@ -156,7 +162,12 @@ def function_view(robot: RobotCode, function: RobotFunction, writing: Writing = 
         parameters=tuple(_full_parameter(port, writing=writing) for port in function.inputs)
         + tuple(_full_parameter(port, output=True, writing=writing) for port in function.outputs),
         optional=tuple((port.name, default(port)) for port in function.inputs if default(port)),
-        finite=tuple((_address(port, writing), port.full_size) for port in function.inputs),
+        finite=tuple(
+            (_address(port, writing), port.full_size) for port in function.inputs if port.name not in covered
+        ),
+        of_angles=tuple(
+            (_address(port, writing), port.full_size) for port in function.inputs if port.name in covered
+        ),
         fills=tuple((port.name, port.full_size) for port in function.outputs),
         whole_fills=tuple((port.name, port.full_size) for port in whole),
         empties=tuple(dict.fromkeys(name for guard in function.guards for name in guard.empties)),
@@ -198,6 +209,19 @@ def function_view(robot: RobotCode, function: RobotFunction, writing: Writing = 
         in_sizes=tuple(port.full_size for port in function.inputs),
         out_sizes=tuple(port.full_size for port in function.outputs),
     )
+
+
+def _covered(robot: RobotCode, function: RobotFunction, stages: tuple[Stage, ...]) -> set[str]:
+    """Inputs whose every element is part of an angle of these stages."""
+    return {
+        call.variable_in(port.name)
+        for call in function.calls
+        if call.stage in stages and call.repeat is None and call.each is None
+        for phases in (robot.parts[call.part].phases[call.kernel],)
+        if phases.angles is not None
+        for port in phases.angles.inputs
+        if phases.covers(port.name)
+    }
 
 
 def _read_outside_the_loop(robot: RobotCode, function: RobotFunction) -> set[str]:
@@ -479,12 +503,6 @@ def _local(variable: Variable, writing: Writing, legs: int) -> str:
     return f"{writing.real} {variable.name}{array};"
 
 
-def _holds(guard: Guard, value: str, writing: Writing) -> str:
-    """The condition that a value keeps its limit."""
-    compare = writing.at_least if guard.relation is Relation.AT_LEAST else writing.at_most
-    return compare(value, writing.all(repr(guard.limit)))
-
-
 def _leg_guard(guard: Guard, function: RobotFunction, writing: Writing, partly: list[Port]) -> GuardView:
     """A leg's guard: where it fails, that leg's part of every leg-wise output is NaN."""
     leg_named = guard.status in LEG_STATUSES
@@ -500,7 +518,7 @@ def _leg_guard(guard: Guard, function: RobotFunction, writing: Writing, partly: 
         else:
             fills.append((f"{port.name} + {port.size} * i", port.size))
     return GuardView(
-        _holds(guard, f"{guard.variable}[i]", writing),
+        holds(guard, f"{guard.variable}[i]", writing),
         f"KRHPR_{guard.status.name}" + (" + i" if leg_named else ""),
         tuple(fills),
     )
@@ -510,5 +528,5 @@ def _platform_guard(guard: Guard, writing: Writing, partly: list[Port]) -> Guard
     """A guard of the whole platform: where it fails, it spoils these outputs beside those that all spoil."""
     fills = tuple((port.name, port.full_size) for port in guard.spoilt(partly))
     return GuardView(
-        _holds(guard, f"{guard.variable}[{guard.index}]", writing), f"KRHPR_{guard.status.name}", fills
+        holds(guard, f"{guard.variable}[{guard.index}]", writing), f"KRHPR_{guard.status.name}", fills
     )

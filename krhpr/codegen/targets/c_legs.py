@@ -14,36 +14,40 @@ from krhpr.codegen.kernel import LEGS, Kernel, Layout
 from krhpr.codegen.part import Part
 from krhpr.codegen.printers.c import print_lanes
 from krhpr.codegen.targets.base import broken
-from krhpr.codegen.targets.c_numbers import LANES
+from krhpr.codegen.targets.c_numbers import LANES, holds
 
 
 @dataclass(frozen=True)
 class LegsView:
     """The stage of the legs as the template sees it, in the order of the source."""
 
-    spreads: tuple[str, ...]
-    """What is the same for all legs, before their loop."""
-    loads: tuple[str, ...]
-    made: tuple[str, ...]
-    """Declarations of what the kernels make."""
+    angle_loads: tuple[str, ...]
+    """What the angles read, of all legs or of each, brought into lanes."""
     angle_count: int
     angle_calls: tuple[str, ...]
+    loads: tuple[str, ...]
+    """What only the kernels read."""
+    made: tuple[str, ...]
+    """Declarations of what the kernels make."""
     calls: tuple[str, ...]
     tail_count: int
     tail_stores: tuple[tuple[str, str], ...]
+    fine: tuple[str, ...]
+    """The guards of the legs as conditions in lanes."""
     stores: tuple[str, ...]
 
 
 def legs_view(
     robot: RobotCode, function: RobotFunction, known: Mapping[str, Variable], outside: set[str]
 ) -> LegsView | None:
-    """The legs side by side; None where there is no such stage, or one with a procedure in it, or where the
-    robot has not the three legs for which there are lanes.
+    """The legs side by side; None where there is no such stage, one with a procedure in it or one that only
+    copies, or where the robot has not the three legs for which there are lanes.
     """
     calls = function.stage(Stage.LEG)
+    kernels = [robot.parts[call.part].kernel(call.kernel) for call in calls]
     if (
         robot.legs != LEGS
-        or not calls
+        or not any(kernel.operations.total for kernel in kernels)
         or any(call.repeat is not None or call.each is not None for call in calls)
     ):
         return None
@@ -56,8 +60,8 @@ class _Legs:
     ) -> None:
         self.robot, self.known, self.outside = robot, known, outside
         self.read = function.read(robot.parts, guards=True)
-        self.spreads: dict[str, str] = {}
         self.loads: dict[str, str] = {}
+        self.angle_inputs: set[str] = set()
         self.made: dict[str, str] = {}
         self.stores: list[str] = []
         self.angle_calls: list[str] = []
@@ -67,17 +71,19 @@ class _Legs:
         self._angles_at: dict[str, int] = {}
         for call in function.stage(Stage.LEG):
             self._add(call)
+        self._guards = [guard for guard in function.guards if known[guard.variable].per_leg]
 
     def view(self) -> LegsView:
         return LegsView(
-            tuple(self.spreads.values()),
-            tuple(self.loads.values()),
-            tuple(self.made.values()),
+            tuple(text for name, text in self.loads.items() if name in self.angle_inputs),
             self.angle_count,
             tuple(self.angle_calls),
+            tuple(text for name, text in self.loads.items() if name not in self.angle_inputs),
+            tuple(self.made.values()),
             tuple(self.calls),
             self.tail_count,
             tuple(self.tail_stores),
+            tuple(holds(guard, f"{_lanes(guard.variable)}[0]", LANES) for guard in self._guards),
             tuple(self.stores),
         )
 
@@ -110,6 +116,7 @@ class _Legs:
         ]
         if late:
             raise ValueError(f"{part.name}.{call.kernel}: sines of {late} come too late")
+        self.angle_inputs |= {call.variable_in(port.name) for port in kernel.inputs}
         key = f"{[call.variable_in(port.name) for port in kernel.inputs]} {print_lanes(kernel).results}"
         if key not in self._angles_at:
             self._angles_at[key] = self.angle_count
@@ -158,7 +165,7 @@ class _Legs:
                 self.loads[name] = f"{declared}krhpr_legs_load({_lanes(name)}, {name}, {size}, i);"
             else:
                 source = f"&{name}" if scalar else name
-                self.spreads[name] = f"{declared}krhpr_legs_spread({_lanes(name)}, {source}, {size});"
+                self.loads[name] = f"{declared}krhpr_legs_spread({_lanes(name)}, {source}, {size});"
         return f"{_lanes(name)}[0]" if scalar else _lanes(name)
 
 

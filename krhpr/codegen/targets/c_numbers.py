@@ -5,6 +5,8 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
+from krhpr.codegen.composition import Guard, Relation
+
 
 @dataclass(frozen=True)
 class Writing(ABC):
@@ -90,3 +92,9 @@ LANES = Lanes(
     "krhpr_lanes_fabs",
     "krhpr_lanes_copysign",
 )
+
+
+def holds(guard: Guard, value: str, writing: Writing) -> str:
+    """The condition that a value keeps its limit."""
+    compare = writing.at_least if guard.relation is Relation.AT_LEAST else writing.at_most
+    return compare(value, writing.all(repr(guard.limit)))
