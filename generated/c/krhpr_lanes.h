@@ -81,6 +81,14 @@ KRHPR_STATIC void krhpr_set_lane(krhpr_lanes *x, int lane, double value)
 #endif
 }
 
+/* n numbers of one lane. */
+KRHPR_STATIC void krhpr_take_lane(double *to, const krhpr_lanes *from, int lane, int n)
+{
+    for (int k = 0; k < n; ++k) {
+        to[k] = krhpr_lane(&from[k], lane);
+    }
+}
+
 /* Loads and stores of KRHPR_LANES doubles that follow one another. */
 KRHPR_STATIC krhpr_lanes krhpr_load(const double *from)
 {
@@ -315,7 +323,7 @@ KRHPR_STATIC void krhpr_legs_load(krhpr_lanes *to, const double *from, int n, in
     }
 }
 
-/* n numbers that are the same for all legs. */
+/* n numbers that are the same in all lanes. */
 KRHPR_STATIC void krhpr_legs_spread(krhpr_lanes *to, const double *from, int n)
 {
     for (int k = 0; k < n; ++k) {

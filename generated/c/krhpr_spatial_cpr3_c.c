@@ -219,11 +219,11 @@ KRHPR_API int krhpr_spatial_cpr3_c_subleg_forward_all(
             const int roots = krhpr_real_roots(8, octic, 1e-14, root_x, root_y, &in_doubt);
             for (int k = 0; k < roots; ++k) {
                 const double root[2] = {root_x[k], root_y[k]};
-                double miss[1];
+                double miss_at[1];
                 double s_at[3];
                 double volume_at[1];
-                krhpr_subleg_cpr3_at_root(&g->subleg, i, root, theta + 3 * i, s_at, volume_at, miss);
-                if (!(miss[0] <= 1e-18)) {
+                krhpr_subleg_cpr3_at_root(&g->subleg, i, root, theta + 3 * i, s_at, volume_at, miss_at);
+                if (!(miss_at[0] <= 1e-18)) {
                     continue;
                 }
                 int place = kept;

@@ -1374,46 +1374,64 @@ KRHPR_API int krhpr_spatial_rrr_a_forward_all(
     }
     krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
     {
-        double root_x[6];
-        double root_y[6];
+        double root_x[KRHPR_PADDED(6)] = {0.0};
+        double root_y[KRHPR_PADDED(6)] = {0.0};
         int in_doubt = 0;
         int kept = 0;
         const int roots = krhpr_real_roots(6, sextic, 1e-14, root_x, root_y, &in_doubt);
-        for (int k = 0; k < roots; ++k) {
-            const double root[2] = {root_x[k], root_y[k]};
-            double miss[1];
-            double p_at[3];
-            double Q_at[9];
-            double redundant_at[3];
-            double det_J_at[1];
-            double root_tail_y[KRHPR_PADDED(3)] = {0.0};
-            double root_tail_x[KRHPR_PADDED(3)] = {0.0};
-            double root_tail[KRHPR_PADDED(3)];
-            krhpr_platform_spatial_a_assembly(
-                root, s, anchor, length, points, axes, p_at, Q_at, det_J_at, miss, root_tail_y, root_tail_x);
-            if (!(miss[0] <= 1e-18)) {
-                continue;
+        for (int k = 1; k < KRHPR_PADDED(6); ++k) {
+            if (k >= roots) {
+                root_x[k] = root_x[0]; /* lanes without a root repeat the first */
+                root_y[k] = root_y[0];
             }
-            krhpr_atan2_array(3, root_tail_y, root_tail_x, root_tail);
-            redundant_at[0] = root_tail[0];
-            redundant_at[1] = root_tail[1];
-            redundant_at[2] = root_tail[2];
-            int place = kept;
-            for (int below = kept - 1; below >= 0; --below) {
-                if (det_J[below] <= det_J_at[0]) {
-                    break;
+        }
+        krhpr_lanes s_roots[9]; krhpr_legs_spread(s_roots, s, 9);
+        krhpr_lanes anchor_roots[6]; krhpr_legs_spread(anchor_roots, anchor, 6);
+        krhpr_lanes length_roots[3]; krhpr_legs_spread(length_roots, length, 3);
+        krhpr_lanes points_roots[6]; krhpr_legs_spread(points_roots, points, 6);
+        krhpr_lanes axes_roots[9]; krhpr_legs_spread(axes_roots, axes, 9);
+        for (int k = 0; k < roots; k += KRHPR_LANES) {
+            const krhpr_lanes root[2] = {krhpr_load(root_x + k), krhpr_load(root_y + k)};
+            krhpr_lanes miss_roots[1];
+            krhpr_lanes p_roots[3];
+            krhpr_lanes Q_roots[9];
+            krhpr_lanes redundant_roots[3];
+            krhpr_lanes det_J_roots[1];
+            krhpr_lanes tail_y_roots[3];
+            krhpr_lanes tail_x_roots[3];
+            krhpr_lanes tail_roots[3];
+            krhpr_platform_spatial_a_assembly_lanes(
+                root, s_roots, anchor_roots, length_roots, points_roots, axes_roots, p_roots, Q_roots,
+                det_J_roots, miss_roots, tail_y_roots, tail_x_roots);
+            krhpr_lanes_atan2_each(3, tail_y_roots, tail_x_roots, tail_roots);
+            redundant_roots[0] = tail_roots[0];
+            redundant_roots[1] = tail_roots[1];
+            redundant_roots[2] = tail_roots[2];
+            for (int lane = 0; lane < KRHPR_LANES; ++lane) {
+                if (k + lane >= roots || !(krhpr_lane(miss_roots, lane) <= 1e-18)) {
+                    continue;
                 }
-                krhpr_copy(p + 3 * (below + 1), p + 3 * below, 3);
-                krhpr_copy(Q + 9 * (below + 1), Q + 9 * below, 9);
-                krhpr_copy(redundant + 3 * (below + 1), redundant + 3 * below, 3);
-                krhpr_copy(det_J + 1 * (below + 1), det_J + 1 * below, 1);
-                place = below;
+                double p_at[3]; krhpr_take_lane(p_at, p_roots, lane, 3);
+                double Q_at[9]; krhpr_take_lane(Q_at, Q_roots, lane, 9);
+                double redundant_at[3]; krhpr_take_lane(redundant_at, redundant_roots, lane, 3);
+                double det_J_at[1]; krhpr_take_lane(det_J_at, det_J_roots, lane, 1);
+                int place = kept;
+                for (int below = kept - 1; below >= 0; --below) {
+                    if (det_J[below] <= det_J_at[0]) {
+                        break;
+                    }
+                    krhpr_copy(p + 3 * (below + 1), p + 3 * below, 3);
+                    krhpr_copy(Q + 9 * (below + 1), Q + 9 * below, 9);
+                    krhpr_copy(redundant + 3 * (below + 1), redundant + 3 * below, 3);
+                    krhpr_copy(det_J + 1 * (below + 1), det_J + 1 * below, 1);
+                    place = below;
+                }
+                krhpr_copy(p + 3 * place, p_at, 3);
+                krhpr_copy(Q + 9 * place, Q_at, 9);
+                krhpr_copy(redundant + 3 * place, redundant_at, 3);
+                krhpr_copy(det_J + 1 * place, det_J_at, 1);
+                ++kept;
             }
-            krhpr_copy(p + 3 * place, p_at, 3);
-            krhpr_copy(Q + 9 * place, Q_at, 9);
-            krhpr_copy(redundant + 3 * place, redundant_at, 3);
-            krhpr_copy(det_J + 1 * place, det_J_at, 1);
-            ++kept;
         }
         krhpr_fill_nan(p + 3 * kept, 3 * (6 - kept));
         krhpr_fill_nan(Q + 9 * kept, 9 * (6 - kept));
@@ -1501,45 +1519,63 @@ KRHPR_API int krhpr_spatial_rrr_a_forward(
     krhpr_platform_spatial_a_uniqueness(anchor, length, box, certificate);
     krhpr_platform_spatial_a_sextic(s, anchor, length, turned, sign, flatness, points, axes, sextic);
     {
-        double root_x[6];
-        double root_y[6];
+        double root_x[KRHPR_PADDED(6)] = {0.0};
+        double root_y[KRHPR_PADDED(6)] = {0.0};
         int in_doubt = 0;
         int kept = 0;
         int in_box = 0;
         const int roots = krhpr_real_roots(6, sextic, 1e-14, root_x, root_y, &in_doubt);
-        for (int k = 0; k < roots; ++k) {
-            const double root[2] = {root_x[k], root_y[k]};
-            double miss[1];
-            double p_at[3];
-            double Q_at[9];
-            double redundant_at[3];
-            double det_J_at[1];
-            double root_tail_y[KRHPR_PADDED(3)] = {0.0};
-            double root_tail_x[KRHPR_PADDED(3)] = {0.0};
-            double root_tail[KRHPR_PADDED(3)];
-            krhpr_platform_spatial_a_assembly(
-                root, s, anchor, length, points, axes, p_at, Q_at, det_J_at, miss, root_tail_y, root_tail_x);
-            if (!(miss[0] <= 1e-18)) {
-                continue;
+        for (int k = 1; k < KRHPR_PADDED(6); ++k) {
+            if (k >= roots) {
+                root_x[k] = root_x[0]; /* lanes without a root repeat the first */
+                root_y[k] = root_y[0];
             }
-            krhpr_atan2_array(3, root_tail_y, root_tail_x, root_tail);
-            redundant_at[0] = root_tail[0];
-            redundant_at[1] = root_tail[1];
-            redundant_at[2] = root_tail[2];
-            int outside = 0;
-            for (int j = 0; j < 3; ++j) {
-                const double turn = 6.283185307179586;
-                const double low = box[2 * j];
-                redundant_at[j] -= turn * floor((redundant_at[j] - low) / turn);
-                outside += !(redundant_at[j] <= box[2 * j + 1]);
+        }
+        krhpr_lanes s_roots[9]; krhpr_legs_spread(s_roots, s, 9);
+        krhpr_lanes anchor_roots[6]; krhpr_legs_spread(anchor_roots, anchor, 6);
+        krhpr_lanes length_roots[3]; krhpr_legs_spread(length_roots, length, 3);
+        krhpr_lanes points_roots[6]; krhpr_legs_spread(points_roots, points, 6);
+        krhpr_lanes axes_roots[9]; krhpr_legs_spread(axes_roots, axes, 9);
+        for (int k = 0; k < roots; k += KRHPR_LANES) {
+            const krhpr_lanes root[2] = {krhpr_load(root_x + k), krhpr_load(root_y + k)};
+            krhpr_lanes miss_roots[1];
+            krhpr_lanes p_roots[3];
+            krhpr_lanes Q_roots[9];
+            krhpr_lanes redundant_roots[3];
+            krhpr_lanes det_J_roots[1];
+            krhpr_lanes tail_y_roots[3];
+            krhpr_lanes tail_x_roots[3];
+            krhpr_lanes tail_roots[3];
+            krhpr_platform_spatial_a_assembly_lanes(
+                root, s_roots, anchor_roots, length_roots, points_roots, axes_roots, p_roots, Q_roots,
+                det_J_roots, miss_roots, tail_y_roots, tail_x_roots);
+            krhpr_lanes_atan2_each(3, tail_y_roots, tail_x_roots, tail_roots);
+            redundant_roots[0] = tail_roots[0];
+            redundant_roots[1] = tail_roots[1];
+            redundant_roots[2] = tail_roots[2];
+            for (int lane = 0; lane < KRHPR_LANES; ++lane) {
+                if (k + lane >= roots || !(krhpr_lane(miss_roots, lane) <= 1e-18)) {
+                    continue;
+                }
+                double p_at[3]; krhpr_take_lane(p_at, p_roots, lane, 3);
+                double Q_at[9]; krhpr_take_lane(Q_at, Q_roots, lane, 9);
+                double redundant_at[3]; krhpr_take_lane(redundant_at, redundant_roots, lane, 3);
+                double det_J_at[1]; krhpr_take_lane(det_J_at, det_J_roots, lane, 1);
+                int outside = 0;
+                for (int j = 0; j < 3; ++j) {
+                    const double turn = 6.283185307179586;
+                    const double low = box[2 * j];
+                    redundant_at[j] -= turn * floor((redundant_at[j] - low) / turn);
+                    outside += !(redundant_at[j] <= box[2 * j + 1]);
+                }
+                if (outside == 0) {
+                    krhpr_copy(p, p_at, 3);
+                    krhpr_copy(Q, Q_at, 9);
+                    krhpr_copy(redundant, redundant_at, 3);
+                    ++in_box;
+                }
+                ++kept;
             }
-            if (outside == 0) {
-                krhpr_copy(p, p_at, 3);
-                krhpr_copy(Q, Q_at, 9);
-                krhpr_copy(redundant, redundant_at, 3);
-                ++in_box;
-            }
-            ++kept;
         }
         int proven = 1;
         for (int j = 0; j < 14; ++j) {

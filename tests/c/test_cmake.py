@@ -102,7 +102,12 @@ def prefix(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """An installation of one robot."""
     folder = tmp_path_factory.mktemp("install")
     need("cmake", "cc")
-    options = [f"-DKRHPR_ROBOTS={ROBOT}", "-DKRHPR_EXAMPLES=OFF", "-DKRHPR_CASADI=ON"]
+    options = [
+        f"-DKRHPR_ROBOTS={ROBOT}",
+        "-DKRHPR_EXAMPLES=OFF",
+        "-DKRHPR_CASADI=ON",
+        "-DCMAKE_BUILD_TYPE=Debug",
+    ]
     run(["cmake", "-S", SOURCES, "-B", folder / "build", *options])
     run(["cmake", "--build", folder / "build"])
     run(["cmake", "--install", folder / "build", "--prefix", folder / "prefix"])

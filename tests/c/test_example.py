@@ -30,13 +30,14 @@ def built(way: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
     if way == "cc":
         return compiled(folder)
     need("cmake", "cc")
-    options = ["-DCMAKE_BUILD_TYPE=Release", f"-DKRHPR_ROBOTS={ROBOT}"]
+    kind = f"-DCMAKE_BUILD_TYPE={'Release' if way == 'generated' else 'Debug'}"
+    options = [kind, f"-DKRHPR_ROBOTS={ROBOT}"]
     if way == "installed":
         prefix = folder / "prefix"
         run(["cmake", "-S", SOURCES, "-B", folder / "c", *options, "-DKRHPR_EXAMPLES=OFF"])
         run(["cmake", "--build", folder / "c"])
         run(["cmake", "--install", folder / "c", "--prefix", prefix])
-        options = ["-DCMAKE_BUILD_TYPE=Release", f"-DCMAKE_PREFIX_PATH={prefix}"]
+        options = [kind, f"-DCMAKE_PREFIX_PATH={prefix}"]
     run(["cmake", "-S", SOURCES if way == "generated" else EXAMPLE, "-B", folder / "b", *options])
     run(["cmake", "--build", folder / "b"])
     assert (folder / "b" / "krhpr").exists() == (way == "examples"), (

@@ -159,6 +159,6 @@ def test_a_pair_of_files_is_enough(gathered: Path, tmp_path: Path) -> None:
 
 def test_cmake_builds_it(gathered: Path, tmp_path: Path) -> None:
     need("cmake", "cc")
-    run("cmake", "-S", str(gathered / "c"), "-B", str(tmp_path), "-DCMAKE_BUILD_TYPE=Release")
+    run("cmake", "-S", str(gathered / "c"), "-B", str(tmp_path), "-DCMAKE_BUILD_TYPE=Debug")
     run("cmake", "--build", str(tmp_path))
     assert len(list(tmp_path.rglob("*krhpr_*.a"))) == 2

@@ -20,7 +20,7 @@ from krhpr.codegen.composition import (
     Variable,
     variables,
 )
-from krhpr.codegen.kernel import Kernel, Layout, Port
+from krhpr.codegen.kernel import LEGS, Kernel, Layout, Port
 from krhpr.codegen.part import Part
 from krhpr.codegen.phases import Phases
 from krhpr.codegen.printers.c import print_kernel
@@ -320,17 +320,22 @@ class _Plan:
         kernel = part.kernel(call.kernel)
         names = {call.variable_out(port.name): port.size for port in kernel.outputs if port.name != each.miss}
         rows = tuple(Row(name, self._collected(name, call.stage), size) for name, size in names.items())
-        special = {name: f"{name}_at" for name in names}
-        special |= {"tail_y": "root_tail_y", "tail_x": "root_tail_x"}
+        others = [port for port in phases.body.inputs if port.name != each.root]
+        # a leg's kernel has the legs' geometry in its lanes
+        side_by_side = kernel.geometry is None and self.robot.legs == LEGS
+        spreads = tuple(self._spread(call, port) for port in others) if side_by_side else None
+        end = "roots" if side_by_side else "at"
+        special = {name: f"{name}_{end}" for name in (*names, each.miss)}
+        special |= {"tail_y": f"tail_y_{end}", "tail_x": f"tail_x_{end}", each.root: each.root}
+        for port, (name, _, _) in zip(others, spreads or (), strict=False):
+            special[port.name] = name if port.shape else f"{name}[0]"
         stores = [
-            (f"{call.variable_out(tail.port.name)}_at[{index}]", f"root_tail[{slot}]")
+            (f"{call.variable_out(tail.port.name)}_{end}[{index}]", f"tail_{end}[{slot}]")
             for tail in phases.tails
             for index, slot in enumerate(tail.slots)
         ]
         return AtRoots(
-            call=self._text(
-                call, part, phases.body, {**special, each.root: each.root, each.miss: each.miss}, 12
-            ),
+            call=self._text(call, part, phases.body, special, 12, lanes=side_by_side),
             polynomial=each.polynomial,
             degree=each.degree,
             error=repr(each.error),
@@ -348,7 +353,15 @@ class _Plan:
             copies=tuple(row for row in rows if self.known[row.name].kind == "output"),
             tail_count=phases.tail_size,
             tail_stores=tuple(stores),
+            spreads=spreads,
         )
+
+    def _spread(self, call: Call, port: Port) -> tuple[str, str, int]:
+        """What a kernel reads, in every lane: the lanes, the array they come from, and how many there are."""
+        name = call.variable_in(port.name)
+        variable = self.known[name]
+        array = name if variable.port.shape or variable.per_leg else f"&{name}"
+        return f"{name}_roots", array, port.size
 
     def _at_pairs(self, call: Call, pairs: EachPair, part: Part, phases: Phases) -> Statement:
         """A loop over the pairs of links."""
@@ -462,7 +475,14 @@ class _Plan:
         return {name: f"{name} + {where}" if where else name for name in ("tail_y", "tail_x")}
 
     def _text(
-        self, call: Call, part: Part, kernel: Kernel, special: dict[str, str], indent: int | None = None
+        self,
+        call: Call,
+        part: Part,
+        kernel: Kernel,
+        special: dict[str, str],
+        indent: int | None = None,
+        *,
+        lanes: bool = False,
     ) -> str:
         arguments = [f"&g->{call.part}", "i"] if kernel.geometry is not None else []
         for port in kernel.inputs:
@@ -474,7 +494,8 @@ class _Plan:
             arguments.append(text or self._reference(call.variable_out(port.name), call.stage, output=True))
         if indent is None:
             indent = 8 if call.stage is Stage.LEG else 4
-        return broken(f"krhpr_{part.name}_{kernel.name}{self.writing.suffix}", arguments, ";", indent)
+        suffix = LANES.suffix if lanes else self.writing.suffix
+        return broken(f"krhpr_{part.name}_{kernel.name}{suffix}", arguments, ";", indent)
 
     def _reference(self, name: str, stage: Stage, *, output: bool = False) -> str:
         """How a kernel's argument is written: a value, an array, or a pointer to a leg's part of an array."""

@@ -65,6 +65,8 @@ class AtRoots:
     """What of it is an output."""
     tail_count: int
     tail_stores: tuple[tuple[str, str], ...]
+    spreads: tuple[tuple[str, str, int], ...] | None
+    """Where roots go side by side, what is the same for all of them: name, array, elements."""
 
 
 @dataclass(frozen=True)
