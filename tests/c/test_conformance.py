@@ -35,8 +35,8 @@ POSITION_INDEPENDENCE = {"_GLOBAL_OFFSET_TABLE_"}
 # Loops count upwards to a constant, or to a count that the caller gives; iterations may end before.
 LOOP = re.compile(
     r"for \((?:int|ptrdiff_t) (\w+) = \w+(?: - 1| > 0 \? n : 0)?; "
-    r"(?:\1 <=? (?:\d+|KRHPR_(?:LANES|LINE|PLACES|ROOTS_INTERVALS|PADDED\(\d+\))|n|n - pass|whole|rest|size|blocks|together"
-    r"|roots|\(ptrdiff_t\)count)"
+    r"(?:\1 <=? (?:\d+|KRHPR_(?:LANES|LINE|PLACES|ROOTS_INTERVALS|PADDED\(\d+\))"
+    r"|n|n - pass|whole|rest|size|blocks|together|roots|\(ptrdiff_t\)count)"
     r"(?: && !\(change\[[i0]\] <= [\de.-]+\)| && krhpr_any\(moving\)| && size > 0)?; "
     r"(?:\+\+\1|\1 \+= (?:2|4|KRHPR_LANES))"
     r"|\1 >= (?:0|1|pass); --\1)\)"
