@@ -67,29 +67,32 @@ KRHPR_STATIC void krhpr_algebra_planar_rotation(
     Q[3] = cosine[0];
 }
 
-/* Largest and smallest singular value of M, squared.  Thesis: 1.8.  (8 add, 10 multiply, 2 divide, 2 square
+/* Largest and smallest singular value of M, squared.  Thesis: 1.8.  (8 add, 8 multiply, 2 divide, 2 square
  * root) */
 KRHPR_STATIC void krhpr_algebra_planar_spread(
     const double gram[4], const double cofactors[4], double square, double *KRHPR_RESTRICT largest,
     double *KRHPR_RESTRICT smallest, double *KRHPR_RESTRICT evenness)
 {
-    const double g_h = (gram[0] - gram[3]) * 0.5;
-    const double h_h = 0.5 * (cofactors[0] - cofactors[3]);
-    const double high = 0.5 * (gram[0] + gram[3] + 2.0 * sqrt(g_h * g_h + gram[1] * gram[1]));
-    const double t1 = cofactors[0] + cofactors[3] + 2.0 * sqrt(cofactors[1] * cofactors[1] + h_h * h_h);
-    const double low = square / (0.5 * t1);
+    const double t1 = gram[0] * 0.5;
+    const double t2 = gram[3] * 0.5;
+    const double g_h = t1 - t2;
+    const double t3 = cofactors[0] * 0.5;
+    const double t4 = cofactors[3] * 0.5;
+    const double h_h = t3 - t4;
+    const double high = t2 + (t1 + sqrt(g_h * g_h + gram[1] * gram[1]));
+    const double low = square / (t4 + (t3 + sqrt(cofactors[1] * cofactors[1] + h_h * h_h)));
     *largest = high;
     *smallest = low;
     *evenness = low / high;
 }
 
-/* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (24 add, 48
+/* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (24 add, 50
  * multiply, 4 divide, 6 square root) */
 KRHPR_STATIC void krhpr_algebra_planar_spread_bound(
     const double gram[4], const double cofactors[4], double square, double *KRHPR_RESTRICT largest,
     double *KRHPR_RESTRICT smallest, double *KRHPR_RESTRICT evenness)
 {
-    const double g_0 = (gram[0] + gram[3]) * 0.5;
+    const double g_0 = gram[0] * 0.5 + gram[3] * 0.5;
     const double t1 = 1.0 / g_0;
     const double g_r_00 = gram[0] * t1;
     const double g_r_01 = gram[1] * t1;
@@ -109,7 +112,7 @@ KRHPR_STATIC void krhpr_algebra_planar_spread_bound(
     const double g_4 = sqrt(g_8);
     const double g_2 = sqrt(g_4);
     const double g_1 = sqrt(g_2);
-    const double h_0 = 0.5 * (cofactors[0] + cofactors[3]);
+    const double h_0 = cofactors[0] * 0.5 + cofactors[3] * 0.5;
     const double t4 = 1.0 / h_0;
     const double h_r_00 = cofactors[0] * t4;
     const double h_r_01 = cofactors[1] * t4;
@@ -137,31 +140,32 @@ KRHPR_STATIC void krhpr_algebra_planar_spread_bound(
 }
 
 /* The indices: 2-norms of both parts of U = J^-1 K, condition number of J_1.  Thesis: 1.8, 4.2.2.  (4 add,
- * 5 multiply, 4 divide, 7 square root, 4 select) */
+ * 4 multiply, 4 divide, 7 square root, 4 select) */
 KRHPR_STATIC void krhpr_algebra_planar_norms(
     const double position_gram[4], const double rotation_gram[1], const double largest[3],
     const double smallest[3], double *KRHPR_RESTRICT eta_1, double *KRHPR_RESTRICT eta_2,
     double *KRHPR_RESTRICT eta_3, double *KRHPR_RESTRICT condition)
 {
-    const double p_h = (position_gram[0] - position_gram[3]) * 0.5;
-    const double t1 = position_gram[0] + position_gram[3] + 2.0 * sqrt(p_h * p_h + position_gram[1] * position_gram[1]);
-    const double t2 = krhpr_max(krhpr_max(largest[0], largest[1]), largest[2]) / krhpr_min(krhpr_min(smallest[0], smallest[1]), smallest[2]);
-    *eta_1 = sqrt(0.5 * t1);
+    const double t1 = position_gram[0] * 0.5;
+    const double t2 = position_gram[3] * 0.5;
+    const double p_h = t1 - t2;
+    const double t3 = krhpr_max(krhpr_max(largest[0], largest[1]), largest[2]) / krhpr_min(krhpr_min(smallest[0], smallest[1]), smallest[2]);
+    *eta_1 = sqrt(t2 + (t1 + sqrt(p_h * p_h + position_gram[1] * position_gram[1])));
     *eta_2 = sqrt(rotation_gram[0]);
-    *eta_3 = sqrt(t2);
+    *eta_3 = sqrt(t3);
     condition[0] = sqrt(largest[0] / smallest[0]);
     condition[1] = sqrt(largest[1] / smallest[1]);
     condition[2] = sqrt(largest[2] / smallest[2]);
 }
 
-/* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (20 add, 55 multiply, 6
+/* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (20 add, 58 multiply, 6
  * divide, 12 square root) */
 KRHPR_STATIC void krhpr_algebra_planar_norm_bounds(
     const double position_gram[4], const double rotation_gram[1], const double largest[3],
     const double smallest[3], double *KRHPR_RESTRICT eta_1, double *KRHPR_RESTRICT eta_2,
     double *KRHPR_RESTRICT eta_3)
 {
-    const double p_0 = (position_gram[0] + position_gram[3]) * 0.5;
+    const double p_0 = position_gram[0] * 0.5 + position_gram[3] * 0.5;
     const double t1 = 1.0 / p_0;
     const double p_r_00 = position_gram[0] * t1;
     const double p_r_01 = position_gram[1] * t1;
@@ -181,7 +185,7 @@ KRHPR_STATIC void krhpr_algebra_planar_norm_bounds(
     const double p_4 = sqrt(p_8);
     const double p_2 = sqrt(p_4);
     const double p_1 = sqrt(p_2);
-    const double l_0 = (largest[1] + largest[2] + largest[0] * 2.0) * 0.25;
+    const double l_0 = largest[0] * 0.5 + largest[1] * 0.25 + largest[2] * 0.25;
     const double t4 = 1.0 / l_0;
     const double l_r1 = largest[0] * t4;
     const double l_r2 = largest[1] * t4;
@@ -199,7 +203,7 @@ KRHPR_STATIC void krhpr_algebra_planar_norm_bounds(
     const double inv_s = 1.0 / smallest[0];
     const double inv_s_a = 1.0 / smallest[1];
     const double inv_s_b = 1.0 / smallest[2];
-    const double s_0 = 0.25 * (inv_s_a + inv_s_b + 2.0 * inv_s);
+    const double s_0 = 0.5 * inv_s + 0.25 * inv_s_a + 0.25 * inv_s_b;
     const double t11 = 1.0 / s_0;
     const double s_r1 = inv_s * t11;
     const double s_r2 = inv_s_a * t11;

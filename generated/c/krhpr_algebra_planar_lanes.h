@@ -67,31 +67,34 @@ KRHPR_INLINE void krhpr_algebra_planar_rotation_lanes(
     Q[3] = cosine[0];
 }
 
-/* Largest and smallest singular value of M, squared.  Thesis: 1.8.  (8 add, 10 multiply, 2 divide, 2 square
+/* Largest and smallest singular value of M, squared.  Thesis: 1.8.  (8 add, 8 multiply, 2 divide, 2 square
  * root) */
 KRHPR_INLINE void krhpr_algebra_planar_spread_lanes(
     const krhpr_lanes_at gram[4], const krhpr_lanes_at cofactors[4], krhpr_lanes square,
     krhpr_lanes_at *KRHPR_RESTRICT largest, krhpr_lanes_at *KRHPR_RESTRICT smallest,
     krhpr_lanes_at *KRHPR_RESTRICT evenness)
 {
-    const krhpr_lanes g_h = (gram[0] - gram[3]) * 0.5;
-    const krhpr_lanes h_h = 0.5 * (cofactors[0] - cofactors[3]);
-    const krhpr_lanes high = 0.5 * (gram[0] + gram[3] + 2.0 * krhpr_lanes_sqrt(g_h * g_h + gram[1] * gram[1]));
-    const krhpr_lanes t1 = cofactors[0] + cofactors[3] + 2.0 * krhpr_lanes_sqrt(cofactors[1] * cofactors[1] + h_h * h_h);
-    const krhpr_lanes low = square / (0.5 * t1);
+    const krhpr_lanes t1 = gram[0] * 0.5;
+    const krhpr_lanes t2 = gram[3] * 0.5;
+    const krhpr_lanes g_h = t1 - t2;
+    const krhpr_lanes t3 = cofactors[0] * 0.5;
+    const krhpr_lanes t4 = cofactors[3] * 0.5;
+    const krhpr_lanes h_h = t3 - t4;
+    const krhpr_lanes high = t2 + (t1 + krhpr_lanes_sqrt(g_h * g_h + gram[1] * gram[1]));
+    const krhpr_lanes low = square / (t4 + (t3 + krhpr_lanes_sqrt(cofactors[1] * cofactors[1] + h_h * h_h)));
     *largest = high;
     *smallest = low;
     *evenness = low / high;
 }
 
-/* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (24 add, 48
+/* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (24 add, 50
  * multiply, 4 divide, 6 square root) */
 KRHPR_INLINE void krhpr_algebra_planar_spread_bound_lanes(
     const krhpr_lanes_at gram[4], const krhpr_lanes_at cofactors[4], krhpr_lanes square,
     krhpr_lanes_at *KRHPR_RESTRICT largest, krhpr_lanes_at *KRHPR_RESTRICT smallest,
     krhpr_lanes_at *KRHPR_RESTRICT evenness)
 {
-    const krhpr_lanes g_0 = (gram[0] + gram[3]) * 0.5;
+    const krhpr_lanes g_0 = gram[0] * 0.5 + gram[3] * 0.5;
     const krhpr_lanes t1 = 1.0 / g_0;
     const krhpr_lanes g_r_00 = gram[0] * t1;
     const krhpr_lanes g_r_01 = gram[1] * t1;
@@ -111,7 +114,7 @@ KRHPR_INLINE void krhpr_algebra_planar_spread_bound_lanes(
     const krhpr_lanes g_4 = krhpr_lanes_sqrt(g_8);
     const krhpr_lanes g_2 = krhpr_lanes_sqrt(g_4);
     const krhpr_lanes g_1 = krhpr_lanes_sqrt(g_2);
-    const krhpr_lanes h_0 = 0.5 * (cofactors[0] + cofactors[3]);
+    const krhpr_lanes h_0 = cofactors[0] * 0.5 + cofactors[3] * 0.5;
     const krhpr_lanes t4 = 1.0 / h_0;
     const krhpr_lanes h_r_00 = cofactors[0] * t4;
     const krhpr_lanes h_r_01 = cofactors[1] * t4;
@@ -139,32 +142,34 @@ KRHPR_INLINE void krhpr_algebra_planar_spread_bound_lanes(
 }
 
 /* The indices: 2-norms of both parts of U = J^-1 K, condition number of J_1.  Thesis: 1.8, 4.2.2.  (4 add,
- * 5 multiply, 4 divide, 7 square root, 4 select) */
+ * 4 multiply, 4 divide, 7 square root, 4 select) */
 KRHPR_INLINE void krhpr_algebra_planar_norms_lanes(
     const krhpr_lanes_at position_gram[4], const krhpr_lanes_at rotation_gram[1],
     const krhpr_lanes_at largest[3], const krhpr_lanes_at smallest[3], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3,
     krhpr_lanes_at *KRHPR_RESTRICT condition)
 {
-    const krhpr_lanes p_h = (position_gram[0] - position_gram[3]) * 0.5;
-    const krhpr_lanes t1 = position_gram[0] + position_gram[3] + 2.0 * krhpr_lanes_sqrt(p_h * p_h + position_gram[1] * position_gram[1]);
-    const krhpr_lanes t2 = krhpr_lanes_max(krhpr_lanes_max(largest[0], largest[1]), largest[2]) / krhpr_lanes_min(krhpr_lanes_min(smallest[0], smallest[1]), smallest[2]);
-    *eta_1 = krhpr_lanes_sqrt(0.5 * t1);
+    const krhpr_lanes t1 = position_gram[0] * 0.5;
+    const krhpr_lanes t2 = position_gram[3] * 0.5;
+    const krhpr_lanes p_h = t1 - t2;
+    const krhpr_lanes eta_1_a = krhpr_lanes_sqrt(t2 + (t1 + krhpr_lanes_sqrt(p_h * p_h + position_gram[1] * position_gram[1])));
+    const krhpr_lanes t3 = krhpr_lanes_max(krhpr_lanes_max(largest[0], largest[1]), largest[2]) / krhpr_lanes_min(krhpr_lanes_min(smallest[0], smallest[1]), smallest[2]);
+    *eta_1 = eta_1_a;
     *eta_2 = krhpr_lanes_sqrt(rotation_gram[0]);
-    *eta_3 = krhpr_lanes_sqrt(t2);
+    *eta_3 = krhpr_lanes_sqrt(t3);
     condition[0] = krhpr_lanes_sqrt(largest[0] / smallest[0]);
     condition[1] = krhpr_lanes_sqrt(largest[1] / smallest[1]);
     condition[2] = krhpr_lanes_sqrt(largest[2] / smallest[2]);
 }
 
-/* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (20 add, 55 multiply, 6
+/* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (20 add, 58 multiply, 6
  * divide, 12 square root) */
 KRHPR_INLINE void krhpr_algebra_planar_norm_bounds_lanes(
     const krhpr_lanes_at position_gram[4], const krhpr_lanes_at rotation_gram[1],
     const krhpr_lanes_at largest[3], const krhpr_lanes_at smallest[3], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3)
 {
-    const krhpr_lanes p_0 = (position_gram[0] + position_gram[3]) * 0.5;
+    const krhpr_lanes p_0 = position_gram[0] * 0.5 + position_gram[3] * 0.5;
     const krhpr_lanes t1 = 1.0 / p_0;
     const krhpr_lanes p_r_00 = position_gram[0] * t1;
     const krhpr_lanes p_r_01 = position_gram[1] * t1;
@@ -184,7 +189,7 @@ KRHPR_INLINE void krhpr_algebra_planar_norm_bounds_lanes(
     const krhpr_lanes p_4 = krhpr_lanes_sqrt(p_8);
     const krhpr_lanes p_2 = krhpr_lanes_sqrt(p_4);
     const krhpr_lanes p_1 = krhpr_lanes_sqrt(p_2);
-    const krhpr_lanes l_0 = (largest[1] + largest[2] + largest[0] * 2.0) * 0.25;
+    const krhpr_lanes l_0 = largest[0] * 0.5 + largest[1] * 0.25 + largest[2] * 0.25;
     const krhpr_lanes t4 = 1.0 / l_0;
     const krhpr_lanes l_r1 = largest[0] * t4;
     const krhpr_lanes l_r2 = largest[1] * t4;
@@ -202,7 +207,7 @@ KRHPR_INLINE void krhpr_algebra_planar_norm_bounds_lanes(
     const krhpr_lanes inv_s = 1.0 / smallest[0];
     const krhpr_lanes inv_s_a = 1.0 / smallest[1];
     const krhpr_lanes inv_s_b = 1.0 / smallest[2];
-    const krhpr_lanes s_0 = 0.25 * (inv_s_a + inv_s_b + 2.0 * inv_s);
+    const krhpr_lanes s_0 = 0.5 * inv_s + 0.25 * inv_s_a + 0.25 * inv_s_b;
     const krhpr_lanes t11 = 1.0 / s_0;
     const krhpr_lanes s_r1 = inv_s * t11;
     const krhpr_lanes s_r2 = inv_s_a * t11;

@@ -218,13 +218,13 @@ KRHPR_STATIC void krhpr_algebra_spatial_spread(
     *evenness = low / high;
 }
 
-/* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (92 add, 138
+/* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (92 add, 140
  * multiply, 4 divide, 6 square root) */
 KRHPR_STATIC void krhpr_algebra_spatial_spread_bound(
     const double gram[9], const double cofactors[9], double square, double *KRHPR_RESTRICT largest,
     double *KRHPR_RESTRICT smallest, double *KRHPR_RESTRICT evenness)
 {
-    const double g_0 = (gram[4] + gram[8] + gram[0] * 2.0) * 0.25;
+    const double g_0 = gram[0] * 0.5 + gram[4] * 0.25 + gram[8] * 0.25;
     const double t1 = 1.0 / g_0;
     const double g_r_00 = gram[0] * t1;
     const double g_r_01 = gram[1] * t1;
@@ -264,7 +264,7 @@ KRHPR_STATIC void krhpr_algebra_spatial_spread_bound(
     const double g_4 = sqrt(g_8);
     const double g_2 = sqrt(g_4);
     const double g_1 = sqrt(g_2);
-    const double h_0 = 0.25 * (cofactors[4] + cofactors[8] + cofactors[0] * 2.0);
+    const double h_0 = cofactors[0] * 0.5 + cofactors[4] * 0.25 + cofactors[8] * 0.25;
     const double t9 = 1.0 / h_0;
     const double h_r_00 = cofactors[0] * t9;
     const double h_r_01 = cofactors[1] * t9;
@@ -425,14 +425,14 @@ KRHPR_STATIC void krhpr_algebra_spatial_norms(
     condition[2] = sqrt(largest[2] / smallest[2]);
 }
 
-/* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (100 add, 169 multiply, 7
+/* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (100 add, 173 multiply, 7
  * divide, 15 square root) */
 KRHPR_STATIC void krhpr_algebra_spatial_norm_bounds(
     const double position_gram[9], const double rotation_gram[9], const double largest[3],
     const double smallest[3], double *KRHPR_RESTRICT eta_1, double *KRHPR_RESTRICT eta_2,
     double *KRHPR_RESTRICT eta_3)
 {
-    const double p_0 = (position_gram[4] + position_gram[8] + position_gram[0] * 2.0) * 0.25;
+    const double p_0 = position_gram[0] * 0.5 + position_gram[4] * 0.25 + position_gram[8] * 0.25;
     const double t1 = 1.0 / p_0;
     const double p_r_00 = position_gram[0] * t1;
     const double p_r_01 = position_gram[1] * t1;
@@ -472,7 +472,7 @@ KRHPR_STATIC void krhpr_algebra_spatial_norm_bounds(
     const double p_4 = sqrt(p_8);
     const double p_2 = sqrt(p_4);
     const double p_1 = sqrt(p_2);
-    const double r_0 = 0.25 * (rotation_gram[4] + rotation_gram[8] + rotation_gram[0] * 2.0);
+    const double r_0 = rotation_gram[0] * 0.5 + rotation_gram[4] * 0.25 + rotation_gram[8] * 0.25;
     const double t9 = 1.0 / r_0;
     const double r_r_00 = rotation_gram[0] * t9;
     const double r_r_01 = rotation_gram[1] * t9;
@@ -512,7 +512,7 @@ KRHPR_STATIC void krhpr_algebra_spatial_norm_bounds(
     const double r_4 = sqrt(r_8);
     const double r_2 = sqrt(r_4);
     const double r_1 = sqrt(r_2);
-    const double l_0 = 0.25 * (largest[1] + largest[2] + largest[0] * 2.0);
+    const double l_0 = largest[0] * 0.5 + largest[1] * 0.25 + largest[2] * 0.25;
     const double t17 = 1.0 / l_0;
     const double l_r1 = largest[0] * t17;
     const double l_r2 = largest[1] * t17;
@@ -530,7 +530,7 @@ KRHPR_STATIC void krhpr_algebra_spatial_norm_bounds(
     const double inv_s = 1.0 / smallest[0];
     const double inv_s_a = 1.0 / smallest[1];
     const double inv_s_b = 1.0 / smallest[2];
-    const double s_0 = 0.25 * (inv_s_a + inv_s_b + 2.0 * inv_s);
+    const double s_0 = 0.5 * inv_s + 0.25 * inv_s_a + 0.25 * inv_s_b;
     const double t24 = 1.0 / s_0;
     const double s_r1 = inv_s * t24;
     const double s_r2 = inv_s_a * t24;

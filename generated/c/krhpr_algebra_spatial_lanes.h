@@ -221,14 +221,14 @@ KRHPR_INLINE void krhpr_algebra_spatial_spread_lanes(
     *evenness = low / high;
 }
 
-/* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (92 add, 138
+/* Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (92 add, 140
  * multiply, 4 divide, 6 square root) */
 KRHPR_INLINE void krhpr_algebra_spatial_spread_bound_lanes(
     const krhpr_lanes_at gram[9], const krhpr_lanes_at cofactors[9], krhpr_lanes square,
     krhpr_lanes_at *KRHPR_RESTRICT largest, krhpr_lanes_at *KRHPR_RESTRICT smallest,
     krhpr_lanes_at *KRHPR_RESTRICT evenness)
 {
-    const krhpr_lanes g_0 = (gram[4] + gram[8] + gram[0] * 2.0) * 0.25;
+    const krhpr_lanes g_0 = gram[0] * 0.5 + gram[4] * 0.25 + gram[8] * 0.25;
     const krhpr_lanes t1 = 1.0 / g_0;
     const krhpr_lanes g_r_00 = gram[0] * t1;
     const krhpr_lanes g_r_01 = gram[1] * t1;
@@ -268,7 +268,7 @@ KRHPR_INLINE void krhpr_algebra_spatial_spread_bound_lanes(
     const krhpr_lanes g_4 = krhpr_lanes_sqrt(g_8);
     const krhpr_lanes g_2 = krhpr_lanes_sqrt(g_4);
     const krhpr_lanes g_1 = krhpr_lanes_sqrt(g_2);
-    const krhpr_lanes h_0 = 0.25 * (cofactors[4] + cofactors[8] + cofactors[0] * 2.0);
+    const krhpr_lanes h_0 = cofactors[0] * 0.5 + cofactors[4] * 0.25 + cofactors[8] * 0.25;
     const krhpr_lanes t9 = 1.0 / h_0;
     const krhpr_lanes h_r_00 = cofactors[0] * t9;
     const krhpr_lanes h_r_01 = cofactors[1] * t9;
@@ -430,14 +430,14 @@ KRHPR_INLINE void krhpr_algebra_spatial_norms_lanes(
     condition[2] = krhpr_lanes_sqrt(largest[2] / smallest[2]);
 }
 
-/* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (100 add, 169 multiply, 7
+/* Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (100 add, 173 multiply, 7
  * divide, 15 square root) */
 KRHPR_INLINE void krhpr_algebra_spatial_norm_bounds_lanes(
     const krhpr_lanes_at position_gram[9], const krhpr_lanes_at rotation_gram[9],
     const krhpr_lanes_at largest[3], const krhpr_lanes_at smallest[3], krhpr_lanes_at *KRHPR_RESTRICT eta_1,
     krhpr_lanes_at *KRHPR_RESTRICT eta_2, krhpr_lanes_at *KRHPR_RESTRICT eta_3)
 {
-    const krhpr_lanes p_0 = (position_gram[4] + position_gram[8] + position_gram[0] * 2.0) * 0.25;
+    const krhpr_lanes p_0 = position_gram[0] * 0.5 + position_gram[4] * 0.25 + position_gram[8] * 0.25;
     const krhpr_lanes t1 = 1.0 / p_0;
     const krhpr_lanes p_r_00 = position_gram[0] * t1;
     const krhpr_lanes p_r_01 = position_gram[1] * t1;
@@ -477,7 +477,7 @@ KRHPR_INLINE void krhpr_algebra_spatial_norm_bounds_lanes(
     const krhpr_lanes p_4 = krhpr_lanes_sqrt(p_8);
     const krhpr_lanes p_2 = krhpr_lanes_sqrt(p_4);
     const krhpr_lanes p_1 = krhpr_lanes_sqrt(p_2);
-    const krhpr_lanes r_0 = 0.25 * (rotation_gram[4] + rotation_gram[8] + rotation_gram[0] * 2.0);
+    const krhpr_lanes r_0 = rotation_gram[0] * 0.5 + rotation_gram[4] * 0.25 + rotation_gram[8] * 0.25;
     const krhpr_lanes t9 = 1.0 / r_0;
     const krhpr_lanes r_r_00 = rotation_gram[0] * t9;
     const krhpr_lanes r_r_01 = rotation_gram[1] * t9;
@@ -517,7 +517,7 @@ KRHPR_INLINE void krhpr_algebra_spatial_norm_bounds_lanes(
     const krhpr_lanes r_4 = krhpr_lanes_sqrt(r_8);
     const krhpr_lanes r_2 = krhpr_lanes_sqrt(r_4);
     const krhpr_lanes r_1 = krhpr_lanes_sqrt(r_2);
-    const krhpr_lanes l_0 = 0.25 * (largest[1] + largest[2] + largest[0] * 2.0);
+    const krhpr_lanes l_0 = largest[0] * 0.5 + largest[1] * 0.25 + largest[2] * 0.25;
     const krhpr_lanes t17 = 1.0 / l_0;
     const krhpr_lanes l_r1 = largest[0] * t17;
     const krhpr_lanes l_r2 = largest[1] * t17;
@@ -535,7 +535,7 @@ KRHPR_INLINE void krhpr_algebra_spatial_norm_bounds_lanes(
     const krhpr_lanes inv_s = 1.0 / smallest[0];
     const krhpr_lanes inv_s_a = 1.0 / smallest[1];
     const krhpr_lanes inv_s_b = 1.0 / smallest[2];
-    const krhpr_lanes s_0 = 0.25 * (inv_s_a + inv_s_b + 2.0 * inv_s);
+    const krhpr_lanes s_0 = 0.5 * inv_s + 0.25 * inv_s_a + 0.25 * inv_s_b;
     const krhpr_lanes t24 = 1.0 / s_0;
     const krhpr_lanes s_r1 = inv_s * t24;
     const krhpr_lanes s_r2 = inv_s_a * t24;

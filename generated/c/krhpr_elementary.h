@@ -256,22 +256,21 @@ KRHPR_OUTLINE void krhpr_lanes_atan2_far(int n, const krhpr_lanes *y, const krhp
     }
 }
 
-/* Sines and cosines of n vectors of angles, and the angles of n vectors of points.  Where one is beyond those of the
- * functions above, and not only there if anything is NaN or infinite, all go to the C library, and 0 is returned. */
+/* Sines and cosines of n vectors of angles; 0 where all go to the C library, since one of them is large, infinite or NaN. */
 KRHPR_STATIC int krhpr_lanes_sincos_each(int n, const krhpr_lanes *x, krhpr_lanes *sine, krhpr_lanes *cosine)
 {
+#ifndef KRHPR_LIBM
     krhpr_lanes sum = krhpr_lanes_fabs(x[0]);
     for (int k = 1; k < n; ++k) {
         sum += krhpr_lanes_fabs(x[k]);
     }
-    const int near = krhpr_every(krhpr_at_most(sum, krhpr_all(1e5)));
-#ifndef KRHPR_LIBM
     for (int k = 0; k < n; ++k) {
         krhpr_lanes_sincos_near(x[k], &sine[k], &cosine[k]);
     }
-    if (KRHPR_LIKELY(near)) {
+    if (KRHPR_LIKELY(krhpr_every(krhpr_at_most(sum, krhpr_all(1e5))))) {
         return 1;
     }
+    /* one of them may be beyond */
 #endif
 #ifdef KRHPR_LANES_ARE_POSES
     krhpr_lanes_sincos_far(n, x, sine, cosine);
@@ -285,10 +284,11 @@ KRHPR_STATIC int krhpr_lanes_sincos_each(int n, const krhpr_lanes *x, krhpr_lane
         cosine[k] = c;
     }
 #endif
-    return near;
+    return 0;
 }
 
-KRHPR_STATIC int krhpr_lanes_atan2_each(int n, const krhpr_lanes *y, const krhpr_lanes *x, krhpr_lanes *angle)
+/* The angles of n vectors of points. */
+KRHPR_STATIC void krhpr_lanes_atan2_each(int n, const krhpr_lanes *y, const krhpr_lanes *x, krhpr_lanes *angle)
 {
 #ifndef KRHPR_LIBM
     krhpr_lanes sum = krhpr_all(0.0);
@@ -297,8 +297,9 @@ KRHPR_STATIC int krhpr_lanes_atan2_each(int n, const krhpr_lanes *y, const krhpr
         sum += krhpr_lanes_fabs(x[k]) + angle[k]; /* NaN where both are zero, where y is infinite, or of what is NaN */
     }
     if (KRHPR_LIKELY(krhpr_every(krhpr_at_most(sum, krhpr_all(1e290))))) {
-        return 1;
+        return;
     }
+    /* one of them may be beyond */
 #endif
 #ifdef KRHPR_LANES_ARE_POSES
     krhpr_lanes_atan2_far(n, y, x, angle);
@@ -312,7 +313,6 @@ KRHPR_STATIC int krhpr_lanes_atan2_each(int n, const krhpr_lanes *y, const krhpr
         angle[k] = found;
     }
 #endif
-    return 0;
 }
 
 KRHPR_STATIC void krhpr_lanes_sincos(krhpr_lanes x, krhpr_lanes *sine, krhpr_lanes *cosine)

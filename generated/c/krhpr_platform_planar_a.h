@@ -22,20 +22,20 @@ typedef struct {
 } krhpr_platform_planar_a_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (5 multiply, 2 divide, 1 sine cosine) */
+/* Vectors and sub-expressions that depend on the geometry alone.  (6 multiply, 2 divide, 1 sine cosine) */
 KRHPR_STATIC void krhpr_platform_planar_a_prepare(krhpr_platform_planar_a_geometry *g, int i)
 {
     double e_r_1, e_r_0; krhpr_sincos(g->platform_azimuth[i], &e_r_1, &e_r_0);
-    const double k_2 = g->l_r[i] * g->l_r[i];
+    const double t1 = g->l_r[i] * g->l_r[i];
     g->e_r[0][i] = e_r_0;
     g->e_r[1][i] = e_r_1;
     g->b[0][i] = g->R_p[i] * e_r_0;
     g->b[1][i] = g->R_p[i] * e_r_1;
     g->k[0][i] = g->l_r[i] * e_r_0;
     g->k[1][i] = g->l_r[i] * e_r_1;
-    g->k[2][i] = k_2;
+    g->k[2][i] = 0.5 * t1;
     g->k[3][i] = 1.0 / g->l_r[i];
-    g->k[4][i] = 1.0 / k_2;
+    g->k[4][i] = 1.0 / t1;
 }
 
 /* Angles whose sines and cosines `end_point` reads.  (no operations) */
@@ -81,7 +81,7 @@ KRHPR_STATIC void krhpr_platform_planar_a_residual(
     const double a_0 = p[0] + Qb_0 - s[0]; /* (2.3) */
     const double a_1 = p[1] + Qb_1 - s[1];
     const double a2 = a_0 * a_0 + a_1 * a_1;
-    residual[0] = (a2 - g->k[2][i]) * 0.5;
+    residual[0] = a2 * 0.5 - g->k[2][i];
 }
 
 /* Rows of J, and the directions N with J t = N s_dot.  Thesis: (1.31), (2.28).  (7 add, 6 multiply) */
@@ -341,7 +341,7 @@ KRHPR_STATIC void krhpr_platform_planar_a_tie(
 }
 
 /* The sextic in tan(phi / 2) that holds the three end points.  Thesis: 3.2.1, (3.1) to (3.4).  (111 add,
- * 136 multiply) */
+ * 138 multiply) */
 KRHPR_STATIC void krhpr_platform_planar_a_sextic(
     const double s[6], const double anchor[6], const double length[3], double *KRHPR_RESTRICT points,
     double *KRHPR_RESTRICT sextic)
@@ -384,14 +384,14 @@ KRHPR_STATIC void krhpr_platform_planar_a_sextic(
     const double t10 = s_12_0 * s_13_0;
     const double t11 = s_12_1 * s_13_1;
     const double w_0 = t8 + t9 + t10 + t11 - c_23 - c_32;
-    const double t12 = 2.0 * (s_23 + s_32);
+    const double t12 = s_23 * 2.0 + s_32 * 2.0;
     const double w_2 = t11 + (t10 + (t9 + (t8 + (c_23 + c_32))));
     const double t13 = d_2_0 * d_3_1;
     const double t14 = s_12_0 * s_13_1;
     const double t15 = d_2_1 * d_3_0;
     const double t16 = s_12_1 * s_13_0;
     const double D_0 = s_32 + t13 + t14 - s_23 - t15 - t16;
-    const double D_1 = 2.0 * (c_23 - c_32);
+    const double D_1 = c_23 * 2.0 - c_32 * 2.0;
     const double D_2 = t14 + (s_23 + t13) - s_32 - t15 - t16;
     const double e22_0 = e2_0 * e2_0;
     const double t17 = 2.0 * e2_0;
@@ -442,7 +442,7 @@ KRHPR_STATIC void krhpr_platform_planar_a_sextic(
     sextic[6] = z3_2 * e22_4 + z2_2 * e33_4 - t6 * (4.0 * DD_4) - w_2 * t29;
 }
 
-/* The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (173 add, 203 multiply, 9 divide, 2
+/* The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (173 add, 204 multiply, 9 divide, 2
  * square root) */
 KRHPR_STATIC void krhpr_platform_planar_a_assembly(
     const double root[2], const double s[6], const double anchor[6], const double length[3],
@@ -477,7 +477,7 @@ KRHPR_STATIC void krhpr_platform_planar_a_assembly(
     const double e_2 = t13 - t14 - z_2_0 * z_2_0 - z_2_1 * z_2_1;
     const double t15 = length[2] * length[2];
     const double e_3 = t15 - t14 - z_3_0 * z_3_0 - z_3_1 * z_3_1;
-    const double t16 = 1.0 / (2.0 * (z_2_0 * z_3_1 - z_2_1 * z_3_0));
+    const double t16 = 1.0 / (z_3_1 * (2.0 * z_2_0) - z_3_0 * (2.0 * z_2_1));
     const double a_1_0_0 = (z_3_1 * e_2 - z_2_1 * e_3) * t16;
     const double a_1_0_1 = t16 * (z_2_0 * e_3 - z_3_0 * e_2);
     const double a_1_1_0 = a_1_0_0 - points[0];

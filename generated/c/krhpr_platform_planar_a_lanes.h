@@ -64,7 +64,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_residual_lanes(
     const krhpr_lanes a_0 = p[0] + Qb_0 - s[0]; /* (2.3) */
     const krhpr_lanes a_1 = p[1] + Qb_1 - s[1];
     const krhpr_lanes a2 = a_0 * a_0 + a_1 * a_1;
-    residual[0] = (a2 - g_k_2) * 0.5;
+    residual[0] = a2 * 0.5 - g_k_2;
 }
 
 /* Rows of J, and the directions N with J t = N s_dot.  Thesis: (1.31), (2.28).  (7 add, 6 multiply) */
@@ -358,7 +358,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_tie_lanes(
 }
 
 /* The sextic in tan(phi / 2) that holds the three end points.  Thesis: 3.2.1, (3.1) to (3.4).  (111 add,
- * 136 multiply) */
+ * 138 multiply) */
 KRHPR_INLINE void krhpr_platform_planar_a_sextic_lanes(
     const krhpr_lanes_at s[6], const krhpr_lanes_at anchor[6], const krhpr_lanes_at length[3],
     krhpr_lanes_at *KRHPR_RESTRICT points, krhpr_lanes_at *KRHPR_RESTRICT sextic)
@@ -401,14 +401,14 @@ KRHPR_INLINE void krhpr_platform_planar_a_sextic_lanes(
     const krhpr_lanes t10 = s_12_0 * s_13_0;
     const krhpr_lanes t11 = s_12_1 * s_13_1;
     const krhpr_lanes w_0 = t8 + t9 + t10 + t11 - c_23 - c_32;
-    const krhpr_lanes t12 = 2.0 * (s_23 + s_32);
+    const krhpr_lanes t12 = s_23 * 2.0 + s_32 * 2.0;
     const krhpr_lanes w_2 = t11 + (t10 + (t9 + (t8 + (c_23 + c_32))));
     const krhpr_lanes t13 = d_2_0 * d_3_1;
     const krhpr_lanes t14 = s_12_0 * s_13_1;
     const krhpr_lanes t15 = d_2_1 * d_3_0;
     const krhpr_lanes t16 = s_12_1 * s_13_0;
     const krhpr_lanes D_0 = s_32 + t13 + t14 - s_23 - t15 - t16;
-    const krhpr_lanes D_1 = 2.0 * (c_23 - c_32);
+    const krhpr_lanes D_1 = c_23 * 2.0 - c_32 * 2.0;
     const krhpr_lanes D_2 = t14 + (s_23 + t13) - s_32 - t15 - t16;
     const krhpr_lanes e22_0 = e2_0 * e2_0;
     const krhpr_lanes t17 = 2.0 * e2_0;
@@ -459,7 +459,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_sextic_lanes(
     sextic[6] = z3_2 * e22_4 + z2_2 * e33_4 - t6 * (4.0 * DD_4) - w_2 * t29;
 }
 
-/* The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (173 add, 203 multiply, 9 divide, 2
+/* The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (173 add, 204 multiply, 9 divide, 2
  * square root) */
 KRHPR_INLINE void krhpr_platform_planar_a_assembly_lanes(
     const krhpr_lanes_at root[2], const krhpr_lanes_at s[6], const krhpr_lanes_at anchor[6],
@@ -495,7 +495,7 @@ KRHPR_INLINE void krhpr_platform_planar_a_assembly_lanes(
     const krhpr_lanes e_2 = t13 - t14 - z_2_0 * z_2_0 - z_2_1 * z_2_1;
     const krhpr_lanes t15 = length[2] * length[2];
     const krhpr_lanes e_3 = t15 - t14 - z_3_0 * z_3_0 - z_3_1 * z_3_1;
-    const krhpr_lanes t16 = 1.0 / (2.0 * (z_2_0 * z_3_1 - z_2_1 * z_3_0));
+    const krhpr_lanes t16 = 1.0 / (z_3_1 * (2.0 * z_2_0) - z_3_0 * (2.0 * z_2_1));
     const krhpr_lanes a_1_0_0 = (z_3_1 * e_2 - z_2_1 * e_3) * t16;
     const krhpr_lanes a_1_0_1 = t16 * (z_2_0 * e_3 - z_3_0 * e_2);
     const krhpr_lanes a_1_1_0 = a_1_0_0 - points[0];

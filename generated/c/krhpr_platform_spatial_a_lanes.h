@@ -69,7 +69,7 @@ KRHPR_INLINE void krhpr_platform_spatial_a_residual_lanes(
     const krhpr_lanes a_1 = p[1] + Qb_1 - s[1];
     const krhpr_lanes a_2 = p[2] + Qb_2 - s[2];
     const krhpr_lanes a2 = a_0 * a_0 + a_1 * a_1 + a_2 * a_2;
-    residual[0] = (a2 - g_k_2) * 0.5;
+    residual[0] = a2 * 0.5 - g_k_2;
     residual[1] = Q[2] * a_0 + Q[5] * a_1 + Q[8] * a_2;
 }
 
@@ -557,7 +557,7 @@ KRHPR_INLINE void krhpr_platform_spatial_a_tie_lanes(
 }
 
 /* The sextic in tan(phi / 2) that holds the three end points.  Thesis: 3.2.1, (3.1) to (3.4).  (123 add,
- * 173 multiply, 3 divide, 2 square root) */
+ * 175 multiply, 3 divide, 2 square root) */
 KRHPR_INLINE void krhpr_platform_spatial_a_sextic_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at anchor[6], const krhpr_lanes_at length[3],
     krhpr_lanes turned, krhpr_lanes_at *KRHPR_RESTRICT sign, krhpr_lanes_at *KRHPR_RESTRICT flatness,
@@ -636,11 +636,11 @@ KRHPR_INLINE void krhpr_platform_spatial_a_sextic_lanes(
     const krhpr_lanes t13 = d_2_1 * d_3_1;
     const krhpr_lanes t14 = v_1 * r_3_0;
     const krhpr_lanes w_0 = t12 + t13 + t14 - c_23 - c_32;
-    const krhpr_lanes t15 = 2.0 * (s_23 + s_32);
+    const krhpr_lanes t15 = s_23 * 2.0 + s_32 * 2.0;
     const krhpr_lanes w_2 = t14 + (t13 + (t12 + (c_23 + c_32)));
     const krhpr_lanes t16 = v_1 * r_3_1;
     const krhpr_lanes D_0 = t1 + s_32 + t16 - s_23 - t2;
-    const krhpr_lanes D_1 = 2.0 * (c_23 - c_32);
+    const krhpr_lanes D_1 = c_23 * 2.0 - c_32 * 2.0;
     const krhpr_lanes D_2 = t16 + (t1 + s_23) - s_32 - t2;
     const krhpr_lanes e22_0 = e2_0 * e2_0;
     const krhpr_lanes t17 = 2.0 * e2_0;
@@ -702,7 +702,7 @@ KRHPR_INLINE void krhpr_platform_spatial_a_sextic_lanes(
     sextic[6] = z3_2 * e22_4 + z2_2 * e33_4 - t10 * (4.0 * DD_4) - w_2 * t29;
 }
 
-/* The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (184 add, 224 multiply, 9 divide, 2
+/* The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (184 add, 225 multiply, 9 divide, 2
  * square root) */
 KRHPR_INLINE void krhpr_platform_spatial_a_assembly_lanes(
     const krhpr_lanes_at root[2], const krhpr_lanes_at s[9], const krhpr_lanes_at anchor[6],
@@ -739,7 +739,7 @@ KRHPR_INLINE void krhpr_platform_spatial_a_assembly_lanes(
     const krhpr_lanes e_2 = t13 - t14 - z_2_0 * z_2_0 - z_2_1 * z_2_1;
     const krhpr_lanes t15 = length[2] * length[2];
     const krhpr_lanes e_3 = t15 - t14 - z_3_0 * z_3_0 - z_3_1 * z_3_1;
-    const krhpr_lanes t16 = 1.0 / (2.0 * (z_2_0 * z_3_1 - z_2_1 * z_3_0));
+    const krhpr_lanes t16 = 1.0 / (z_3_1 * (2.0 * z_2_0) - z_3_0 * (2.0 * z_2_1));
     const krhpr_lanes a_1_0_0 = (z_3_1 * e_2 - z_2_1 * e_3) * t16;
     const krhpr_lanes a_1_0_1 = t16 * (z_2_0 * e_3 - z_3_0 * e_2);
     const krhpr_lanes a_1_1_0 = a_1_0_0 - points[0];

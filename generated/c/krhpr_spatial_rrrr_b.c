@@ -185,19 +185,19 @@ KRHPR_API int krhpr_spatial_rrrr_b_subleg_inverse(
         krhpr_subleg_rrrr_inverse_all_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, radicand_legs, tail_y_legs, tail_x_legs);
         krhpr_lanes_atan2_each(10, tail_y_legs, tail_x_legs, tail_legs);
-        theta_legs[0] = tail_legs[2];
+        theta_legs[0] = tail_legs[3];
         theta_legs[1] = tail_legs[4];
         theta_legs[2] = tail_legs[5];
         theta_legs[3] = tail_legs[0];
-        theta_legs[4] = tail_legs[2];
+        theta_legs[4] = tail_legs[3];
         theta_legs[5] = tail_legs[4];
         theta_legs[6] = tail_legs[6];
         theta_legs[7] = tail_legs[1];
-        theta_legs[8] = tail_legs[3];
+        theta_legs[8] = tail_legs[2];
         theta_legs[9] = tail_legs[9];
         theta_legs[10] = tail_legs[7];
         theta_legs[11] = tail_legs[0];
-        theta_legs[12] = tail_legs[3];
+        theta_legs[12] = tail_legs[2];
         theta_legs[13] = tail_legs[9];
         theta_legs[14] = tail_legs[8];
         theta_legs[15] = tail_legs[1];
@@ -557,19 +557,19 @@ KRHPR_API int krhpr_spatial_rrrr_b_inverse_all(
         krhpr_subleg_rrrr_inverse_all_lanes(
             &g->subleg, i, s_legs, sine_legs, cosine_legs, radicand_legs, tail_y_legs, tail_x_legs);
         krhpr_lanes_atan2_each(10, tail_y_legs, tail_x_legs, tail_legs);
-        theta_legs[0] = tail_legs[2];
+        theta_legs[0] = tail_legs[3];
         theta_legs[1] = tail_legs[4];
         theta_legs[2] = tail_legs[5];
         theta_legs[3] = tail_legs[0];
-        theta_legs[4] = tail_legs[2];
+        theta_legs[4] = tail_legs[3];
         theta_legs[5] = tail_legs[4];
         theta_legs[6] = tail_legs[6];
         theta_legs[7] = tail_legs[1];
-        theta_legs[8] = tail_legs[3];
+        theta_legs[8] = tail_legs[2];
         theta_legs[9] = tail_legs[9];
         theta_legs[10] = tail_legs[7];
         theta_legs[11] = tail_legs[0];
-        theta_legs[12] = tail_legs[3];
+        theta_legs[12] = tail_legs[2];
         theta_legs[13] = tail_legs[9];
         theta_legs[14] = tail_legs[8];
         theta_legs[15] = tail_legs[1];

@@ -412,19 +412,19 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_subleg_inverse_lanes(
     }
     krhpr_lanes_atan2_each(30, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
-        theta[16 * i + 0] = tail[10 * i + 2];
+        theta[16 * i + 0] = tail[10 * i + 3];
         theta[16 * i + 1] = tail[10 * i + 4];
         theta[16 * i + 2] = tail[10 * i + 5];
         theta[16 * i + 3] = tail[10 * i + 0];
-        theta[16 * i + 4] = tail[10 * i + 2];
+        theta[16 * i + 4] = tail[10 * i + 3];
         theta[16 * i + 5] = tail[10 * i + 4];
         theta[16 * i + 6] = tail[10 * i + 6];
         theta[16 * i + 7] = tail[10 * i + 1];
-        theta[16 * i + 8] = tail[10 * i + 3];
+        theta[16 * i + 8] = tail[10 * i + 2];
         theta[16 * i + 9] = tail[10 * i + 9];
         theta[16 * i + 10] = tail[10 * i + 7];
         theta[16 * i + 11] = tail[10 * i + 0];
-        theta[16 * i + 12] = tail[10 * i + 3];
+        theta[16 * i + 12] = tail[10 * i + 2];
         theta[16 * i + 13] = tail[10 * i + 9];
         theta[16 * i + 14] = tail[10 * i + 8];
         theta[16 * i + 15] = tail[10 * i + 1];
@@ -1465,19 +1465,19 @@ KRHPR_OUTLINE int krhpr_spatial_rrrr_b_inverse_all_lanes(
     }
     krhpr_lanes_atan2_each(30, tail_y, tail_x, tail);
     for (int i = 0; i < 3; ++i) {
-        theta[16 * i + 0] = tail[10 * i + 2];
+        theta[16 * i + 0] = tail[10 * i + 3];
         theta[16 * i + 1] = tail[10 * i + 4];
         theta[16 * i + 2] = tail[10 * i + 5];
         theta[16 * i + 3] = tail[10 * i + 0];
-        theta[16 * i + 4] = tail[10 * i + 2];
+        theta[16 * i + 4] = tail[10 * i + 3];
         theta[16 * i + 5] = tail[10 * i + 4];
         theta[16 * i + 6] = tail[10 * i + 6];
         theta[16 * i + 7] = tail[10 * i + 1];
-        theta[16 * i + 8] = tail[10 * i + 3];
+        theta[16 * i + 8] = tail[10 * i + 2];
         theta[16 * i + 9] = tail[10 * i + 9];
         theta[16 * i + 10] = tail[10 * i + 7];
         theta[16 * i + 11] = tail[10 * i + 0];
-        theta[16 * i + 12] = tail[10 * i + 3];
+        theta[16 * i + 12] = tail[10 * i + 2];
         theta[16 * i + 13] = tail[10 * i + 9];
         theta[16 * i + 14] = tail[10 * i + 8];
         theta[16 * i + 15] = tail[10 * i + 1];

@@ -160,7 +160,7 @@ KRHPR_STATIC void krhpr_subleg_rrrr_inverse_angles(double swivel, double *KRHPR_
 }
 
 /* Actuated joints of the 4R sub-leg in one working mode.  The mode is given by signs; NaN where the end
- * point is out of reach.  Thesis: 2.4.1, 2.5.  (31 add, 64 multiply, 3 divide, 4 square root) */
+ * point is out of reach.  Thesis: 2.4.1, 2.5.  (31 add, 66 multiply, 3 divide, 4 square root) */
 KRHPR_STATIC void krhpr_subleg_rrrr_inverse(
     const krhpr_subleg_rrrr_geometry *g, int i, const double s[3], const double mode[2],
     const double sine[1], const double cosine[1], double *KRHPR_RESTRICT radicand,
@@ -185,29 +185,28 @@ KRHPR_STATIC void krhpr_subleg_rrrr_inverse(
     const double t5 = 1.0 / distance;
     const double side_2 = d_0 * t5;
     const double t6 = d2 + g->k[3][i] - g->k[4][i];
-    const double t7 = 1.0 / r;
-    const double t8 = t4 * (d_0 * t6) - root * (d_0 * d_1 * t4 * cosine[0] + d_2 * t5 * sine[0]) * t7;
-    const double u_0 = t8 * 0.5; /* upper arm in (e_x, e_1, e_t) */
-    const double u_1 = 0.5 * (t4 * (d_1 * t6) + t7 * (cosine[0] * (root * m_1)));
-    const double t9 = t4 * (d_2 * t6) + t7 * (root * (side_2 * sine[0] - t4 * (d_1 * d_2) * cosine[0]));
-    const double u_2 = 0.5 * t9; /* upper arm in (e_x, e_1, e_t) */
+    const double t7 = root * 0.5;
+    const double t8 = 1.0 / r;
+    const double u_0 = t4 * (d_0 * 0.5 * t6) - t7 * (d_0 * d_1 * t4 * cosine[0] + d_2 * t5 * sine[0]) * t8; /* upper arm in (e_x, e_1, e_t) */
+    const double u_1 = t4 * (t6 * (d_1 * 0.5)) + t8 * (cosine[0] * (root * (m_1 * 0.5)));
+    const double u_2 = t4 * (t6 * (d_2 * 0.5)) + t8 * (t7 * (side_2 * sine[0] - t4 * (d_1 * d_2) * cosine[0]));
     const double level = mode[0] * sqrt(u_0 * u_0 + u_2 * u_2);
-    const double t10 = mode[0] * u_2;
-    const double e_2_0 = -t10; /* e_2 times |level| */
+    const double t9 = mode[0] * u_2;
+    const double e_2_0 = -t9; /* e_2 times |level| */
     const double e_2_2 = mode[0] * u_0;
     const double n_0 = mode[1] * (d_2 * u_1 - d_1 * u_2); /* l_2 l_3 |sin(theta_4)| e_4 */
     const double n_1 = mode[1] * (d_0 * u_2 - d_2 * u_0);
     const double n_2 = mode[1] * (d_1 * u_0 - d_0 * u_1);
-    const double t11 = (u_1 * (e_2_2 * n_0) - n_1 * (u_2 * t10 + u_0 * e_2_2) + u_1 * (t10 * n_2)) * g->k[0][i];
+    const double t10 = (u_1 * (e_2_2 * n_0) - n_1 * (u_2 * t9 + u_0 * e_2_2) + u_1 * (t9 * n_2)) * g->k[0][i];
     *radicand = h2;
     tail_y[0] = mode[1] * root;
     tail_y[1] = e_2_0;
     tail_y[2] = u_1;
-    tail_y[3] = t11;
+    tail_y[3] = t10;
     tail_x[0] = d2 - g->k[3][i] - g->k[4][i];
     tail_x[1] = e_2_2;
     tail_x[2] = level;
-    tail_x[3] = e_2_2 * n_2 - t10 * n_0;
+    tail_x[3] = e_2_2 * n_2 - t9 * n_0;
 }
 
 /* Angles whose sines and cosines `inverse_all` reads.  (no operations) */
@@ -217,7 +216,7 @@ KRHPR_STATIC void krhpr_subleg_rrrr_inverse_all_angles(double swivel, double *KR
 }
 
 /* Every working mode of the 4R sub-leg, in the order front/elbow+, front/elbow-, back/elbow+, back/elbow-;
- * NaN where a mode does not exist.  Thesis: 2.4.1, 2.5.  (42 add, 65 multiply, 3 divide, 4 square root) */
+ * NaN where a mode does not exist.  Thesis: 2.4.1, 2.5.  (44 add, 76 multiply, 3 divide, 4 square root) */
 KRHPR_STATIC void krhpr_subleg_rrrr_inverse_all(
     const krhpr_subleg_rrrr_geometry *g, int i, const double s[3], const double sine[1],
     const double cosine[1], double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT tail_y,
@@ -242,60 +241,57 @@ KRHPR_STATIC void krhpr_subleg_rrrr_inverse_all(
     const double t5 = 1.0 / distance;
     const double side_2 = d_0 * t5;
     const double t6 = d2 + g->k[3][i] - g->k[4][i];
-    const double t7 = 1.0 / r;
-    const double t8 = t4 * (d_0 * t6) - root * (d_0 * d_1 * t4 * cosine[0] + d_2 * t5 * sine[0]) * t7;
-    const double u_0 = t8 * 0.5; /* upper arm in (e_x, e_1, e_t) */
-    const double u_1 = 0.5 * (t4 * (d_1 * t6) + t7 * (cosine[0] * (root * m_1)));
-    const double t9 = t4 * (d_2 * t6) + t7 * (root * (side_2 * sine[0] - t4 * (d_1 * d_2) * cosine[0]));
-    const double u_2 = 0.5 * t9; /* upper arm in (e_x, e_1, e_t) */
-    const double t10 = u_0 * u_0 + u_2 * u_2;
-    const double level = sqrt(t10);
+    const double t7 = t4 * (d_0 * 0.5 * t6);
+    const double t8 = root * 0.5;
+    const double t9 = 1.0 / r;
+    const double t10 = t8 * (d_0 * d_1 * t4 * cosine[0] + d_2 * t5 * sine[0]) * t9;
+    const double u_0 = t7 - t10; /* upper arm in (e_x, e_1, e_t) */
+    const double u_1 = t4 * (t6 * (d_1 * 0.5)) + t9 * (cosine[0] * (root * (m_1 * 0.5)));
+    const double u_2 = t4 * (t6 * (d_2 * 0.5)) + t9 * (t8 * (side_2 * sine[0] - t4 * (d_1 * d_2) * cosine[0]));
+    const double t11 = u_2 * u_2;
+    const double t12 = u_0 * u_0 + t11;
+    const double level = sqrt(t12);
     const double e_2_0 = -u_2; /* e_2 times |level| */
-    const double t11 = d_2 * u_1;
-    const double t12 = d_1 * u_2;
-    const double n_0 = t11 - t12; /* l_2 l_3 |sin(theta_4)| e_4 */
-    const double t13 = d_0 * u_2;
-    const double t14 = d_2 * u_0;
-    const double n_1 = t13 - t14; /* l_2 l_3 |sin(theta_4)| e_4 */
-    const double t15 = d_1 * u_0;
-    const double t16 = d_0 * u_1;
-    const double n_2 = t15 - t16; /* l_2 l_3 |sin(theta_4)| e_4 */
-    const double t17 = t10 * n_1;
-    const double t18 = u_1 * (u_0 * n_0);
+    const double t13 = d_2 * u_1;
+    const double t14 = d_1 * u_2;
+    const double n_0 = t13 - t14; /* l_2 l_3 |sin(theta_4)| e_4 */
+    const double t15 = d_0 * u_2;
+    const double t16 = d_2 * u_0;
+    const double n_1 = t15 - t16; /* l_2 l_3 |sin(theta_4)| e_4 */
+    const double t17 = d_1 * u_0;
+    const double t18 = d_0 * u_1;
+    const double n_2 = t17 - t18; /* l_2 l_3 |sin(theta_4)| e_4 */
     const double t19 = u_1 * (u_2 * n_2);
     const double t20 = u_2 * n_0;
-    const double t21 = u_0 * n_2;
-    const double t22 = d2 - g->k[3][i] - g->k[4][i];
-    const double n_0_a = t12 - t11; /* l_2 l_3 |sin(theta_4)| e_4 */
-    const double n_1_a = t14 - t13;
-    const double n_2_a = t16 - t15;
-    const double t23 = t10 * n_1_a;
-    const double t24 = u_1 * (u_0 * n_0_a);
-    const double t25 = u_1 * (u_2 * n_2_a);
-    const double t26 = u_2 * n_0_a;
-    const double t27 = u_0 * n_2_a;
+    const double t21 = d2 - g->k[3][i] - g->k[4][i];
+    const double n_0_a = t14 - t13; /* l_2 l_3 |sin(theta_4)| e_4 */
+    const double n_1_a = t16 - t15;
+    const double n_2_a = t18 - t17;
+    const double t22 = u_1 * (u_2 * n_2_a);
+    const double t23 = u_2 * n_0_a;
     const double level_a = -level;
-    const double e_2_2 = -u_0; /* e_2 times |level| */
+    const double e_2_2 = t10 - t7; /* e_2 times |level| */
+    const double t24 = u_0 * e_2_2 - t11;
     *radicand = h2;
     tail_y[0] = root;
     tail_y[1] = -root;
-    tail_y[2] = e_2_0;
-    tail_y[3] = u_2;
+    tail_y[2] = u_2;
+    tail_y[3] = e_2_0;
     tail_y[4] = u_1;
-    tail_y[5] = (t18 - t17 + t19) * g->k[0][i];
-    tail_y[6] = g->k[0][i] * (t24 - t23 + t25);
-    tail_y[7] = g->k[0][i] * (t17 - t18 - t19);
-    tail_y[8] = g->k[0][i] * (t23 - t24 - t25);
+    tail_y[5] = (u_1 * (u_0 * n_0) - t12 * n_1 + t19) * g->k[0][i];
+    tail_y[6] = g->k[0][i] * (u_1 * (u_0 * n_0_a) - t12 * n_1_a + t22);
+    tail_y[7] = g->k[0][i] * (u_1 * (n_0 * e_2_2) - n_1 * t24 - t19);
+    tail_y[8] = g->k[0][i] * (u_1 * (n_0_a * e_2_2) - n_1_a * t24 - t22);
     tail_y[9] = u_1;
-    tail_x[0] = t22;
-    tail_x[1] = t22;
-    tail_x[2] = u_0;
-    tail_x[3] = e_2_2;
+    tail_x[0] = t21;
+    tail_x[1] = t21;
+    tail_x[2] = e_2_2;
+    tail_x[3] = u_0;
     tail_x[4] = level;
-    tail_x[5] = t21 - t20;
-    tail_x[6] = t27 - t26;
-    tail_x[7] = t20 - t21;
-    tail_x[8] = t26 - t27;
+    tail_x[5] = u_0 * n_2 - t20;
+    tail_x[6] = u_0 * n_2_a - t23;
+    tail_x[7] = t20 + n_2 * e_2_2;
+    tail_x[8] = t23 + n_2_a * e_2_2;
     tail_x[9] = level_a;
 }
 

@@ -130,7 +130,7 @@ KRHPR_INLINE void krhpr_subleg_rrrr_inverse_angles_lanes(
 }
 
 /* Actuated joints of the 4R sub-leg in one working mode.  The mode is given by signs; NaN where the end
- * point is out of reach.  Thesis: 2.4.1, 2.5.  (31 add, 64 multiply, 3 divide, 4 square root) */
+ * point is out of reach.  Thesis: 2.4.1, 2.5.  (31 add, 66 multiply, 3 divide, 4 square root) */
 KRHPR_INLINE void krhpr_subleg_rrrr_inverse_lanes(
     const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at mode[2],
     const krhpr_lanes_at sine[1], const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT radicand,
@@ -171,29 +171,28 @@ KRHPR_INLINE void krhpr_subleg_rrrr_inverse_lanes(
     const krhpr_lanes t5 = 1.0 / distance;
     const krhpr_lanes side_2 = d_0 * t5;
     const krhpr_lanes t6 = d2 + g_k_3 - g_k_4;
-    const krhpr_lanes t7 = 1.0 / r;
-    const krhpr_lanes t8 = t4 * (d_0 * t6) - root * (d_0 * d_1 * t4 * cosine[0] + d_2 * t5 * sine[0]) * t7;
-    const krhpr_lanes u_0 = t8 * 0.5; /* upper arm in (e_x, e_1, e_t) */
-    const krhpr_lanes u_1 = 0.5 * (t4 * (d_1 * t6) + t7 * (cosine[0] * (root * m_1)));
-    const krhpr_lanes t9 = t4 * (d_2 * t6) + t7 * (root * (side_2 * sine[0] - t4 * (d_1 * d_2) * cosine[0]));
-    const krhpr_lanes u_2 = 0.5 * t9; /* upper arm in (e_x, e_1, e_t) */
+    const krhpr_lanes t7 = root * 0.5;
+    const krhpr_lanes t8 = 1.0 / r;
+    const krhpr_lanes u_0 = t4 * (d_0 * 0.5 * t6) - t7 * (d_0 * d_1 * t4 * cosine[0] + d_2 * t5 * sine[0]) * t8; /* upper arm in (e_x, e_1, e_t) */
+    const krhpr_lanes u_1 = t4 * (t6 * (d_1 * 0.5)) + t8 * (cosine[0] * (root * (m_1 * 0.5)));
+    const krhpr_lanes u_2 = t4 * (t6 * (d_2 * 0.5)) + t8 * (t7 * (side_2 * sine[0] - t4 * (d_1 * d_2) * cosine[0]));
     const krhpr_lanes level = mode[0] * krhpr_lanes_sqrt(u_0 * u_0 + u_2 * u_2);
-    const krhpr_lanes t10 = mode[0] * u_2;
-    const krhpr_lanes e_2_0 = -t10; /* e_2 times |level| */
+    const krhpr_lanes t9 = mode[0] * u_2;
+    const krhpr_lanes e_2_0 = -t9; /* e_2 times |level| */
     const krhpr_lanes e_2_2 = mode[0] * u_0;
     const krhpr_lanes n_0 = mode[1] * (d_2 * u_1 - d_1 * u_2); /* l_2 l_3 |sin(theta_4)| e_4 */
     const krhpr_lanes n_1 = mode[1] * (d_0 * u_2 - d_2 * u_0);
     const krhpr_lanes n_2 = mode[1] * (d_1 * u_0 - d_0 * u_1);
-    const krhpr_lanes t11 = (u_1 * (e_2_2 * n_0) - n_1 * (u_2 * t10 + u_0 * e_2_2) + u_1 * (t10 * n_2)) * g_k_0;
+    const krhpr_lanes t10 = (u_1 * (e_2_2 * n_0) - n_1 * (u_2 * t9 + u_0 * e_2_2) + u_1 * (t9 * n_2)) * g_k_0;
     *radicand = h2;
     tail_y[0] = mode[1] * root;
     tail_y[1] = e_2_0;
     tail_y[2] = u_1;
-    tail_y[3] = t11;
+    tail_y[3] = t10;
     tail_x[0] = d2 - g_k_3 - g_k_4;
     tail_x[1] = e_2_2;
     tail_x[2] = level;
-    tail_x[3] = e_2_2 * n_2 - t10 * n_0;
+    tail_x[3] = e_2_2 * n_2 - t9 * n_0;
 }
 
 /* Angles whose sines and cosines `inverse_all` reads.  (no operations) */
@@ -204,7 +203,7 @@ KRHPR_INLINE void krhpr_subleg_rrrr_inverse_all_angles_lanes(
 }
 
 /* Every working mode of the 4R sub-leg, in the order front/elbow+, front/elbow-, back/elbow+, back/elbow-;
- * NaN where a mode does not exist.  Thesis: 2.4.1, 2.5.  (42 add, 65 multiply, 3 divide, 4 square root) */
+ * NaN where a mode does not exist.  Thesis: 2.4.1, 2.5.  (44 add, 76 multiply, 3 divide, 4 square root) */
 KRHPR_INLINE void krhpr_subleg_rrrr_inverse_all_lanes(
     const krhpr_subleg_rrrr_geometry *g, int i, const krhpr_lanes_at s[3], const krhpr_lanes_at sine[1],
     const krhpr_lanes_at cosine[1], krhpr_lanes_at *KRHPR_RESTRICT radicand,
@@ -245,60 +244,57 @@ KRHPR_INLINE void krhpr_subleg_rrrr_inverse_all_lanes(
     const krhpr_lanes t5 = 1.0 / distance;
     const krhpr_lanes side_2 = d_0 * t5;
     const krhpr_lanes t6 = d2 + g_k_3 - g_k_4;
-    const krhpr_lanes t7 = 1.0 / r;
-    const krhpr_lanes t8 = t4 * (d_0 * t6) - root * (d_0 * d_1 * t4 * cosine[0] + d_2 * t5 * sine[0]) * t7;
-    const krhpr_lanes u_0 = t8 * 0.5; /* upper arm in (e_x, e_1, e_t) */
-    const krhpr_lanes u_1 = 0.5 * (t4 * (d_1 * t6) + t7 * (cosine[0] * (root * m_1)));
-    const krhpr_lanes t9 = t4 * (d_2 * t6) + t7 * (root * (side_2 * sine[0] - t4 * (d_1 * d_2) * cosine[0]));
-    const krhpr_lanes u_2 = 0.5 * t9; /* upper arm in (e_x, e_1, e_t) */
-    const krhpr_lanes t10 = u_0 * u_0 + u_2 * u_2;
-    const krhpr_lanes level = krhpr_lanes_sqrt(t10);
+    const krhpr_lanes t7 = t4 * (d_0 * 0.5 * t6);
+    const krhpr_lanes t8 = root * 0.5;
+    const krhpr_lanes t9 = 1.0 / r;
+    const krhpr_lanes t10 = t8 * (d_0 * d_1 * t4 * cosine[0] + d_2 * t5 * sine[0]) * t9;
+    const krhpr_lanes u_0 = t7 - t10; /* upper arm in (e_x, e_1, e_t) */
+    const krhpr_lanes u_1 = t4 * (t6 * (d_1 * 0.5)) + t9 * (cosine[0] * (root * (m_1 * 0.5)));
+    const krhpr_lanes u_2 = t4 * (t6 * (d_2 * 0.5)) + t9 * (t8 * (side_2 * sine[0] - t4 * (d_1 * d_2) * cosine[0]));
+    const krhpr_lanes t11 = u_2 * u_2;
+    const krhpr_lanes t12 = u_0 * u_0 + t11;
+    const krhpr_lanes level = krhpr_lanes_sqrt(t12);
     const krhpr_lanes e_2_0 = -u_2; /* e_2 times |level| */
-    const krhpr_lanes t11 = d_2 * u_1;
-    const krhpr_lanes t12 = d_1 * u_2;
-    const krhpr_lanes n_0 = t11 - t12; /* l_2 l_3 |sin(theta_4)| e_4 */
-    const krhpr_lanes t13 = d_0 * u_2;
-    const krhpr_lanes t14 = d_2 * u_0;
-    const krhpr_lanes n_1 = t13 - t14; /* l_2 l_3 |sin(theta_4)| e_4 */
-    const krhpr_lanes t15 = d_1 * u_0;
-    const krhpr_lanes t16 = d_0 * u_1;
-    const krhpr_lanes n_2 = t15 - t16; /* l_2 l_3 |sin(theta_4)| e_4 */
-    const krhpr_lanes t17 = t10 * n_1;
-    const krhpr_lanes t18 = u_1 * (u_0 * n_0);
+    const krhpr_lanes t13 = d_2 * u_1;
+    const krhpr_lanes t14 = d_1 * u_2;
+    const krhpr_lanes n_0 = t13 - t14; /* l_2 l_3 |sin(theta_4)| e_4 */
+    const krhpr_lanes t15 = d_0 * u_2;
+    const krhpr_lanes t16 = d_2 * u_0;
+    const krhpr_lanes n_1 = t15 - t16; /* l_2 l_3 |sin(theta_4)| e_4 */
+    const krhpr_lanes t17 = d_1 * u_0;
+    const krhpr_lanes t18 = d_0 * u_1;
+    const krhpr_lanes n_2 = t17 - t18; /* l_2 l_3 |sin(theta_4)| e_4 */
     const krhpr_lanes t19 = u_1 * (u_2 * n_2);
     const krhpr_lanes t20 = u_2 * n_0;
-    const krhpr_lanes t21 = u_0 * n_2;
-    const krhpr_lanes t22 = d2 - g_k_3 - g_k_4;
-    const krhpr_lanes n_0_a = t12 - t11; /* l_2 l_3 |sin(theta_4)| e_4 */
-    const krhpr_lanes n_1_a = t14 - t13;
-    const krhpr_lanes n_2_a = t16 - t15;
-    const krhpr_lanes t23 = t10 * n_1_a;
-    const krhpr_lanes t24 = u_1 * (u_0 * n_0_a);
-    const krhpr_lanes t25 = u_1 * (u_2 * n_2_a);
-    const krhpr_lanes t26 = u_2 * n_0_a;
-    const krhpr_lanes t27 = u_0 * n_2_a;
+    const krhpr_lanes t21 = d2 - g_k_3 - g_k_4;
+    const krhpr_lanes n_0_a = t14 - t13; /* l_2 l_3 |sin(theta_4)| e_4 */
+    const krhpr_lanes n_1_a = t16 - t15;
+    const krhpr_lanes n_2_a = t18 - t17;
+    const krhpr_lanes t22 = u_1 * (u_2 * n_2_a);
+    const krhpr_lanes t23 = u_2 * n_0_a;
     const krhpr_lanes level_a = -level;
-    const krhpr_lanes e_2_2 = -u_0; /* e_2 times |level| */
+    const krhpr_lanes e_2_2 = t10 - t7; /* e_2 times |level| */
+    const krhpr_lanes t24 = u_0 * e_2_2 - t11;
     *radicand = h2;
     tail_y[0] = root;
     tail_y[1] = -root;
-    tail_y[2] = e_2_0;
-    tail_y[3] = u_2;
+    tail_y[2] = u_2;
+    tail_y[3] = e_2_0;
     tail_y[4] = u_1;
-    tail_y[5] = (t18 - t17 + t19) * g_k_0;
-    tail_y[6] = g_k_0 * (t24 - t23 + t25);
-    tail_y[7] = g_k_0 * (t17 - t18 - t19);
-    tail_y[8] = g_k_0 * (t23 - t24 - t25);
+    tail_y[5] = (u_1 * (u_0 * n_0) - t12 * n_1 + t19) * g_k_0;
+    tail_y[6] = g_k_0 * (u_1 * (u_0 * n_0_a) - t12 * n_1_a + t22);
+    tail_y[7] = g_k_0 * (u_1 * (n_0 * e_2_2) - n_1 * t24 - t19);
+    tail_y[8] = g_k_0 * (u_1 * (n_0_a * e_2_2) - n_1_a * t24 - t22);
     tail_y[9] = u_1;
-    tail_x[0] = t22;
-    tail_x[1] = t22;
-    tail_x[2] = u_0;
-    tail_x[3] = e_2_2;
+    tail_x[0] = t21;
+    tail_x[1] = t21;
+    tail_x[2] = e_2_2;
+    tail_x[3] = u_0;
     tail_x[4] = level;
-    tail_x[5] = t21 - t20;
-    tail_x[6] = t27 - t26;
-    tail_x[7] = t20 - t21;
-    tail_x[8] = t26 - t27;
+    tail_x[5] = u_0 * n_2 - t20;
+    tail_x[6] = u_0 * n_2_a - t23;
+    tail_x[7] = t20 + n_2 * e_2_2;
+    tail_x[8] = t23 + n_2_a * e_2_2;
     tail_x[9] = level_a;
 }
 

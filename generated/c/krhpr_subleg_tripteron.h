@@ -23,11 +23,11 @@ typedef struct {
     double e_x[3][KRHPR_PLACES]; /* e_1 x e_t */
     double e_1[3][KRHPR_PLACES]; /* first axis */
     double e_t[3][KRHPR_PLACES]; /* tangential direction */
-    double k[8][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
+    double k[15][KRHPR_PLACES]; /* sub-expressions of the geometry alone, computed once */
 } krhpr_subleg_tripteron_geometry;
 
 
-/* Vectors and sub-expressions that depend on the geometry alone.  (7 add, 17 multiply, 2 divide, 2 sine
+/* Vectors and sub-expressions that depend on the geometry alone.  (7 add, 24 multiply, 2 divide, 2 sine
  * cosine, 1 select) */
 KRHPR_STATIC void krhpr_subleg_tripteron_prepare(krhpr_subleg_tripteron_geometry *g, int i)
 {
@@ -35,32 +35,41 @@ KRHPR_STATIC void krhpr_subleg_tripteron_prepare(krhpr_subleg_tripteron_geometry
     double e_1_2, t1; krhpr_sincos(g->alpha[i], &e_1_2, &t1);
     const double t2 = e_t_1 * t1;
     const double t3 = e_r_1 * t1;
-    const double c_2 = g->l_1[i] * e_1_2;
-    const double t4 = g->l_2[i] - g->l_3[i];
-    const double t5 = g->l_2[i] + g->l_3[i];
-    const double k_1 = t5 * t5;
-    const double t6 = g->l_2[i] * g->l_2[i];
-    const double t7 = g->l_3[i] * g->l_3[i];
+    const double t4 = e_t_1 * e_1_2;
+    const double t5 = e_r_1 * e_1_2;
+    const double t6 = e_t_1 * t2 + e_r_1 * t3;
+    const double t7 = g->l_2[i] - g->l_3[i];
+    const double t8 = g->l_2[i] + g->l_3[i];
+    const double k_1 = t8 * t8;
+    const double t9 = g->l_2[i] * g->l_2[i];
+    const double t10 = g->l_3[i] * g->l_3[i];
     g->c[0][i] = g->R_b[i] * e_t_1 - g->l_1[i] * t2;
     g->c[1][i] = g->R_b[i] * e_r_1 - g->l_1[i] * t3;
-    g->c[2][i] = c_2;
-    g->e_x[0][i] = -e_t_1 * e_1_2;
-    g->e_x[1][i] = -e_r_1 * e_1_2;
-    g->e_x[2][i] = -(e_t_1 * t2 + e_r_1 * t3);
+    g->c[2][i] = g->l_1[i] * e_1_2;
+    g->e_x[0][i] = -t4;
+    g->e_x[1][i] = -t5;
+    g->e_x[2][i] = -t6;
     g->e_1[0][i] = -t2;
     g->e_1[1][i] = -t3;
     g->e_1[2][i] = e_1_2;
     g->e_t[0][i] = -e_r_1;
     g->e_t[1][i] = e_t_1;
     g->e_t[2][i] = 0.0;
-    g->k[0][i] = t4 * t4;
+    g->k[0][i] = t7 * t7;
     g->k[1][i] = k_1;
-    g->k[2][i] = fabs(t4);
-    g->k[3][i] = 1.0 / (t6 * t7);
-    g->k[4][i] = t6 + t7;
-    g->k[5][i] = t6 - t7;
+    g->k[2][i] = fabs(t7);
+    g->k[3][i] = 1.0 / (t9 * t10);
+    g->k[4][i] = t9 + t10;
+    g->k[5][i] = t9 - t10;
     g->k[6][i] = 1.0 / k_1;
-    g->k[7][i] = c_2 * 2.0;
+    g->k[7][i] = -t2 * 0.5;
+    g->k[8][i] = -e_r_1 * 0.5;
+    g->k[9][i] = -t3 * 0.5;
+    g->k[10][i] = e_t_1 * 0.5;
+    g->k[11][i] = e_1_2 * 0.5;
+    g->k[12][i] = -t4 * 0.5;
+    g->k[13][i] = -t5 * 0.5;
+    g->k[14][i] = -t6 * 0.5;
 }
 
 /* End point of the (Tripteron) sub-leg from its actuated joints.  Thesis: 3.5.  (19 add, 14 multiply, 2
@@ -385,7 +394,7 @@ KRHPR_STATIC void krhpr_subleg_tripteron_passive(
     tail_x[5] = n_3;
 }
 
-/* Joints of the (Tripteron) sub-leg, from the base to S_i.  (47 add, 81 multiply, 3 divide, 3 square root,
+/* Joints of the (Tripteron) sub-leg, from the base to S_i.  (47 add, 64 multiply, 3 divide, 3 square root,
  * 4 select) */
 KRHPR_STATIC void krhpr_subleg_tripteron_points(
     const krhpr_subleg_tripteron_geometry *g, int i, const double rho[3], const double s[3],
@@ -424,11 +433,8 @@ KRHPR_STATIC void krhpr_subleg_tripteron_points(
     const double n_3 = rho[0] * A_3 + rho[1] * S_3;
     const double m_3 = rho[1] * A_3 - rho[0] * S_3;
     const double t7 = 1.0 / d2_1;
-    const double points_21 = 0.5 * (slider_1_1 * 2.0 + t7 * (g->e_1[1][i] * n_1) + t7 * (g->e_t[1][i] * m_1));
     const double t8 = 1.0 / d2_2;
-    const double points_41 = 0.5 * (slider_2_1 * 2.0 + t8 * (g->e_t[1][i] * n_2) + t8 * (g->e_x[1][i] * m_2));
     const double t9 = 1.0 / d2_3;
-    const double points_61 = 0.5 * (slider_3_1 * 2.0 + t9 * (g->e_1[1][i] * m_3) + t9 * (g->e_x[1][i] * n_3));
     const double t10 = g->k[1][i] - t4;
     const double radicand_a = krhpr_min(krhpr_min(t3 * (g->k[1][i] - t1 - t2), t5 * (t10 - t2)), t6 * (t10 - t1));
     points[0] = g->c[0][i];
@@ -437,21 +443,21 @@ KRHPR_STATIC void krhpr_subleg_tripteron_points(
     points[3] = slider_1_0;
     points[4] = slider_1_1;
     points[5] = slider_1_2;
-    points[6] = (slider_1_0 * 2.0 + g->e_1[0][i] * n_1 * t7 + t7 * (g->e_t[0][i] * m_1)) * 0.5;
-    points[7] = points_21;
-    points[8] = 0.5 * (slider_1_2 * 2.0 + t7 * (g->e_1[2][i] * n_1));
+    points[6] = slider_1_0 + n_1 * g->k[7][i] * t7 + t7 * (m_1 * g->k[8][i]);
+    points[7] = slider_1_1 + t7 * (n_1 * g->k[9][i]) + t7 * (m_1 * g->k[10][i]);
+    points[8] = slider_1_2 + t7 * (n_1 * g->k[11][i]);
     points[9] = slider_2_0;
     points[10] = slider_2_1;
     points[11] = slider_2_2;
-    points[12] = 0.5 * (slider_2_0 * 2.0 + g->e_t[0][i] * n_2 * t8 + t8 * (g->e_x[0][i] * m_2));
-    points[13] = points_41;
-    points[14] = 0.5 * (slider_2_2 * 2.0 + t8 * (g->e_x[2][i] * m_2));
+    points[12] = slider_2_0 + n_2 * g->k[8][i] * t8 + t8 * (m_2 * g->k[12][i]);
+    points[13] = slider_2_1 + t8 * (n_2 * g->k[10][i]) + t8 * (m_2 * g->k[13][i]);
+    points[14] = slider_2_2 + t8 * (m_2 * g->k[14][i]);
     points[15] = slider_3_0;
     points[16] = slider_3_1;
     points[17] = g->c[2][i];
-    points[18] = 0.5 * (slider_3_0 * 2.0 + g->e_1[0][i] * m_3 * t9 + t9 * (g->e_x[0][i] * n_3));
-    points[19] = points_61;
-    points[20] = 0.5 * (g->k[7][i] + t9 * (g->e_1[2][i] * m_3) + t9 * (g->e_x[2][i] * n_3));
+    points[18] = slider_3_0 + m_3 * g->k[7][i] * t9 + t9 * (n_3 * g->k[12][i]);
+    points[19] = slider_3_1 + t9 * (m_3 * g->k[9][i]) + t9 * (n_3 * g->k[13][i]);
+    points[20] = g->c[2][i] + t9 * (m_3 * g->k[11][i]) + t9 * (n_3 * g->k[14][i]);
     points[21] = s[0];
     points[22] = s[1];
     points[23] = s[2];

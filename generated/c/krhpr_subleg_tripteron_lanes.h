@@ -460,7 +460,7 @@ KRHPR_INLINE void krhpr_subleg_tripteron_passive_lanes(
     tail_x[5] = n_3;
 }
 
-/* Joints of the (Tripteron) sub-leg, from the base to S_i.  (47 add, 81 multiply, 3 divide, 3 square root,
+/* Joints of the (Tripteron) sub-leg, from the base to S_i.  (47 add, 64 multiply, 3 divide, 3 square root,
  * 4 select) */
 KRHPR_INLINE void krhpr_subleg_tripteron_points_lanes(
     const krhpr_subleg_tripteron_geometry *g, int i, const krhpr_lanes_at rho[3], const krhpr_lanes_at s[3],
@@ -483,6 +483,13 @@ KRHPR_INLINE void krhpr_subleg_tripteron_points_lanes(
     const krhpr_lanes g_k_5 = krhpr_of_leg(g->k[5], i);
     const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
     const krhpr_lanes g_k_7 = krhpr_of_leg(g->k[7], i);
+    const krhpr_lanes g_k_8 = krhpr_of_leg(g->k[8], i);
+    const krhpr_lanes g_k_9 = krhpr_of_leg(g->k[9], i);
+    const krhpr_lanes g_k_10 = krhpr_of_leg(g->k[10], i);
+    const krhpr_lanes g_k_11 = krhpr_of_leg(g->k[11], i);
+    const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
+    const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
+    const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes slider_1_0 = g_c_0 + g_e_x_0 * rho[0];
     const krhpr_lanes slider_1_1 = g_c_1 + g_e_x_1 * rho[0];
     const krhpr_lanes slider_1_2 = g_c_2 + g_e_x_2 * rho[0];
@@ -526,21 +533,21 @@ KRHPR_INLINE void krhpr_subleg_tripteron_points_lanes(
     points[3] = slider_1_0;
     points[4] = slider_1_1;
     points[5] = slider_1_2;
-    points[6] = (slider_1_0 * 2.0 + g_e_1_0 * n_1 * t7 + t7 * (g_e_t_0 * m_1)) * 0.5;
-    points[7] = 0.5 * (slider_1_1 * 2.0 + t7 * (g_e_1_1 * n_1) + t7 * (g_e_t_1 * m_1));
-    points[8] = 0.5 * (slider_1_2 * 2.0 + t7 * (g_e_1_2 * n_1));
+    points[6] = slider_1_0 + n_1 * g_k_7 * t7 + t7 * (m_1 * g_k_8);
+    points[7] = slider_1_1 + t7 * (n_1 * g_k_9) + t7 * (m_1 * g_k_10);
+    points[8] = slider_1_2 + t7 * (n_1 * g_k_11);
     points[9] = slider_2_0;
     points[10] = slider_2_1;
     points[11] = slider_2_2;
-    points[12] = 0.5 * (slider_2_0 * 2.0 + g_e_t_0 * n_2 * t8 + t8 * (g_e_x_0 * m_2));
-    points[13] = 0.5 * (slider_2_1 * 2.0 + t8 * (g_e_t_1 * n_2) + t8 * (g_e_x_1 * m_2));
-    points[14] = 0.5 * (slider_2_2 * 2.0 + t8 * (g_e_x_2 * m_2));
+    points[12] = slider_2_0 + n_2 * g_k_8 * t8 + t8 * (m_2 * g_k_12);
+    points[13] = slider_2_1 + t8 * (n_2 * g_k_10) + t8 * (m_2 * g_k_13);
+    points[14] = slider_2_2 + t8 * (m_2 * g_k_14);
     points[15] = slider_3_0;
     points[16] = slider_3_1;
     points[17] = g_c_2;
-    points[18] = 0.5 * (slider_3_0 * 2.0 + g_e_1_0 * m_3 * t9 + t9 * (g_e_x_0 * n_3));
-    points[19] = 0.5 * (slider_3_1 * 2.0 + t9 * (g_e_1_1 * m_3) + t9 * (g_e_x_1 * n_3));
-    points[20] = 0.5 * (g_k_7 + t9 * (g_e_1_2 * m_3) + t9 * (g_e_x_2 * n_3));
+    points[18] = slider_3_0 + m_3 * g_k_7 * t9 + t9 * (n_3 * g_k_12);
+    points[19] = slider_3_1 + t9 * (m_3 * g_k_9) + t9 * (n_3 * g_k_13);
+    points[20] = g_c_2 + t9 * (m_3 * g_k_11) + t9 * (n_3 * g_k_14);
     points[21] = s[0];
     points[22] = s[1];
     points[23] = s[2];

@@ -77,16 +77,19 @@ def rotation(phi: Any) -> tuple[Any, ...]:
 
 
 def spread(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
-    """Largest and smallest singular value of M, squared.  Thesis: 1.8.  (8 add, 10 multiply, 2 divide,
+    """Largest and smallest singular value of M, squared.  Thesis: 1.8.  (8 add, 8 multiply, 2 divide,
     2 square root)"""
     gram_00, gram_01, _gram_10, gram_11 = gram
     cofactors_00, cofactors_01, _cofactors_10, cofactors_11 = cofactors
     square, = square
-    g_h = (gram_00 - gram_11) * 0.5
-    h_h = 0.5 * (cofactors_00 - cofactors_11)
-    high = 0.5 * (gram_00 + gram_11 + 2 * ca.sqrt(g_h * g_h + gram_01 * gram_01))
-    t1 = cofactors_00 + cofactors_11 + 2 * ca.sqrt(cofactors_01 * cofactors_01 + h_h * h_h)
-    low = square / (0.5 * t1)
+    t1 = gram_00 * 0.5
+    t2 = gram_11 * 0.5
+    g_h = t1 - t2
+    t3 = cofactors_00 * 0.5
+    t4 = cofactors_11 * 0.5
+    h_h = t3 - t4
+    high = t2 + (t1 + ca.sqrt(g_h * g_h + gram_01 * gram_01))
+    low = square / (t4 + (t3 + ca.sqrt(cofactors_01 * cofactors_01 + h_h * h_h)))
     return (
         (  # largest
             high,
@@ -102,11 +105,11 @@ def spread(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
 
 def spread_bound(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
     """Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (24 add,
-    48 multiply, 4 divide, 6 square root)"""
+    50 multiply, 4 divide, 6 square root)"""
     gram_00, gram_01, gram_10, gram_11 = gram
     cofactors_00, cofactors_01, cofactors_10, cofactors_11 = cofactors
     square, = square
-    g_0 = (gram_00 + gram_11) * 0.5
+    g_0 = gram_00 * 0.5 + gram_11 * 0.5
     t1 = 1 / g_0
     g_r_00 = gram_00 * t1
     g_r_01 = gram_01 * t1
@@ -126,7 +129,7 @@ def spread_bound(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
     g_4 = ca.sqrt(g_8)
     g_2 = ca.sqrt(g_4)
     g_1 = ca.sqrt(g_2)
-    h_0 = 0.5 * (cofactors_00 + cofactors_11)
+    h_0 = cofactors_00 * 0.5 + cofactors_11 * 0.5
     t4 = 1 / h_0
     h_r_00 = cofactors_00 * t4
     h_r_01 = cofactors_01 * t4
@@ -163,23 +166,24 @@ def spread_bound(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
 
 def norms(position_gram: Any, rotation_gram: Any, largest: Any, smallest: Any) -> tuple[Any, ...]:
     """The indices: 2-norms of both parts of U = J^-1 K, condition number of J_1.  Thesis: 1.8, 4.2.2.
-    (4 add, 5 multiply, 4 divide, 7 square root, 4 select)"""
+    (4 add, 4 multiply, 4 divide, 7 square root, 4 select)"""
     position_gram_00, position_gram_01, _position_gram_10, position_gram_11 = position_gram
     rotation_gram_00, = rotation_gram
     largest_0, largest_1, largest_2 = largest
     smallest_0, smallest_1, smallest_2 = smallest
-    p_h = (position_gram_00 - position_gram_11) * 0.5
-    t1 = position_gram_00 + position_gram_11 + 2 * ca.sqrt(p_h * p_h + position_gram_01 * position_gram_01)
-    t2 = ca.fmax(ca.fmax(largest_0, largest_1), largest_2) / ca.fmin(ca.fmin(smallest_0, smallest_1), smallest_2)
+    t1 = position_gram_00 * 0.5
+    t2 = position_gram_11 * 0.5
+    p_h = t1 - t2
+    t3 = ca.fmax(ca.fmax(largest_0, largest_1), largest_2) / ca.fmin(ca.fmin(smallest_0, smallest_1), smallest_2)
     return (
         (  # eta_1
-            ca.sqrt(0.5 * t1),
+            ca.sqrt(t2 + (t1 + ca.sqrt(p_h * p_h + position_gram_01 * position_gram_01))),
         ),
         (  # eta_2
             ca.sqrt(rotation_gram_00),
         ),
         (  # eta_3
-            ca.sqrt(t2),
+            ca.sqrt(t3),
         ),
         (  # condition
             ca.sqrt(largest_0 / smallest_0),
@@ -190,13 +194,13 @@ def norms(position_gram: Any, rotation_gram: Any, largest: Any, smallest: Any) -
 
 
 def norm_bounds(position_gram: Any, rotation_gram: Any, largest: Any, smallest: Any) -> tuple[Any, ...]:
-    """Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (20 add, 55
+    """Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (20 add, 58
     multiply, 6 divide, 12 square root)"""
     position_gram_00, position_gram_01, position_gram_10, position_gram_11 = position_gram
     rotation_gram_00, = rotation_gram
     largest_0, largest_1, largest_2 = largest
     smallest_0, smallest_1, smallest_2 = smallest
-    p_0 = (position_gram_00 + position_gram_11) * 0.5
+    p_0 = position_gram_00 * 0.5 + position_gram_11 * 0.5
     t1 = 1 / p_0
     p_r_00 = position_gram_00 * t1
     p_r_01 = position_gram_01 * t1
@@ -216,7 +220,7 @@ def norm_bounds(position_gram: Any, rotation_gram: Any, largest: Any, smallest: 
     p_4 = ca.sqrt(p_8)
     p_2 = ca.sqrt(p_4)
     p_1 = ca.sqrt(p_2)
-    l_0 = (largest_1 + largest_2 + largest_0 * 2) * 0.25
+    l_0 = largest_0 * 0.5 + largest_1 * 0.25 + largest_2 * 0.25
     t4 = 1 / l_0
     l_r1 = largest_0 * t4
     l_r2 = largest_1 * t4
@@ -234,7 +238,7 @@ def norm_bounds(position_gram: Any, rotation_gram: Any, largest: Any, smallest: 
     inv_s = 1 / smallest_0
     inv_s_a = 1 / smallest_1
     inv_s_b = 1 / smallest_2
-    s_0 = 0.25 * (inv_s_a + inv_s_b + 2 * inv_s)
+    s_0 = 0.5 * inv_s + 0.25 * inv_s_a + 0.25 * inv_s_b
     t11 = 1 / s_0
     s_r1 = inv_s * t11
     s_r2 = inv_s_a * t11

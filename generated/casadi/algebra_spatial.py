@@ -244,11 +244,11 @@ def spread(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
 
 def spread_bound(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
     """Smooth bounds of the squares of M's largest and smallest singular value.  Thesis: 1.8.  (92 add,
-    138 multiply, 4 divide, 6 square root)"""
+    140 multiply, 4 divide, 6 square root)"""
     gram_00, gram_01, gram_02, gram_10, gram_11, gram_12, gram_20, gram_21, gram_22 = gram
     cofactors_00, cofactors_01, cofactors_02, cofactors_10, cofactors_11, cofactors_12, cofactors_20, cofactors_21, cofactors_22 = cofactors
     square, = square
-    g_0 = (gram_11 + gram_22 + gram_00 * 2) * 0.25
+    g_0 = gram_00 * 0.5 + gram_11 * 0.25 + gram_22 * 0.25
     t1 = 1 / g_0
     g_r_00 = gram_00 * t1
     g_r_01 = gram_01 * t1
@@ -288,7 +288,7 @@ def spread_bound(gram: Any, cofactors: Any, square: Any) -> tuple[Any, ...]:
     g_4 = ca.sqrt(g_8)
     g_2 = ca.sqrt(g_4)
     g_1 = ca.sqrt(g_2)
-    h_0 = 0.25 * (cofactors_11 + cofactors_22 + cofactors_00 * 2)
+    h_0 = cofactors_00 * 0.5 + cofactors_11 * 0.25 + cofactors_22 * 0.25
     t9 = 1 / h_0
     h_r_00 = cofactors_00 * t9
     h_r_01 = cofactors_01 * t9
@@ -466,13 +466,13 @@ def norms(position_gram: Any, rotation_gram: Any, largest: Any, smallest: Any) -
 
 
 def norm_bounds(position_gram: Any, rotation_gram: Any, largest: Any, smallest: Any) -> tuple[Any, ...]:
-    """Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (100 add, 169
+    """Smooth bounds of the indices: Schatten norms of order 16.  Thesis: 1.8, 4.2.2.  (100 add, 173
     multiply, 7 divide, 15 square root)"""
     position_gram_00, position_gram_01, position_gram_02, position_gram_10, position_gram_11, position_gram_12, position_gram_20, position_gram_21, position_gram_22 = position_gram
     rotation_gram_00, rotation_gram_01, rotation_gram_02, rotation_gram_10, rotation_gram_11, rotation_gram_12, rotation_gram_20, rotation_gram_21, rotation_gram_22 = rotation_gram
     largest_0, largest_1, largest_2 = largest
     smallest_0, smallest_1, smallest_2 = smallest
-    p_0 = (position_gram_11 + position_gram_22 + position_gram_00 * 2) * 0.25
+    p_0 = position_gram_00 * 0.5 + position_gram_11 * 0.25 + position_gram_22 * 0.25
     t1 = 1 / p_0
     p_r_00 = position_gram_00 * t1
     p_r_01 = position_gram_01 * t1
@@ -512,7 +512,7 @@ def norm_bounds(position_gram: Any, rotation_gram: Any, largest: Any, smallest: 
     p_4 = ca.sqrt(p_8)
     p_2 = ca.sqrt(p_4)
     p_1 = ca.sqrt(p_2)
-    r_0 = 0.25 * (rotation_gram_11 + rotation_gram_22 + rotation_gram_00 * 2)
+    r_0 = rotation_gram_00 * 0.5 + rotation_gram_11 * 0.25 + rotation_gram_22 * 0.25
     t9 = 1 / r_0
     r_r_00 = rotation_gram_00 * t9
     r_r_01 = rotation_gram_01 * t9
@@ -552,7 +552,7 @@ def norm_bounds(position_gram: Any, rotation_gram: Any, largest: Any, smallest: 
     r_4 = ca.sqrt(r_8)
     r_2 = ca.sqrt(r_4)
     r_1 = ca.sqrt(r_2)
-    l_0 = 0.25 * (largest_1 + largest_2 + largest_0 * 2)
+    l_0 = largest_0 * 0.5 + largest_1 * 0.25 + largest_2 * 0.25
     t17 = 1 / l_0
     l_r1 = largest_0 * t17
     l_r2 = largest_1 * t17
@@ -570,7 +570,7 @@ def norm_bounds(position_gram: Any, rotation_gram: Any, largest: Any, smallest: 
     inv_s = 1 / smallest_0
     inv_s_a = 1 / smallest_1
     inv_s_b = 1 / smallest_2
-    s_0 = 0.25 * (inv_s_a + inv_s_b + 2 * inv_s)
+    s_0 = 0.5 * inv_s + 0.25 * inv_s_a + 0.25 * inv_s_b
     t24 = 1 / s_0
     s_r1 = inv_s * t24
     s_r2 = inv_s_a * t24

@@ -149,7 +149,7 @@ def forward_posture(g: Any, theta: Any) -> tuple[Any, ...]:
 
 def inverse(g: Any, s: Any, mode: Any, swivel: Any) -> tuple[Any, ...]:
     """Actuated joints of the 4R sub-leg in one working mode.  The mode is given by signs; NaN where
-    the end point is out of reach.  Thesis: 2.4.1, 2.5.  (31 add, 64 multiply, 3 divide, 4 square
+    the end point is out of reach.  Thesis: 2.4.1, 2.5.  (31 add, 66 multiply, 3 divide, 4 square
     root, 1 sine cosine, 4 arctangent)"""
     s_0, s_1, s_2 = s
     mode_0, mode_1 = mode
@@ -173,25 +173,26 @@ def inverse(g: Any, s: Any, mode: Any, swivel: Any) -> tuple[Any, ...]:
     t5 = 1 / distance
     side_2 = d_0 * t5
     t6 = d2 + g.k[3] - g.k[4]
-    t7 = ca.cos(swivel)
-    t8 = ca.sin(swivel)
-    t9 = 1 / r
-    u_0 = (t4 * (d_0 * t6) - root * (d_0 * d_1 * t4 * t7 + d_2 * t5 * t8) * t9) * 0.5  # upper arm in (e_x, e_1, e_t)
-    u_1 = 0.5 * (t4 * (d_1 * t6) + t9 * (t7 * (root * m_1)))
-    u_2 = 0.5 * (t4 * (d_2 * t6) + t9 * (root * (side_2 * t8 - t4 * (d_1 * d_2) * t7)))
+    t7 = root * 0.5
+    t8 = ca.cos(swivel)
+    t9 = ca.sin(swivel)
+    t10 = 1 / r
+    u_0 = t4 * (d_0 * 0.5 * t6) - t7 * (d_0 * d_1 * t4 * t8 + d_2 * t5 * t9) * t10  # upper arm in (e_x, e_1, e_t)
+    u_1 = t4 * (t6 * (d_1 * 0.5)) + t10 * (t8 * (root * (m_1 * 0.5)))
+    u_2 = t4 * (t6 * (d_2 * 0.5)) + t10 * (t7 * (side_2 * t9 - t4 * (d_1 * d_2) * t8))
     level = mode_0 * ca.sqrt(u_0 * u_0 + u_2 * u_2)
-    t10 = mode_0 * u_2
-    e_2_0 = -t10  # e_2 times |level|
+    t11 = mode_0 * u_2
+    e_2_0 = -t11  # e_2 times |level|
     e_2_2 = mode_0 * u_0
     n_0 = mode_1 * (d_2 * u_1 - d_1 * u_2)  # l_2 l_3 |sin(theta_4)| e_4
     n_1 = mode_1 * (d_0 * u_2 - d_2 * u_0)
     n_2 = mode_1 * (d_1 * u_0 - d_0 * u_1)
-    t11 = (u_1 * (e_2_2 * n_0) - n_1 * (u_2 * t10 + u_0 * e_2_2) + u_1 * (t10 * n_2)) * g.k[0]
+    t12 = (u_1 * (e_2_2 * n_0) - n_1 * (u_2 * t11 + u_0 * e_2_2) + u_1 * (t11 * n_2)) * g.k[0]
     return (
         (  # theta
             ca.atan2(e_2_0, e_2_2),
             ca.atan2(u_1, level),
-            ca.atan2(t11, e_2_2 * n_2 - t10 * n_0),
+            ca.atan2(t12, e_2_2 * n_2 - t11 * n_0),
             ca.atan2(mode_1 * root, d2 - g.k[3] - g.k[4]),
         ),
         (  # radicand
@@ -202,7 +203,7 @@ def inverse(g: Any, s: Any, mode: Any, swivel: Any) -> tuple[Any, ...]:
 
 def inverse_all(g: Any, s: Any, swivel: Any) -> tuple[Any, ...]:
     """Every working mode of the 4R sub-leg, in the order front/elbow+, front/elbow-, back/elbow+,
-    back/elbow-; NaN where a mode does not exist.  Thesis: 2.4.1, 2.5.  (42 add, 65 multiply, 3
+    back/elbow-; NaN where a mode does not exist.  Thesis: 2.4.1, 2.5.  (44 add, 76 multiply, 3
     divide, 4 square root, 1 sine cosine, 10 arctangent)"""
     s_0, s_1, s_2 = s
     swivel, = swivel
@@ -225,63 +226,64 @@ def inverse_all(g: Any, s: Any, swivel: Any) -> tuple[Any, ...]:
     t5 = 1 / distance
     side_2 = d_0 * t5
     t6 = d2 + g.k[3] - g.k[4]
-    t7 = ca.cos(swivel)
-    t8 = ca.sin(swivel)
-    t9 = 1 / r
-    u_0 = (t4 * (d_0 * t6) - root * (d_0 * d_1 * t4 * t7 + d_2 * t5 * t8) * t9) * 0.5  # upper arm in (e_x, e_1, e_t)
-    u_1 = 0.5 * (t4 * (d_1 * t6) + t9 * (t7 * (root * m_1)))
-    u_2 = 0.5 * (t4 * (d_2 * t6) + t9 * (root * (side_2 * t8 - t4 * (d_1 * d_2) * t7)))
-    t10 = u_0 * u_0 + u_2 * u_2
-    level = ca.sqrt(t10)
+    t7 = t4 * (d_0 * 0.5 * t6)
+    t8 = root * 0.5
+    t9 = ca.cos(swivel)
+    t10 = ca.sin(swivel)
+    t11 = 1 / r
+    t12 = t8 * (d_0 * d_1 * t4 * t9 + d_2 * t5 * t10) * t11
+    u_0 = t7 - t12  # upper arm in (e_x, e_1, e_t)
+    u_1 = t4 * (t6 * (d_1 * 0.5)) + t11 * (t9 * (root * (m_1 * 0.5)))
+    u_2 = t4 * (t6 * (d_2 * 0.5)) + t11 * (t8 * (side_2 * t10 - t4 * (d_1 * d_2) * t9))
+    t13 = u_2 * u_2
+    t14 = u_0 * u_0 + t13
+    level = ca.sqrt(t14)
     e_2_0 = -u_2  # e_2 times |level|
     theta_0 = ca.atan2(e_2_0, u_0)
     theta_1 = ca.atan2(u_1, level)
-    t11 = d_2 * u_1
-    t12 = d_1 * u_2
-    n_0 = t11 - t12  # l_2 l_3 |sin(theta_4)| e_4
-    t13 = d_0 * u_2
-    t14 = d_2 * u_0
-    n_1 = t13 - t14  # l_2 l_3 |sin(theta_4)| e_4
-    t15 = d_1 * u_0
-    t16 = d_0 * u_1
-    n_2 = t15 - t16  # l_2 l_3 |sin(theta_4)| e_4
-    t17 = t10 * n_1
-    t18 = u_1 * (u_0 * n_0)
-    t19 = u_1 * (u_2 * n_2)
-    t20 = u_2 * n_0
-    t21 = u_0 * n_2
-    t22 = d2 - g.k[3] - g.k[4]
-    theta_3 = ca.atan2(root, t22)
-    n_0_a = t12 - t11  # l_2 l_3 |sin(theta_4)| e_4
-    n_1_a = t14 - t13
-    n_2_a = t16 - t15
-    t23 = t10 * n_1_a
-    t24 = u_1 * (u_0 * n_0_a)
-    t25 = u_1 * (u_2 * n_2_a)
-    t26 = u_2 * n_0_a
-    t27 = u_0 * n_2_a
-    theta_3_a = ca.atan2(-root, t22)
+    t15 = d_2 * u_1
+    t16 = d_1 * u_2
+    n_0 = t15 - t16  # l_2 l_3 |sin(theta_4)| e_4
+    t17 = d_0 * u_2
+    t18 = d_2 * u_0
+    n_1 = t17 - t18  # l_2 l_3 |sin(theta_4)| e_4
+    t19 = d_1 * u_0
+    t20 = d_0 * u_1
+    n_2 = t19 - t20  # l_2 l_3 |sin(theta_4)| e_4
+    t21 = u_1 * (u_2 * n_2)
+    t22 = u_2 * n_0
+    t23 = d2 - g.k[3] - g.k[4]
+    theta_3 = ca.atan2(root, t23)
+    n_0_a = t16 - t15  # l_2 l_3 |sin(theta_4)| e_4
+    n_1_a = t18 - t17
+    n_2_a = t20 - t19
+    t24 = u_1 * (u_2 * n_2_a)
+    t25 = u_2 * n_0_a
+    theta_2 = ca.atan2(g.k[0] * (u_1 * (u_0 * n_0_a) - t14 * n_1_a + t24), u_0 * n_2_a - t25)
+    theta_3_a = ca.atan2(-root, t23)
     level_a = -level
-    e_2_2 = -u_0  # e_2 times |level|
+    e_2_2 = t12 - t7  # e_2 times |level|
     theta_0_a = ca.atan2(u_2, e_2_2)
     theta_1_a = ca.atan2(u_1, level_a)
+    t26 = u_0 * e_2_2 - t13
+    theta_2_a = ca.atan2(g.k[0] * (u_1 * (n_0_a * e_2_2) - n_1_a * t26 - t24), t25 + n_2_a * e_2_2)
     return (
         (  # theta
             theta_0,
             theta_1,
-            ca.atan2((t18 - t17 + t19) * g.k[0], t21 - t20),
+            ca.atan2((u_1 * (u_0 * n_0) - t14 * n_1 + t21) * g.k[0], u_0 * n_2 - t22),
             theta_3,
             theta_0,
             theta_1,
-            ca.atan2(g.k[0] * (t24 - t23 + t25), t27 - t26),
+            theta_2,
             theta_3_a,
             theta_0_a,
             theta_1_a,
-            ca.atan2(g.k[0] * (t17 - t18 - t19), t20 - t21),
+            ca.atan2(g.k[0] * (u_1 * (n_0 * e_2_2) - n_1 * t26 - t21), t22 + n_2 * e_2_2),
             theta_3,
             theta_0_a,
             theta_1_a,
-            ca.atan2(g.k[0] * (t23 - t24 - t25), t26 - t27),
+            theta_2_a,
             theta_3_a,
         ),
         (  # radicand

@@ -24,14 +24,14 @@ def prepare(fields: Any) -> SimpleNamespace:
     platform_azimuth = fields["platform_azimuth"]
     e_r_0 = np.cos(platform_azimuth)
     e_r_1 = np.sin(platform_azimuth)
-    k_2 = l_r * l_r
+    t1 = l_r * l_r
     return SimpleNamespace(
         platform_azimuth=fields["platform_azimuth"],
         R_p=fields["R_p"],
         l_r=fields["l_r"],
         e_r=(e_r_0, e_r_1,),
         b=(R_p * e_r_0, R_p * e_r_1,),
-        k=(l_r * e_r_0, l_r * e_r_1, k_2, 1 / l_r, 1 / k_2,),
+        k=(l_r * e_r_0, l_r * e_r_1, 0.5 * t1, 1 / l_r, 1 / t1,),
     )
 
 
@@ -79,7 +79,7 @@ def residual(g: Any, p: Any, Q: Any, s: Any) -> tuple[Any, ...]:
     a_1 = p_1 + Qb_1 - s_1
     a2 = a_0 * a_0 + a_1 * a_1
     return (
-        (a2 - g.k[2]) * 0.5,
+        a2 * 0.5 - g.k[2],
     )
 
 
@@ -405,7 +405,7 @@ def tie(g: Any) -> tuple[Any, ...]:
 
 def sextic(s: Any, anchor: Any, length: Any) -> tuple[Any, ...]:
     """The sextic in tan(phi / 2) that holds the three end points.  Thesis: 3.2.1, (3.1) to (3.4).
-    (111 add, 136 multiply)"""
+    (111 add, 138 multiply)"""
     s_00, s_01, s_10, s_11, s_20, s_21 = s
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
     length_0, length_1, length_2 = length
@@ -447,14 +447,14 @@ def sextic(s: Any, anchor: Any, length: Any) -> tuple[Any, ...]:
     t10 = s_12_0 * s_13_0
     t11 = s_12_1 * s_13_1
     w_0 = t8 + t9 + t10 + t11 - c_23 - c_32
-    t12 = 2 * (s_23 + s_32)
+    t12 = s_23 * 2 + s_32 * 2
     w_2 = t11 + (t10 + (t9 + (t8 + (c_23 + c_32))))
     t13 = d_2_0 * d_3_1
     t14 = s_12_0 * s_13_1
     t15 = d_2_1 * d_3_0
     t16 = s_12_1 * s_13_0
     D_0 = s_32 + t13 + t14 - s_23 - t15 - t16
-    D_1 = 2 * (c_23 - c_32)
+    D_1 = c_23 * 2 - c_32 * 2
     D_2 = t14 + (s_23 + t13) - s_32 - t15 - t16
     e22_0 = e2_0 * e2_0
     t17 = 2 * e2_0
@@ -512,7 +512,7 @@ def sextic(s: Any, anchor: Any, length: Any) -> tuple[Any, ...]:
 
 
 def assembly(root: Any, s: Any, anchor: Any, length: Any, points: Any) -> tuple[Any, ...]:
-    """The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (173 add, 203 multiply, 9
+    """The pose at one root of the sextic.  Thesis: 3.2.1, (3.1) to (3.4).  (173 add, 204 multiply, 9
     divide, 2 square root, 4 arctangent)"""
     root_0, root_1 = root
     s_00, s_01, _s_10, _s_11, _s_20, _s_21 = s
@@ -547,7 +547,7 @@ def assembly(root: Any, s: Any, anchor: Any, length: Any, points: Any) -> tuple[
     e_2 = t13 - t14 - z_2_0 * z_2_0 - z_2_1 * z_2_1
     t15 = length_2 * length_2
     e_3 = t15 - t14 - z_3_0 * z_3_0 - z_3_1 * z_3_1
-    t16 = 1 / (2 * (z_2_0 * z_3_1 - z_2_1 * z_3_0))
+    t16 = 1 / (z_3_1 * (2 * z_2_0) - z_3_0 * (2 * z_2_1))
     a_1_0_0 = (z_3_1 * e_2 - z_2_1 * e_3) * t16
     a_1_0_1 = t16 * (z_2_0 * e_3 - z_3_0 * e_2)
     a_1_1_0 = a_1_0_0 - points_00

@@ -31,12 +31,14 @@ def prepare(fields: Any) -> SimpleNamespace:
     e_1_2 = np.sin(alpha)
     t2 = e_t_1 * t1
     t3 = e_r_1 * t1
-    c_2 = l_1 * e_1_2
-    t4 = l_2 - l_3
-    t5 = l_2 + l_3
-    k_1 = t5 * t5
-    t6 = l_2 * l_2
-    t7 = l_3 * l_3
+    t4 = e_t_1 * e_1_2
+    t5 = e_r_1 * e_1_2
+    t6 = e_t_1 * t2 + e_r_1 * t3
+    t7 = l_2 - l_3
+    t8 = l_2 + l_3
+    k_1 = t8 * t8
+    t9 = l_2 * l_2
+    t10 = l_3 * l_3
     return SimpleNamespace(
         azimuth=fields["azimuth"],
         R_b=fields["R_b"],
@@ -44,11 +46,11 @@ def prepare(fields: Any) -> SimpleNamespace:
         l_1=fields["l_1"],
         l_2=fields["l_2"],
         l_3=fields["l_3"],
-        c=(R_b * e_t_1 - l_1 * t2, R_b * e_r_1 - l_1 * t3, c_2,),
-        e_x=(-e_t_1 * e_1_2, -e_r_1 * e_1_2, -(e_t_1 * t2 + e_r_1 * t3),),
+        c=(R_b * e_t_1 - l_1 * t2, R_b * e_r_1 - l_1 * t3, l_1 * e_1_2,),
+        e_x=(-t4, -t5, -t6,),
         e_1=(-t2, -t3, e_1_2,),
         e_t=(-e_r_1, e_t_1, 0,),
-        k=(t4 * t4, k_1, np.abs(t4), 1 / (t6 * t7), t6 + t7, t6 - t7, 1 / k_1, c_2 * 2,),
+        k=(t7 * t7, k_1, np.abs(t7), 1 / (t9 * t10), t9 + t10, t9 - t10, 1 / k_1, -t2 * 0.5, -e_r_1 * 0.5, -t3 * 0.5, e_t_1 * 0.5, e_1_2 * 0.5, -t4 * 0.5, -t5 * 0.5, -t6 * 0.5,),
     )
 
 
@@ -403,7 +405,7 @@ def passive(g: Any, rho: Any) -> tuple[Any, ...]:
 
 
 def points(g: Any, rho: Any, s: Any) -> tuple[Any, ...]:
-    """Joints of the (Tripteron) sub-leg, from the base to S_i.  (47 add, 81 multiply, 3 divide, 3
+    """Joints of the (Tripteron) sub-leg, from the base to S_i.  (47 add, 64 multiply, 3 divide, 3
     square root, 4 select)"""
     rho_0, rho_1, rho_2 = rho
     s_0, s_1, s_2 = s
@@ -451,21 +453,21 @@ def points(g: Any, rho: Any, s: Any) -> tuple[Any, ...]:
             slider_1_0,
             slider_1_1,
             slider_1_2,
-            (slider_1_0 * 2 + g.e_1[0] * n_1 * t7 + t7 * (g.e_t[0] * m_1)) * 0.5,
-            0.5 * (slider_1_1 * 2 + t7 * (g.e_1[1] * n_1) + t7 * (g.e_t[1] * m_1)),
-            0.5 * (slider_1_2 * 2 + t7 * (g.e_1[2] * n_1)),
+            slider_1_0 + n_1 * g.k[7] * t7 + t7 * (m_1 * g.k[8]),
+            slider_1_1 + t7 * (n_1 * g.k[9]) + t7 * (m_1 * g.k[10]),
+            slider_1_2 + t7 * (n_1 * g.k[11]),
             slider_2_0,
             slider_2_1,
             slider_2_2,
-            0.5 * (slider_2_0 * 2 + g.e_t[0] * n_2 * t8 + t8 * (g.e_x[0] * m_2)),
-            0.5 * (slider_2_1 * 2 + t8 * (g.e_t[1] * n_2) + t8 * (g.e_x[1] * m_2)),
-            0.5 * (slider_2_2 * 2 + t8 * (g.e_x[2] * m_2)),
+            slider_2_0 + n_2 * g.k[8] * t8 + t8 * (m_2 * g.k[12]),
+            slider_2_1 + t8 * (n_2 * g.k[10]) + t8 * (m_2 * g.k[13]),
+            slider_2_2 + t8 * (m_2 * g.k[14]),
             slider_3_0,
             slider_3_1,
             g.c[2],
-            0.5 * (slider_3_0 * 2 + g.e_1[0] * m_3 * t9 + t9 * (g.e_x[0] * n_3)),
-            0.5 * (slider_3_1 * 2 + t9 * (g.e_1[1] * m_3) + t9 * (g.e_x[1] * n_3)),
-            0.5 * (g.k[7] + t9 * (g.e_1[2] * m_3) + t9 * (g.e_x[2] * n_3)),
+            slider_3_0 + m_3 * g.k[7] * t9 + t9 * (n_3 * g.k[12]),
+            slider_3_1 + t9 * (m_3 * g.k[9]) + t9 * (n_3 * g.k[13]),
+            g.c[2] + t9 * (m_3 * g.k[11]) + t9 * (n_3 * g.k[14]),
             s_0,
             s_1,
             s_2,

@@ -298,8 +298,10 @@ class KernelWriter:
             return graph.constant(Fraction(int(e.p), int(e.q)))
         if e.is_Add:
             common, rest = e.primitive()
-            if sum(abs(term.as_coeff_Mul()[0]) == common for term in e.args) > 1 and common != 1:
-                return graph.mul(self._node(rest), self._node(common))  # SymPy has multiplied it out
+            shared = all(abs(term.as_coeff_Mul()[0]) == common for term in e.args)
+            if common != 1 and shared and len(e.args) > 2:
+                # SymPy multiplies sums out; of two terms each half is often wanted elsewhere
+                return graph.mul(self._node(rest), self._node(common))
             positive = [term for term in e.args if not term.could_extract_minus_sign()]
             negative = [-term for term in e.args if term.could_extract_minus_sign()]
             if not positive:

@@ -92,50 +92,57 @@ KRHPR_STATIC void krhpr_algebra_planar_rotation_tangent(const krhpr_dual *phi, k
     }
 }
 
-/* `spread` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8.  (22 add, 28
+/* `spread` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8.  (22 add, 24
  * multiply, 6 divide, 2 square root) */
 KRHPR_STATIC void krhpr_algebra_planar_spread_tangent(
     const krhpr_dual *gram, const krhpr_dual *cofactors, const krhpr_dual *square,
     krhpr_dual *KRHPR_RESTRICT largest, krhpr_dual *KRHPR_RESTRICT smallest,
     krhpr_dual *KRHPR_RESTRICT evenness)
 {
-    const double g_h = (gram[0].v - gram[3].v) * 0.5;
-    const double h_h = 0.5 * (cofactors[0].v - cofactors[3].v);
-    const double t1 = sqrt(g_h * g_h + gram[1].v * gram[1].v);
-    const double high = 0.5 * (gram[0].v + gram[3].v + 2.0 * t1);
-    const double t2 = sqrt(cofactors[1].v * cofactors[1].v + h_h * h_h);
-    const double t3 = 0.5 * (cofactors[0].v + cofactors[3].v + 2.0 * t2);
-    const double low = square[0].v / t3;
+    const double t1 = gram[0].v * 0.5;
+    const double t2 = gram[3].v * 0.5;
+    const double g_h = t1 - t2;
+    const double t3 = cofactors[0].v * 0.5;
+    const double t4 = cofactors[3].v * 0.5;
+    const double h_h = t3 - t4;
+    const double t5 = sqrt(g_h * g_h + gram[1].v * gram[1].v);
+    const double high = t2 + (t1 + t5);
+    const double t6 = sqrt(cofactors[1].v * cofactors[1].v + h_h * h_h);
+    const double t7 = t4 + (t3 + t6);
+    const double low = square[0].v / t7;
     const double evenness_a = low / high;
-    const double h1 = 1.0 / t1;
-    const double h2 = 1.0 / t2;
-    const double h3 = 1.0 / t3;
+    const double h1 = 1.0 / t5;
+    const double h2 = 1.0 / t6;
+    const double h3 = 1.0 / t7;
     const double h4 = 1.0 / high;
     largest[0].v = high;
     smallest[0].v = low;
     evenness[0].v = evenness_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t4 = g_h * (0.5 * (gram[0].t[k] - gram[3].t[k]));
-        const double t5 = gram[1].v * gram[1].t[k];
-        const double t6 = 0.5 * (gram[0].t[k] + gram[3].t[k] + 2.0 * (h1 * (0.5 * (t4 + t4 + (t5 + t5)))));
-        const double t7 = cofactors[1].v * cofactors[1].t[k];
-        const double t8 = h_h * (0.5 * (cofactors[0].t[k] - cofactors[3].t[k]));
-        const double t9 = cofactors[0].t[k] + cofactors[3].t[k] + 2.0 * (h2 * (0.5 * (t7 + t7 + (t8 + t8))));
-        const double t10 = h3 * (square[0].t[k] - low * (0.5 * t9));
-        largest[0].t[k] = t6;
-        smallest[0].t[k] = t10;
-        evenness[0].t[k] = h4 * (t10 - evenness_a * t6);
+        const double t8 = 0.5 * gram[0].t[k];
+        const double t9 = 0.5 * gram[3].t[k];
+        const double t10 = 0.5 * cofactors[0].t[k];
+        const double t11 = 0.5 * cofactors[3].t[k];
+        const double t12 = g_h * (t8 - t9);
+        const double t13 = gram[1].v * gram[1].t[k];
+        const double t14 = t9 + (t8 + h1 * (0.5 * (t12 + t12 + (t13 + t13))));
+        const double t15 = cofactors[1].v * cofactors[1].t[k];
+        const double t16 = h_h * (t10 - t11);
+        const double t17 = h3 * (square[0].t[k] - low * (t11 + (t10 + h2 * (0.5 * (t15 + t15 + (t16 + t16))))));
+        largest[0].t[k] = t14;
+        smallest[0].t[k] = t17;
+        evenness[0].t[k] = h4 * (t17 - evenness_a * t14);
     }
 }
 
 /* `spread_bound` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8.  (96
- * add, 146 multiply, 12 divide, 6 square root) */
+ * add, 150 multiply, 12 divide, 6 square root) */
 KRHPR_STATIC void krhpr_algebra_planar_spread_bound_tangent(
     const krhpr_dual *gram, const krhpr_dual *cofactors, const krhpr_dual *square,
     krhpr_dual *KRHPR_RESTRICT largest, krhpr_dual *KRHPR_RESTRICT smallest,
     krhpr_dual *KRHPR_RESTRICT evenness)
 {
-    const double g_0 = (gram[0].v + gram[3].v) * 0.5;
+    const double g_0 = gram[0].v * 0.5 + gram[3].v * 0.5;
     const double h1 = 1.0 / g_0;
     const double g_r_00 = gram[0].v * h1;
     const double g_r_01 = gram[1].v * h1;
@@ -155,7 +162,7 @@ KRHPR_STATIC void krhpr_algebra_planar_spread_bound_tangent(
     const double g_4 = sqrt(g_8);
     const double g_2 = sqrt(g_4);
     const double g_1 = sqrt(g_2);
-    const double h_0 = 0.5 * (cofactors[0].v + cofactors[3].v);
+    const double h_0 = cofactors[0].v * 0.5 + cofactors[3].v * 0.5;
     const double h5 = 1.0 / h_0;
     const double h_r_00 = cofactors[0].v * h5;
     const double h_r_01 = cofactors[1].v * h5;
@@ -191,7 +198,7 @@ KRHPR_STATIC void krhpr_algebra_planar_spread_bound_tangent(
     smallest[0].v = low;
     evenness[0].v = evenness_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t6 = 0.5 * (gram[0].t[k] + gram[3].t[k]);
+        const double t6 = 0.5 * gram[0].t[k] + 0.5 * gram[3].t[k];
         const double t7 = h1 * (h1 * t6);
         const double t8 = h1 * gram[0].t[k] - gram[0].v * t7;
         const double t9 = h1 * gram[1].t[k] - gram[1].v * t7;
@@ -212,7 +219,7 @@ KRHPR_STATIC void krhpr_algebra_planar_spread_bound_tangent(
         const double t24 = g_r4_10 * (g_r2_10 * t14 + g_r2_00 * t16 + (g_r2_11 * t16 + g_r2_10 * t18));
         const double t25 = g_r4_11 * (t20 + (t21 + t21));
         const double t26 = h3 * (0.5 * (h2 * (0.5 * (t22 + t22 + (t23 + t23) + (t24 + t24) + (t25 + t25)))));
-        const double t27 = 0.5 * (cofactors[0].t[k] + cofactors[3].t[k]);
+        const double t27 = 0.5 * cofactors[0].t[k] + 0.5 * cofactors[3].t[k];
         const double t28 = h5 * (h5 * t27);
         const double t29 = h5 * cofactors[0].t[k] - cofactors[0].v * t28;
         const double t30 = h5 * cofactors[1].t[k] - cofactors[1].v * t28;
@@ -242,15 +249,17 @@ KRHPR_STATIC void krhpr_algebra_planar_spread_bound_tangent(
 }
 
 /* `norms` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.  (13
- * add, 28 multiply, 12 divide, 6 square root) */
+ * add, 26 multiply, 12 divide, 6 square root) */
 KRHPR_STATIC void krhpr_algebra_planar_norms_tangent(
     const krhpr_dual *position_gram, const krhpr_dual *rotation_gram, const krhpr_dual *largest,
     const krhpr_dual *smallest, krhpr_dual *KRHPR_RESTRICT eta_1, krhpr_dual *KRHPR_RESTRICT eta_2,
     krhpr_dual *KRHPR_RESTRICT condition)
 {
-    const double p_h = (position_gram[0].v - position_gram[3].v) * 0.5;
-    const double t1 = sqrt(p_h * p_h + position_gram[1].v * position_gram[1].v);
-    const double eta_1_a = sqrt(0.5 * (position_gram[0].v + position_gram[3].v + 2.0 * t1));
+    const double t1 = position_gram[0].v * 0.5;
+    const double t2 = position_gram[3].v * 0.5;
+    const double p_h = t1 - t2;
+    const double t3 = sqrt(p_h * p_h + position_gram[1].v * position_gram[1].v);
+    const double eta_1_a = sqrt(t2 + (t1 + t3));
     const double eta_2_a = sqrt(rotation_gram[0].v);
     const double h4 = largest[0].v / smallest[0].v;
     const double condition_0 = sqrt(h4);
@@ -258,7 +267,7 @@ KRHPR_STATIC void krhpr_algebra_planar_norms_tangent(
     const double condition_1 = sqrt(h7);
     const double h10 = largest[2].v / smallest[2].v;
     const double condition_2 = sqrt(h10);
-    const double h1 = 1.0 / t1;
+    const double h1 = 1.0 / t3;
     const double h2 = 1.0 / eta_1_a;
     const double h3 = 1.0 / eta_2_a;
     const double h5 = 1.0 / smallest[0].v;
@@ -273,10 +282,11 @@ KRHPR_STATIC void krhpr_algebra_planar_norms_tangent(
     condition[1].v = condition_1;
     condition[2].v = condition_2;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t2 = p_h * (0.5 * (position_gram[0].t[k] - position_gram[3].t[k]));
-        const double t3 = position_gram[1].v * position_gram[1].t[k];
-        const double t4 = position_gram[0].t[k] + position_gram[3].t[k] + 2.0 * (h1 * (0.5 * (t2 + t2 + (t3 + t3))));
-        eta_1[0].t[k] = h2 * (0.5 * (0.5 * t4));
+        const double t4 = 0.5 * position_gram[0].t[k];
+        const double t5 = 0.5 * position_gram[3].t[k];
+        const double t6 = p_h * (t4 - t5);
+        const double t7 = position_gram[1].v * position_gram[1].t[k];
+        eta_1[0].t[k] = h2 * (0.5 * (t5 + (t4 + h1 * (0.5 * (t6 + t6 + (t7 + t7))))));
         eta_2[0].t[k] = h3 * (0.5 * rotation_gram[0].t[k]);
         condition[0].t[k] = h6 * (0.5 * (h5 * (largest[0].t[k] - h4 * smallest[0].t[k])));
         condition[1].t[k] = h9 * (0.5 * (h8 * (largest[1].t[k] - h7 * smallest[1].t[k])));
@@ -285,13 +295,13 @@ KRHPR_STATIC void krhpr_algebra_planar_norms_tangent(
 }
 
 /* `norm_bounds` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.
- * (90 add, 170 multiply, 18 divide, 12 square root) */
+ * (90 add, 176 multiply, 18 divide, 12 square root) */
 KRHPR_STATIC void krhpr_algebra_planar_norm_bounds_tangent(
     const krhpr_dual *position_gram, const krhpr_dual *rotation_gram, const krhpr_dual *largest,
     const krhpr_dual *smallest, krhpr_dual *KRHPR_RESTRICT eta_1, krhpr_dual *KRHPR_RESTRICT eta_2,
     krhpr_dual *KRHPR_RESTRICT eta_3)
 {
-    const double p_0 = (position_gram[0].v + position_gram[3].v) * 0.5;
+    const double p_0 = position_gram[0].v * 0.5 + position_gram[3].v * 0.5;
     const double h1 = 1.0 / p_0;
     const double p_r_00 = position_gram[0].v * h1;
     const double p_r_01 = position_gram[1].v * h1;
@@ -313,7 +323,7 @@ KRHPR_STATIC void krhpr_algebra_planar_norm_bounds_tangent(
     const double p_1 = sqrt(p_2);
     const double eta_1_a = sqrt(p_0 * p_1);
     const double eta_2_a = sqrt(rotation_gram[0].v);
-    const double l_0 = (largest[1].v + largest[2].v + largest[0].v * 2.0) * 0.25;
+    const double l_0 = largest[0].v * 0.5 + largest[1].v * 0.25 + largest[2].v * 0.25;
     const double h7 = 1.0 / l_0;
     const double l_r1 = largest[0].v * h7;
     const double l_r2 = largest[1].v * h7;
@@ -331,7 +341,7 @@ KRHPR_STATIC void krhpr_algebra_planar_norm_bounds_tangent(
     const double inv_s = 1.0 / smallest[0].v;
     const double inv_s_a = 1.0 / smallest[1].v;
     const double inv_s_b = 1.0 / smallest[2].v;
-    const double s_0 = 0.25 * (inv_s_a + inv_s_b + 2.0 * inv_s);
+    const double s_0 = 0.5 * inv_s + 0.25 * inv_s_a + 0.25 * inv_s_b;
     const double h17 = 1.0 / s_0;
     const double s_r1 = inv_s * h17;
     const double s_r2 = inv_s_a * h17;
@@ -365,7 +375,7 @@ KRHPR_STATIC void krhpr_algebra_planar_norm_bounds_tangent(
     eta_2[0].v = eta_2_a;
     eta_3[0].v = eta_3_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t3 = 0.5 * (position_gram[0].t[k] + position_gram[3].t[k]);
+        const double t3 = 0.5 * position_gram[0].t[k] + 0.5 * position_gram[3].t[k];
         const double t4 = h1 * (h1 * t3);
         const double t5 = h1 * position_gram[0].t[k] - position_gram[0].v * t4;
         const double t6 = h1 * position_gram[1].t[k] - position_gram[1].v * t4;
@@ -386,7 +396,7 @@ KRHPR_STATIC void krhpr_algebra_planar_norm_bounds_tangent(
         const double t21 = p_r4_10 * (p_r2_10 * t11 + p_r2_00 * t13 + (p_r2_11 * t13 + p_r2_10 * t15));
         const double t22 = p_r4_11 * (t17 + (t18 + t18));
         const double t23 = h3 * (0.5 * (h2 * (0.5 * (t19 + t19 + (t20 + t20) + (t21 + t21) + (t22 + t22)))));
-        const double t24 = 0.25 * (largest[1].t[k] + largest[2].t[k] + 2.0 * largest[0].t[k]);
+        const double t24 = 0.5 * largest[0].t[k] + 0.25 * largest[1].t[k] + 0.25 * largest[2].t[k];
         const double t25 = h7 * (h7 * t24);
         const double t26 = l_r1 * (h7 * largest[0].t[k] - largest[0].v * t25);
         const double t27 = h8 * (t26 + t26);
@@ -401,7 +411,7 @@ KRHPR_STATIC void krhpr_algebra_planar_norm_bounds_tangent(
         const double t36 = inv_s * (inv_s * smallest[0].t[k]);
         const double t37 = inv_s_a * (inv_s_a * smallest[1].t[k]);
         const double t38 = inv_s_b * (inv_s_b * smallest[2].t[k]);
-        const double t39 = 0.25 * (t37 + t38 + 2.0 * t36);
+        const double t39 = 0.5 * t36 + 0.25 * t37 + 0.25 * t38;
         const double t40 = h17 * (h17 * t39);
         const double t41 = s_r1 * (inv_s * t40 - h17 * t36);
         const double t42 = h18 * (t41 + t41);

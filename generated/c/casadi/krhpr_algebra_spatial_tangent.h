@@ -394,13 +394,13 @@ KRHPR_STATIC void krhpr_algebra_spatial_spread_tangent(
 }
 
 /* `spread_bound` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8.  (320
- * add, 400 multiply, 12 divide, 6 square root) */
+ * add, 404 multiply, 12 divide, 6 square root) */
 KRHPR_STATIC void krhpr_algebra_spatial_spread_bound_tangent(
     const krhpr_dual *gram, const krhpr_dual *cofactors, const krhpr_dual *square,
     krhpr_dual *KRHPR_RESTRICT largest, krhpr_dual *KRHPR_RESTRICT smallest,
     krhpr_dual *KRHPR_RESTRICT evenness)
 {
-    const double g_0 = (gram[4].v + gram[8].v + gram[0].v * 2.0) * 0.25;
+    const double g_0 = gram[0].v * 0.5 + gram[4].v * 0.25 + gram[8].v * 0.25;
     const double h1 = 1.0 / g_0;
     const double g_r_00 = gram[0].v * h1;
     const double g_r_01 = gram[1].v * h1;
@@ -440,7 +440,7 @@ KRHPR_STATIC void krhpr_algebra_spatial_spread_bound_tangent(
     const double g_4 = sqrt(g_8);
     const double g_2 = sqrt(g_4);
     const double g_1 = sqrt(g_2);
-    const double h_0 = 0.25 * (cofactors[4].v + cofactors[8].v + cofactors[0].v * 2.0);
+    const double h_0 = cofactors[0].v * 0.5 + cofactors[4].v * 0.25 + cofactors[8].v * 0.25;
     const double h5 = 1.0 / h_0;
     const double h_r_00 = cofactors[0].v * h5;
     const double h_r_01 = cofactors[1].v * h5;
@@ -496,7 +496,7 @@ KRHPR_STATIC void krhpr_algebra_spatial_spread_bound_tangent(
     smallest[0].v = low;
     evenness[0].v = evenness_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t16 = 0.25 * (gram[4].t[k] + gram[8].t[k] + 2.0 * gram[0].t[k]);
+        const double t16 = 0.5 * gram[0].t[k] + 0.25 * gram[4].t[k] + 0.25 * gram[8].t[k];
         const double t17 = h1 * (h1 * t16);
         const double t18 = h1 * gram[0].t[k] - gram[0].v * t17;
         const double t19 = h1 * gram[1].t[k] - gram[1].v * t17;
@@ -545,7 +545,7 @@ KRHPR_STATIC void krhpr_algebra_spatial_spread_bound_tangent(
         const double t62 = g_r4_21 * t52;
         const double t63 = g_r4_22 * (t49 + (t44 + (t53 + t53)));
         const double t64 = 0.5 * (h3 * (0.5 * (h2 * (0.5 * (t60 + (t61 + t61) + (t62 + t62) + (t63 + t63))))));
-        const double t65 = 0.25 * (cofactors[4].t[k] + cofactors[8].t[k] + 2.0 * cofactors[0].t[k]);
+        const double t65 = 0.5 * cofactors[0].t[k] + 0.25 * cofactors[4].t[k] + 0.25 * cofactors[8].t[k];
         const double t66 = h5 * (h5 * t65);
         const double t67 = h5 * cofactors[0].t[k] - cofactors[0].v * t66;
         const double t68 = h5 * cofactors[1].t[k] - cofactors[1].v * t66;
@@ -916,13 +916,13 @@ KRHPR_STATIC void krhpr_algebra_spatial_norms_tangent(
 }
 
 /* `norm_bounds` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.
- * (361 add, 495 multiply, 22 divide, 15 square root) */
+ * (361 add, 503 multiply, 22 divide, 15 square root) */
 KRHPR_STATIC void krhpr_algebra_spatial_norm_bounds_tangent(
     const krhpr_dual *position_gram, const krhpr_dual *rotation_gram, const krhpr_dual *largest,
     const krhpr_dual *smallest, krhpr_dual *KRHPR_RESTRICT eta_1, krhpr_dual *KRHPR_RESTRICT eta_2,
     krhpr_dual *KRHPR_RESTRICT eta_3)
 {
-    const double p_0 = (position_gram[4].v + position_gram[8].v + position_gram[0].v * 2.0) * 0.25;
+    const double p_0 = position_gram[0].v * 0.5 + position_gram[4].v * 0.25 + position_gram[8].v * 0.25;
     const double h1 = 1.0 / p_0;
     const double p_r_00 = position_gram[0].v * h1;
     const double p_r_01 = position_gram[1].v * h1;
@@ -963,7 +963,7 @@ KRHPR_STATIC void krhpr_algebra_spatial_norm_bounds_tangent(
     const double p_2 = sqrt(p_4);
     const double p_1 = sqrt(p_2);
     const double eta_1_a = sqrt(p_0 * p_1);
-    const double r_0 = 0.25 * (rotation_gram[4].v + rotation_gram[8].v + rotation_gram[0].v * 2.0);
+    const double r_0 = rotation_gram[0].v * 0.5 + rotation_gram[4].v * 0.25 + rotation_gram[8].v * 0.25;
     const double h6 = 1.0 / r_0;
     const double r_r_00 = rotation_gram[0].v * h6;
     const double r_r_01 = rotation_gram[1].v * h6;
@@ -1004,7 +1004,7 @@ KRHPR_STATIC void krhpr_algebra_spatial_norm_bounds_tangent(
     const double r_2 = sqrt(r_4);
     const double r_1 = sqrt(r_2);
     const double eta_2_a = sqrt(r_0 * r_1);
-    const double l_0 = 0.25 * (largest[1].v + largest[2].v + largest[0].v * 2.0);
+    const double l_0 = largest[0].v * 0.5 + largest[1].v * 0.25 + largest[2].v * 0.25;
     const double h11 = 1.0 / l_0;
     const double l_r1 = largest[0].v * h11;
     const double l_r2 = largest[1].v * h11;
@@ -1022,7 +1022,7 @@ KRHPR_STATIC void krhpr_algebra_spatial_norm_bounds_tangent(
     const double inv_s = 1.0 / smallest[0].v;
     const double inv_s_a = 1.0 / smallest[1].v;
     const double inv_s_b = 1.0 / smallest[2].v;
-    const double s_0 = 0.25 * (inv_s_a + inv_s_b + 2.0 * inv_s);
+    const double s_0 = 0.5 * inv_s + 0.25 * inv_s_a + 0.25 * inv_s_b;
     const double h21 = 1.0 / s_0;
     const double s_r1 = inv_s * h21;
     const double s_r2 = inv_s_a * h21;
@@ -1059,7 +1059,7 @@ KRHPR_STATIC void krhpr_algebra_spatial_norm_bounds_tangent(
     eta_2[0].v = eta_2_a;
     eta_3[0].v = eta_3_a;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t15 = 0.25 * (position_gram[4].t[k] + position_gram[8].t[k] + 2.0 * position_gram[0].t[k]);
+        const double t15 = 0.5 * position_gram[0].t[k] + 0.25 * position_gram[4].t[k] + 0.25 * position_gram[8].t[k];
         const double t16 = h1 * (h1 * t15);
         const double t17 = h1 * position_gram[0].t[k] - position_gram[0].v * t16;
         const double t18 = h1 * position_gram[1].t[k] - position_gram[1].v * t16;
@@ -1108,7 +1108,7 @@ KRHPR_STATIC void krhpr_algebra_spatial_norm_bounds_tangent(
         const double t61 = p_r4_21 * t51;
         const double t62 = p_r4_22 * (t48 + (t43 + (t52 + t52)));
         const double t63 = 0.5 * (h3 * (0.5 * (h2 * (0.5 * (t59 + (t60 + t60) + (t61 + t61) + (t62 + t62))))));
-        const double t64 = 0.25 * (rotation_gram[4].t[k] + rotation_gram[8].t[k] + 2.0 * rotation_gram[0].t[k]);
+        const double t64 = 0.5 * rotation_gram[0].t[k] + 0.25 * rotation_gram[4].t[k] + 0.25 * rotation_gram[8].t[k];
         const double t65 = h6 * (h6 * t64);
         const double t66 = h6 * rotation_gram[0].t[k] - rotation_gram[0].v * t65;
         const double t67 = h6 * rotation_gram[1].t[k] - rotation_gram[1].v * t65;
@@ -1157,7 +1157,7 @@ KRHPR_STATIC void krhpr_algebra_spatial_norm_bounds_tangent(
         const double t110 = r_r4_21 * t100;
         const double t111 = r_r4_22 * (t97 + (t92 + (t101 + t101)));
         const double t112 = h8 * (0.5 * (h7 * (0.5 * (t108 + (t109 + t109) + (t110 + t110) + (t111 + t111)))));
-        const double t113 = 0.25 * (largest[1].t[k] + largest[2].t[k] + 2.0 * largest[0].t[k]);
+        const double t113 = 0.5 * largest[0].t[k] + 0.25 * largest[1].t[k] + 0.25 * largest[2].t[k];
         const double t114 = h11 * (h11 * t113);
         const double t115 = l_r1 * (h11 * largest[0].t[k] - largest[0].v * t114);
         const double t116 = h12 * (t115 + t115);
@@ -1172,7 +1172,7 @@ KRHPR_STATIC void krhpr_algebra_spatial_norm_bounds_tangent(
         const double t125 = inv_s * (inv_s * smallest[0].t[k]);
         const double t126 = inv_s_a * (inv_s_a * smallest[1].t[k]);
         const double t127 = inv_s_b * (inv_s_b * smallest[2].t[k]);
-        const double t128 = 0.25 * (t126 + t127 + 2.0 * t125);
+        const double t128 = 0.5 * t125 + 0.25 * t126 + 0.25 * t127;
         const double t129 = h21 * (h21 * t128);
         const double t130 = s_r1 * (inv_s * t129 - h21 * t125);
         const double t131 = h22 * (t130 + t130);

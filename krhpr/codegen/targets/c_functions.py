@@ -20,7 +20,7 @@ from krhpr.codegen.composition import (
     Variable,
     variables,
 )
-from krhpr.codegen.kernel import LEGS, Kernel, Layout, Port
+from krhpr.codegen.kernel import Kernel, Layout, Port
 from krhpr.codegen.part import Part
 from krhpr.codegen.phases import Phases
 from krhpr.codegen.printers.c import print_kernel
@@ -321,14 +321,14 @@ class _Plan:
         names = {call.variable_out(port.name): port.size for port in kernel.outputs if port.name != each.miss}
         rows = tuple(Row(name, self._collected(name, call.stage), size) for name, size in names.items())
         others = [port for port in phases.body.inputs if port.name != each.root]
-        # a leg's kernel has the legs' geometry in its lanes
-        side_by_side = kernel.geometry is None and self.robot.legs == LEGS
+        side_by_side = kernel.geometry is None  # in lanes, geometry is that of several legs
         spreads = tuple(self._spread(call, port) for port in others) if side_by_side else None
         end = "roots" if side_by_side else "at"
         special = {name: f"{name}_{end}" for name in (*names, each.miss)}
         special |= {"tail_y": f"tail_y_{end}", "tail_x": f"tail_x_{end}", each.root: each.root}
-        for port, (name, _, _) in zip(others, spreads or (), strict=False):
-            special[port.name] = name if port.shape else f"{name}[0]"
+        if spreads is not None:
+            for port, (name, _, _) in zip(others, spreads, strict=True):
+                special[port.name] = name if port.shape else f"{name}[0]"
         stores = [
             (f"{call.variable_out(tail.port.name)}_{end}[{index}]", f"tail_{end}[{slot}]")
             for tail in phases.tails
