@@ -233,6 +233,23 @@ static void scalar_calls(const struct function *f, const geometry *g, struct buf
     }
 }
 
+/* Iterations that one of two twins ended in its last step, and the other just not: where results need not be the same bit by
+ * bit, rounding decides.  A few in a million, so that more than MOST of them are a failure. */
+static int undecided;
+#define MOST 5
+
+static int is_undecided(int expected, int no_status, int status, int first, const double *result)
+{
+    if (no_status) {
+        const int none = isnan(result[0]) && (expected == KRHPR_NO_CONVERGENCE || first == KRHPR_NO_CONVERGENCE);
+        status = none ? KRHPR_NO_CONVERGENCE : KRHPR_OK;
+    }
+    const int either = expected == KRHPR_NO_CONVERGENCE || status == KRHPR_NO_CONVERGENCE;
+    const int other = expected == KRHPR_OK || status == KRHPR_OK;
+    undecided += !EXACT && either && other;
+    return !EXACT && either && other;
+}
+
 /* The batch twin against the function itself: steps that are tight, wide, zero and negative; NULL where it is allowed. */
 static void batch_calls(const struct function *f, const geometry *g, struct buffers *b, long samples)
 {
@@ -291,6 +308,10 @@ static void batch_calls(const struct function *f, const geometry *g, struct buff
             expected_first = expected_first == KRHPR_OK ? expected : expected_first;
             all_tame &= !wild[n];
             if (!EXACT && wild[n]) {
+                continue;
+            }
+            if (is_undecided(expected, no_status, status[n * status_step], first, out[0] + n * out_step[0])) {
+                all_tame = 0;
                 continue;
             }
             CHECK(no_status || status[n * status_step] == expected, "batch: status %d, not %d", status[n * status_step], expected);
@@ -374,8 +395,10 @@ static void soa_calls(const struct function *f, const geometry *g, struct buffer
             }
             const int expected = f->call(g, expected_in, b->out);
             expected_first = expected_first == KRHPR_OK ? expected : expected_first;
-            const int compared = EXACT || !wild[n];
-            all_tame &= !wild[n];
+            const double *const result = out_block[0] + n / row * out_step[0] + n % row;
+            const int tame = !wild[n] && !is_undecided(expected, no_status, status[n], first, result);
+            const int compared = EXACT || tame;
+            all_tame &= tame;
             CHECK(no_status || status[n] == expected || !compared, "soa: status %d, not %d", status[n], expected);
             for (int k = 0; k < f->n_out; ++k) {
                 double *const place = out_block[k] + n / row * out_step[k] + n % row;
@@ -432,6 +455,10 @@ int main(int argc, char **argv)
             free(b.out[k]);
             free(b.again[k]);
         }
+    }
+    if (undecided > MOST) {
+        fprintf(stderr, "%d iterations end in one twin only\n", undecided);
+        ++failures;
     }
     if (failures) {
         fprintf(stderr, "%d failures\n", failures);
