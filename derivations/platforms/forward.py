@@ -127,8 +127,9 @@ def plane_of(k: KernelWriter, space: Space, s: Sequence[sp.Matrix], order: Any, 
     one_edge = k.let("w_1", 1 / edge)
     one_normal = k.let("w_n", sense / root, "1 / |s_n|, negative where the legs go the other way")
     x, z = k.let("x_1", s_12 * one_edge, "(3.1)"), k.let("z_1", normal * one_normal, "(3.2)")
-    y = k.let("y_1", across * k.let("w_y", one_normal * one_edge))
-    r_3 = k.let("r_3", one_edge * sp.Matrix([dot(s_12, s_13), area * one_normal]))
+    # factor by factor: where S_1 and S_2 all but coincide, the product of both reciprocals would overflow
+    y = k.let("y_1", k.let("y_e", across * one_edge) * one_normal)
+    r_3 = k.let("r_3", one_edge * sp.Matrix([dot(s_12, s_13), k.let("h_3", area * one_normal)]))
     points = (zero, sp.Matrix([edge, 0]), r_3)
     return Plane(space, s[0], sp.Matrix.hstack(x, y, z), points, Span(s_12, across, sense, root))
 

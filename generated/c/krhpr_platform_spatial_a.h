@@ -541,7 +541,7 @@ KRHPR_STATIC void krhpr_platform_spatial_a_tie(
 }
 
 /* The sextic in tan(phi / 2) that holds the three end points.  Thesis: 3.2.1, (3.1) to (3.4).  (123 add,
- * 175 multiply, 3 divide, 2 square root) */
+ * 177 multiply, 3 divide, 2 square root) */
 KRHPR_STATIC void krhpr_platform_spatial_a_sextic(
     const double s[9], const double anchor[6], const double length[3], double turned,
     double *KRHPR_RESTRICT sign, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
@@ -584,12 +584,15 @@ KRHPR_STATIC void krhpr_platform_spatial_a_sextic(
     const double z_1_0 = s_n_0 * w_n; /* (3.2) */
     const double z_1_1 = s_n_1 * w_n;
     const double z_1_2 = s_n_2 * w_n;
-    const double w_y = w_1 * w_n;
-    const double y_1_0 = y_n_0 * w_y;
-    const double y_1_1 = y_n_1 * w_y;
-    const double y_1_2 = y_n_2 * w_y;
+    const double y_e_0 = y_n_0 * w_1;
+    const double y_e_1 = y_n_1 * w_1;
+    const double y_e_2 = y_n_2 * w_1;
+    const double y_1_0 = w_n * y_e_0;
+    const double y_1_1 = w_n * y_e_1;
+    const double y_1_2 = w_n * y_e_2;
+    const double h_3 = s_n_2_a * w_n;
     const double r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const double r_3_1 = w_n * (s_n_2_a * w_1);
+    const double r_3_1 = w_1 * h_3;
     const double c_22 = d_2_0 * v_1;
     const double c_23 = d_2_0 * r_3_0 + d_2_1 * r_3_1;
     const double c_32 = d_3_0 * v_1;
@@ -885,7 +888,7 @@ KRHPR_STATIC void krhpr_platform_spatial_a_uniqueness(
 }
 
 /* The pose nearby in the platform's plane, and whether steps from it are certain to converge.  Thesis:
- * 3.2.2, (3.4) to (3.9).  (100 add, 157 multiply, 8 divide, 10 square root, 1 select) */
+ * 3.2.2, (3.4) to (3.9).  (100 add, 159 multiply, 8 divide, 10 square root, 1 select) */
 KRHPR_STATIC void krhpr_platform_spatial_a_newton_start(
     const double s[9], const double anchor[6], const double length[3], const double p_near[3],
     const double Q_near[9], double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
@@ -924,12 +927,15 @@ KRHPR_STATIC void krhpr_platform_spatial_a_newton_start(
     const double z_1_0 = s_n_0 * w_n; /* (3.2) */
     const double z_1_1 = s_n_1 * w_n;
     const double z_1_2 = s_n_2 * w_n;
-    const double w_y = w_1 * w_n;
-    const double y_1_0 = y_n_0 * w_y;
-    const double y_1_1 = y_n_1 * w_y;
-    const double y_1_2 = y_n_2 * w_y;
+    const double y_e_0 = y_n_0 * w_1;
+    const double y_e_1 = y_n_1 * w_1;
+    const double y_e_2 = y_n_2 * w_1;
+    const double y_1_0 = w_n * y_e_0;
+    const double y_1_1 = w_n * y_e_1;
+    const double y_1_2 = w_n * y_e_2;
+    const double h_3 = s_n_2_a * w_n;
     const double r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const double r_3_1 = w_n * (s_n_2_a * w_1);
+    const double r_3_1 = w_1 * h_3;
     const double c = Q_near[0] * s_12_0 + Q_near[3] * s_12_1 + Q_near[6] * s_12_2;
     const double s_a = sense * (Q_near[0] * y_n_0 + Q_near[3] * y_n_1 + Q_near[6] * y_n_2);
     const double norm_of = s_a * s_a + s_n_w * (c * c);
@@ -1198,7 +1204,7 @@ KRHPR_STATIC void krhpr_platform_spatial_a_turns_3(
     turns[5] = sine[2];
 }
 
-/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (93 add, 124 multiply, 5
+/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (93 add, 126 multiply, 5
  * divide, 5 square root, 4 select) */
 KRHPR_STATIC void krhpr_platform_spatial_a_one_encoder(
     const double s[9], const double turns[2], const double anchor[6], const double length[3],
@@ -1236,12 +1242,15 @@ KRHPR_STATIC void krhpr_platform_spatial_a_one_encoder(
     const double z_1_0 = s_n_0 * w_n; /* (3.2) */
     const double z_1_1 = s_n_1 * w_n;
     const double z_1_2 = s_n_2 * w_n;
-    const double w_y = w_1 * w_n;
-    const double y_1_0 = y_n_0 * w_y;
-    const double y_1_1 = y_n_1 * w_y;
-    const double y_1_2 = y_n_2 * w_y;
+    const double y_e_0 = y_n_0 * w_1;
+    const double y_e_1 = y_n_1 * w_1;
+    const double y_e_2 = y_n_2 * w_1;
+    const double y_1_0 = w_n * y_e_0;
+    const double y_1_1 = w_n * y_e_1;
+    const double y_1_2 = w_n * y_e_2;
+    const double h_3 = s_n_2_a * w_n;
     const double r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const double r_3_1 = w_n * (s_n_2_a * w_1);
+    const double r_3_1 = w_1 * h_3;
     const double w_2_0 = anchor[2] - e_1_0; /* S_1 to B_i */
     const double w_2_1 = anchor[3] - e_1_1;
     const double w_3_0 = anchor[4] - e_1_0;
@@ -1317,7 +1326,7 @@ KRHPR_STATIC void krhpr_platform_spatial_a_one_encoder(
 }
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
- * (3.24).  (45 add, 65 multiply, 5 divide, 3 square root, 1 select) */
+ * (3.24).  (45 add, 67 multiply, 5 divide, 3 square root, 1 select) */
 KRHPR_STATIC void krhpr_platform_spatial_a_two_encoders(
     const double s[9], const double turns[4], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
@@ -1357,12 +1366,15 @@ KRHPR_STATIC void krhpr_platform_spatial_a_two_encoders(
     const double z_1_0 = s_n_0 * w_n; /* (3.2) */
     const double z_1_1 = s_n_1 * w_n;
     const double z_1_2 = s_n_2 * w_n;
-    const double w_y = w_1 * w_n;
-    const double y_1_0 = y_n_0 * w_y;
-    const double y_1_1 = y_n_1 * w_y;
-    const double y_1_2 = y_n_2 * w_y;
+    const double y_e_0 = y_n_0 * w_1;
+    const double y_e_1 = y_n_1 * w_1;
+    const double y_e_2 = y_n_2 * w_1;
+    const double y_1_0 = w_n * y_e_0;
+    const double y_1_1 = w_n * y_e_1;
+    const double y_1_2 = w_n * y_e_2;
+    const double h_3 = s_n_2_a * w_n;
     const double r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const double r_3_1 = w_n * (s_n_2_a * w_1);
+    const double r_3_1 = w_1 * h_3;
     const double d_12_0 = e_2_0 - e_1_0;
     const double d_12_1 = e_2_1 - e_1_1;
     const double d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
@@ -1403,7 +1415,7 @@ KRHPR_STATIC void krhpr_platform_spatial_a_two_encoders(
 }
 
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
- * 3.2.5, (3.30).  (59 add, 82 multiply, 5 divide, 7 square root, 5 select) */
+ * 3.2.5, (3.30).  (59 add, 84 multiply, 5 divide, 7 square root, 5 select) */
 KRHPR_STATIC void krhpr_platform_spatial_a_three_encoders(
     const double s[9], const double turns[6], const double anchor[6], const double length[3],
     const double arm[6], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
@@ -1445,12 +1457,15 @@ KRHPR_STATIC void krhpr_platform_spatial_a_three_encoders(
     const double z_1_0 = s_n_0 * w_n; /* (3.2) */
     const double z_1_1 = s_n_1 * w_n;
     const double z_1_2 = s_n_2 * w_n;
-    const double w_y = w_1 * w_n;
-    const double y_1_0 = y_n_0 * w_y;
-    const double y_1_1 = y_n_1 * w_y;
-    const double y_1_2 = y_n_2 * w_y;
+    const double y_e_0 = y_n_0 * w_1;
+    const double y_e_1 = y_n_1 * w_1;
+    const double y_e_2 = y_n_2 * w_1;
+    const double y_1_0 = w_n * y_e_0;
+    const double y_1_1 = w_n * y_e_1;
+    const double y_1_2 = w_n * y_e_2;
+    const double h_3 = s_n_2_a * w_n;
     const double r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const double r_3_1 = w_n * (s_n_2_a * w_1);
+    const double r_3_1 = w_1 * h_3;
     const double d_12_0 = e_2_0 - e_1_0;
     const double d_12_1 = e_2_1 - e_1_1;
     const double d_13_0 = e_3_0 - e_1_0;

@@ -557,7 +557,7 @@ KRHPR_INLINE void krhpr_platform_spatial_a_tie_lanes(
 }
 
 /* The sextic in tan(phi / 2) that holds the three end points.  Thesis: 3.2.1, (3.1) to (3.4).  (123 add,
- * 175 multiply, 3 divide, 2 square root) */
+ * 177 multiply, 3 divide, 2 square root) */
 KRHPR_INLINE void krhpr_platform_spatial_a_sextic_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at anchor[6], const krhpr_lanes_at length[3],
     krhpr_lanes turned, krhpr_lanes_at *KRHPR_RESTRICT sign, krhpr_lanes_at *KRHPR_RESTRICT flatness,
@@ -601,12 +601,15 @@ KRHPR_INLINE void krhpr_platform_spatial_a_sextic_lanes(
     const krhpr_lanes z_1_0 = s_n_0 * w_n; /* (3.2) */
     const krhpr_lanes z_1_1 = s_n_1 * w_n;
     const krhpr_lanes z_1_2 = s_n_2 * w_n;
-    const krhpr_lanes w_y = w_1 * w_n;
-    const krhpr_lanes y_1_0 = y_n_0 * w_y;
-    const krhpr_lanes y_1_1 = y_n_1 * w_y;
-    const krhpr_lanes y_1_2 = y_n_2 * w_y;
+    const krhpr_lanes y_e_0 = y_n_0 * w_1;
+    const krhpr_lanes y_e_1 = y_n_1 * w_1;
+    const krhpr_lanes y_e_2 = y_n_2 * w_1;
+    const krhpr_lanes y_1_0 = w_n * y_e_0;
+    const krhpr_lanes y_1_1 = w_n * y_e_1;
+    const krhpr_lanes y_1_2 = w_n * y_e_2;
+    const krhpr_lanes h_3 = s_n_2_a * w_n;
     const krhpr_lanes r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const krhpr_lanes r_3_1 = w_n * (s_n_2_a * w_1);
+    const krhpr_lanes r_3_1 = w_1 * h_3;
     const krhpr_lanes c_22 = d_2_0 * v_1;
     const krhpr_lanes c_23 = d_2_0 * r_3_0 + d_2_1 * r_3_1;
     const krhpr_lanes c_32 = d_3_0 * v_1;
@@ -904,7 +907,7 @@ KRHPR_INLINE void krhpr_platform_spatial_a_uniqueness_lanes(
 }
 
 /* The pose nearby in the platform's plane, and whether steps from it are certain to converge.  Thesis:
- * 3.2.2, (3.4) to (3.9).  (100 add, 157 multiply, 8 divide, 10 square root, 1 select) */
+ * 3.2.2, (3.4) to (3.9).  (100 add, 159 multiply, 8 divide, 10 square root, 1 select) */
 KRHPR_INLINE void krhpr_platform_spatial_a_newton_start_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at anchor[6], const krhpr_lanes_at length[3],
     const krhpr_lanes_at p_near[3], const krhpr_lanes_at Q_near[9], krhpr_lanes_at *KRHPR_RESTRICT flatness,
@@ -944,12 +947,15 @@ KRHPR_INLINE void krhpr_platform_spatial_a_newton_start_lanes(
     const krhpr_lanes z_1_0 = s_n_0 * w_n; /* (3.2) */
     const krhpr_lanes z_1_1 = s_n_1 * w_n;
     const krhpr_lanes z_1_2 = s_n_2 * w_n;
-    const krhpr_lanes w_y = w_1 * w_n;
-    const krhpr_lanes y_1_0 = y_n_0 * w_y;
-    const krhpr_lanes y_1_1 = y_n_1 * w_y;
-    const krhpr_lanes y_1_2 = y_n_2 * w_y;
+    const krhpr_lanes y_e_0 = y_n_0 * w_1;
+    const krhpr_lanes y_e_1 = y_n_1 * w_1;
+    const krhpr_lanes y_e_2 = y_n_2 * w_1;
+    const krhpr_lanes y_1_0 = w_n * y_e_0;
+    const krhpr_lanes y_1_1 = w_n * y_e_1;
+    const krhpr_lanes y_1_2 = w_n * y_e_2;
+    const krhpr_lanes h_3 = s_n_2_a * w_n;
     const krhpr_lanes r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const krhpr_lanes r_3_1 = w_n * (s_n_2_a * w_1);
+    const krhpr_lanes r_3_1 = w_1 * h_3;
     const krhpr_lanes c = Q_near[0] * s_12_0 + Q_near[3] * s_12_1 + Q_near[6] * s_12_2;
     const krhpr_lanes s_a = sense * (Q_near[0] * y_n_0 + Q_near[3] * y_n_1 + Q_near[6] * y_n_2);
     const krhpr_lanes norm_of = s_a * s_a + s_n_w * (c * c);
@@ -1223,7 +1229,7 @@ KRHPR_INLINE void krhpr_platform_spatial_a_turns_3_lanes(
     turns[5] = sine[2];
 }
 
-/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (93 add, 124 multiply, 5
+/* The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (93 add, 126 multiply, 5
  * divide, 5 square root, 4 select) */
 KRHPR_INLINE void krhpr_platform_spatial_a_one_encoder_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at turns[2], const krhpr_lanes_at anchor[6],
@@ -1262,12 +1268,15 @@ KRHPR_INLINE void krhpr_platform_spatial_a_one_encoder_lanes(
     const krhpr_lanes z_1_0 = s_n_0 * w_n; /* (3.2) */
     const krhpr_lanes z_1_1 = s_n_1 * w_n;
     const krhpr_lanes z_1_2 = s_n_2 * w_n;
-    const krhpr_lanes w_y = w_1 * w_n;
-    const krhpr_lanes y_1_0 = y_n_0 * w_y;
-    const krhpr_lanes y_1_1 = y_n_1 * w_y;
-    const krhpr_lanes y_1_2 = y_n_2 * w_y;
+    const krhpr_lanes y_e_0 = y_n_0 * w_1;
+    const krhpr_lanes y_e_1 = y_n_1 * w_1;
+    const krhpr_lanes y_e_2 = y_n_2 * w_1;
+    const krhpr_lanes y_1_0 = w_n * y_e_0;
+    const krhpr_lanes y_1_1 = w_n * y_e_1;
+    const krhpr_lanes y_1_2 = w_n * y_e_2;
+    const krhpr_lanes h_3 = s_n_2_a * w_n;
     const krhpr_lanes r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const krhpr_lanes r_3_1 = w_n * (s_n_2_a * w_1);
+    const krhpr_lanes r_3_1 = w_1 * h_3;
     const krhpr_lanes w_2_0 = anchor[2] - e_1_0; /* S_1 to B_i */
     const krhpr_lanes w_2_1 = anchor[3] - e_1_1;
     const krhpr_lanes w_3_0 = anchor[4] - e_1_0;
@@ -1343,7 +1352,7 @@ KRHPR_INLINE void krhpr_platform_spatial_a_one_encoder_lanes(
 }
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
- * (3.24).  (45 add, 65 multiply, 5 divide, 3 square root, 1 select) */
+ * (3.24).  (45 add, 67 multiply, 5 divide, 3 square root, 1 select) */
 KRHPR_INLINE void krhpr_platform_spatial_a_two_encoders_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at turns[4], const krhpr_lanes_at anchor[6],
     const krhpr_lanes_at length[3], const krhpr_lanes_at arm[6], krhpr_lanes tolerance,
@@ -1385,12 +1394,15 @@ KRHPR_INLINE void krhpr_platform_spatial_a_two_encoders_lanes(
     const krhpr_lanes z_1_0 = s_n_0 * w_n; /* (3.2) */
     const krhpr_lanes z_1_1 = s_n_1 * w_n;
     const krhpr_lanes z_1_2 = s_n_2 * w_n;
-    const krhpr_lanes w_y = w_1 * w_n;
-    const krhpr_lanes y_1_0 = y_n_0 * w_y;
-    const krhpr_lanes y_1_1 = y_n_1 * w_y;
-    const krhpr_lanes y_1_2 = y_n_2 * w_y;
+    const krhpr_lanes y_e_0 = y_n_0 * w_1;
+    const krhpr_lanes y_e_1 = y_n_1 * w_1;
+    const krhpr_lanes y_e_2 = y_n_2 * w_1;
+    const krhpr_lanes y_1_0 = w_n * y_e_0;
+    const krhpr_lanes y_1_1 = w_n * y_e_1;
+    const krhpr_lanes y_1_2 = w_n * y_e_2;
+    const krhpr_lanes h_3 = s_n_2_a * w_n;
     const krhpr_lanes r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const krhpr_lanes r_3_1 = w_n * (s_n_2_a * w_1);
+    const krhpr_lanes r_3_1 = w_1 * h_3;
     const krhpr_lanes d_12_0 = e_2_0 - e_1_0;
     const krhpr_lanes d_12_1 = e_2_1 - e_1_1;
     const krhpr_lanes d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
@@ -1431,7 +1443,7 @@ KRHPR_INLINE void krhpr_platform_spatial_a_two_encoders_lanes(
 }
 
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
- * 3.2.5, (3.30).  (59 add, 82 multiply, 5 divide, 7 square root, 5 select) */
+ * 3.2.5, (3.30).  (59 add, 84 multiply, 5 divide, 7 square root, 5 select) */
 KRHPR_INLINE void krhpr_platform_spatial_a_three_encoders_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at turns[6], const krhpr_lanes_at anchor[6],
     const krhpr_lanes_at length[3], const krhpr_lanes_at arm[6], krhpr_lanes tolerance,
@@ -1475,12 +1487,15 @@ KRHPR_INLINE void krhpr_platform_spatial_a_three_encoders_lanes(
     const krhpr_lanes z_1_0 = s_n_0 * w_n; /* (3.2) */
     const krhpr_lanes z_1_1 = s_n_1 * w_n;
     const krhpr_lanes z_1_2 = s_n_2 * w_n;
-    const krhpr_lanes w_y = w_1 * w_n;
-    const krhpr_lanes y_1_0 = y_n_0 * w_y;
-    const krhpr_lanes y_1_1 = y_n_1 * w_y;
-    const krhpr_lanes y_1_2 = y_n_2 * w_y;
+    const krhpr_lanes y_e_0 = y_n_0 * w_1;
+    const krhpr_lanes y_e_1 = y_n_1 * w_1;
+    const krhpr_lanes y_e_2 = y_n_2 * w_1;
+    const krhpr_lanes y_1_0 = w_n * y_e_0;
+    const krhpr_lanes y_1_1 = w_n * y_e_1;
+    const krhpr_lanes y_1_2 = w_n * y_e_2;
+    const krhpr_lanes h_3 = s_n_2_a * w_n;
     const krhpr_lanes r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const krhpr_lanes r_3_1 = w_n * (s_n_2_a * w_1);
+    const krhpr_lanes r_3_1 = w_1 * h_3;
     const krhpr_lanes d_12_0 = e_2_0 - e_1_0;
     const krhpr_lanes d_12_1 = e_2_1 - e_1_1;
     const krhpr_lanes d_13_0 = e_3_0 - e_1_0;

@@ -489,7 +489,7 @@ KRHPR_STATIC void krhpr_platform_spatial_b_tie(
     *start = g->k[5][i];
 }
 
-/* Both poses of the platform that hold the three end points.  Thesis: (2.19), (2.21).  (139 add, 211
+/* Both poses of the platform that hold the three end points.  Thesis: (2.19), (2.21).  (139 add, 213
  * multiply, 6 divide, 3 square root) */
 KRHPR_STATIC void krhpr_platform_spatial_b_assembly_modes(
     const double s[9], const double slide[6], const double distance[3], const double start[3], double turned,
@@ -531,12 +531,15 @@ KRHPR_STATIC void krhpr_platform_spatial_b_assembly_modes(
     const double z_1_0 = s_n_0 * w_n; /* (3.2) */
     const double z_1_1 = s_n_1 * w_n;
     const double z_1_2 = s_n_2 * w_n;
-    const double w_y = w_1 * w_n;
-    const double y_1_0 = y_n_0 * w_y;
-    const double y_1_1 = y_n_1 * w_y;
-    const double y_1_2 = y_n_2 * w_y;
+    const double y_e_0 = y_n_0 * w_1;
+    const double y_e_1 = y_n_1 * w_1;
+    const double y_e_2 = y_n_2 * w_1;
+    const double y_1_0 = w_n * y_e_0;
+    const double y_1_1 = w_n * y_e_1;
+    const double y_1_2 = w_n * y_e_2;
+    const double h_3 = s_n_2_a * w_n;
     const double r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const double r_3_1 = w_n * (s_n_2_a * w_1);
+    const double r_3_1 = w_1 * h_3;
     const double A = lambda_3 * (slide[5] * r_3_0 - slide[4] * r_3_1) + v_1 * (slide[3] * lambda_2);
     const double B = lambda_3 * (slide[4] * r_3_0 + slide[5] * r_3_1) + v_1 * (slide[2] * lambda_2);
     const double C = distance[0] * lambda_1 + distance[1] * lambda_2 + distance[2] * lambda_3;
@@ -642,7 +645,7 @@ KRHPR_STATIC void krhpr_platform_spatial_b_assembly_modes(
 }
 
 /* The pose of the platform that holds the three end points, on one side of type II.  Thesis: (2.19),
- * (2.21).  (82 add, 137 multiply, 7 divide, 3 square root) */
+ * (2.21).  (82 add, 139 multiply, 7 divide, 3 square root) */
 KRHPR_STATIC void krhpr_platform_spatial_b_assembly_mode(
     const double s[9], const double slide[6], const double distance[3], const double start[3], double side,
     double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT radicand,
@@ -680,12 +683,15 @@ KRHPR_STATIC void krhpr_platform_spatial_b_assembly_mode(
     const double z_1_0 = s_n_0 * w_n; /* (3.2) */
     const double z_1_1 = s_n_1 * w_n;
     const double z_1_2 = s_n_2 * w_n;
-    const double w_y = w_1 * w_n;
-    const double y_1_0 = y_n_0 * w_y;
-    const double y_1_1 = y_n_1 * w_y;
-    const double y_1_2 = y_n_2 * w_y;
+    const double y_e_0 = y_n_0 * w_1;
+    const double y_e_1 = y_n_1 * w_1;
+    const double y_e_2 = y_n_2 * w_1;
+    const double y_1_0 = w_n * y_e_0;
+    const double y_1_1 = w_n * y_e_1;
+    const double y_1_2 = w_n * y_e_2;
+    const double h_3 = s_n_2_a * w_n;
     const double r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const double r_3_1 = w_n * (s_n_2_a * w_1);
+    const double r_3_1 = w_1 * h_3;
     const double A = lambda_3 * (slide[5] * r_3_0 - slide[4] * r_3_1) + v_1 * (slide[3] * lambda_2);
     const double B = lambda_3 * (slide[4] * r_3_0 + slide[5] * r_3_1) + v_1 * (slide[2] * lambda_2);
     const double C = distance[0] * lambda_1 + distance[1] * lambda_2 + distance[2] * lambda_3;
@@ -744,7 +750,7 @@ KRHPR_STATIC void krhpr_platform_spatial_b_assembly_mode(
 }
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
- * (3.24).  (43 add, 69 multiply, 5 divide, 3 square root, 1 select) */
+ * (3.24).  (43 add, 71 multiply, 5 divide, 3 square root, 1 select) */
 KRHPR_STATIC void krhpr_platform_spatial_b_two_encoders(
     const double s[9], const double measured[2], const double slide[6], const double distance[3],
     const double start[3], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
@@ -786,12 +792,15 @@ KRHPR_STATIC void krhpr_platform_spatial_b_two_encoders(
     const double z_1_0 = s_n_0 * w_n; /* (3.2) */
     const double z_1_1 = s_n_1 * w_n;
     const double z_1_2 = s_n_2 * w_n;
-    const double w_y = w_1 * w_n;
-    const double y_1_0 = y_n_0 * w_y;
-    const double y_1_1 = y_n_1 * w_y;
-    const double y_1_2 = y_n_2 * w_y;
+    const double y_e_0 = y_n_0 * w_1;
+    const double y_e_1 = y_n_1 * w_1;
+    const double y_e_2 = y_n_2 * w_1;
+    const double y_1_0 = w_n * y_e_0;
+    const double y_1_1 = w_n * y_e_1;
+    const double y_1_2 = w_n * y_e_2;
+    const double h_3 = s_n_2_a * w_n;
     const double r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const double r_3_1 = w_n * (s_n_2_a * w_1);
+    const double r_3_1 = w_1 * h_3;
     const double d_12_0 = e_2_0 - e_1_0;
     const double d_12_1 = e_2_1 - e_1_1;
     const double d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
@@ -832,7 +841,7 @@ KRHPR_STATIC void krhpr_platform_spatial_b_two_encoders(
 }
 
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
- * 3.2.5, (3.30).  (56 add, 86 multiply, 5 divide, 7 square root, 5 select) */
+ * 3.2.5, (3.30).  (56 add, 88 multiply, 5 divide, 7 square root, 5 select) */
 KRHPR_STATIC void krhpr_platform_spatial_b_three_encoders(
     const double s[9], const double measured[3], const double slide[6], const double distance[3],
     const double start[3], double tolerance, double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points,
@@ -877,12 +886,15 @@ KRHPR_STATIC void krhpr_platform_spatial_b_three_encoders(
     const double z_1_0 = s_n_0 * w_n; /* (3.2) */
     const double z_1_1 = s_n_1 * w_n;
     const double z_1_2 = s_n_2 * w_n;
-    const double w_y = w_1 * w_n;
-    const double y_1_0 = y_n_0 * w_y;
-    const double y_1_1 = y_n_1 * w_y;
-    const double y_1_2 = y_n_2 * w_y;
+    const double y_e_0 = y_n_0 * w_1;
+    const double y_e_1 = y_n_1 * w_1;
+    const double y_e_2 = y_n_2 * w_1;
+    const double y_1_0 = w_n * y_e_0;
+    const double y_1_1 = w_n * y_e_1;
+    const double y_1_2 = w_n * y_e_2;
+    const double h_3 = s_n_2_a * w_n;
     const double r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const double r_3_1 = w_n * (s_n_2_a * w_1);
+    const double r_3_1 = w_1 * h_3;
     const double d_12_0 = e_2_0 - e_1_0;
     const double d_12_1 = e_2_1 - e_1_1;
     const double d_13_0 = e_3_0 - e_1_0;

@@ -496,7 +496,7 @@ KRHPR_INLINE void krhpr_platform_spatial_b_tie_lanes(
     *start = g_k_5;
 }
 
-/* Both poses of the platform that hold the three end points.  Thesis: (2.19), (2.21).  (139 add, 211
+/* Both poses of the platform that hold the three end points.  Thesis: (2.19), (2.21).  (139 add, 213
  * multiply, 6 divide, 3 square root) */
 KRHPR_INLINE void krhpr_platform_spatial_b_assembly_modes_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at slide[6], const krhpr_lanes_at distance[3],
@@ -540,12 +540,15 @@ KRHPR_INLINE void krhpr_platform_spatial_b_assembly_modes_lanes(
     const krhpr_lanes z_1_0 = s_n_0 * w_n; /* (3.2) */
     const krhpr_lanes z_1_1 = s_n_1 * w_n;
     const krhpr_lanes z_1_2 = s_n_2 * w_n;
-    const krhpr_lanes w_y = w_1 * w_n;
-    const krhpr_lanes y_1_0 = y_n_0 * w_y;
-    const krhpr_lanes y_1_1 = y_n_1 * w_y;
-    const krhpr_lanes y_1_2 = y_n_2 * w_y;
+    const krhpr_lanes y_e_0 = y_n_0 * w_1;
+    const krhpr_lanes y_e_1 = y_n_1 * w_1;
+    const krhpr_lanes y_e_2 = y_n_2 * w_1;
+    const krhpr_lanes y_1_0 = w_n * y_e_0;
+    const krhpr_lanes y_1_1 = w_n * y_e_1;
+    const krhpr_lanes y_1_2 = w_n * y_e_2;
+    const krhpr_lanes h_3 = s_n_2_a * w_n;
     const krhpr_lanes r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const krhpr_lanes r_3_1 = w_n * (s_n_2_a * w_1);
+    const krhpr_lanes r_3_1 = w_1 * h_3;
     const krhpr_lanes A = lambda_3 * (slide[5] * r_3_0 - slide[4] * r_3_1) + v_1 * (slide[3] * lambda_2);
     const krhpr_lanes B = lambda_3 * (slide[4] * r_3_0 + slide[5] * r_3_1) + v_1 * (slide[2] * lambda_2);
     const krhpr_lanes C = distance[0] * lambda_1 + distance[1] * lambda_2 + distance[2] * lambda_3;
@@ -651,7 +654,7 @@ KRHPR_INLINE void krhpr_platform_spatial_b_assembly_modes_lanes(
 }
 
 /* The pose of the platform that holds the three end points, on one side of type II.  Thesis: (2.19),
- * (2.21).  (82 add, 137 multiply, 7 divide, 3 square root) */
+ * (2.21).  (82 add, 139 multiply, 7 divide, 3 square root) */
 KRHPR_INLINE void krhpr_platform_spatial_b_assembly_mode_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at slide[6], const krhpr_lanes_at distance[3],
     const krhpr_lanes_at start[3], krhpr_lanes side, krhpr_lanes_at *KRHPR_RESTRICT flatness,
@@ -691,12 +694,15 @@ KRHPR_INLINE void krhpr_platform_spatial_b_assembly_mode_lanes(
     const krhpr_lanes z_1_0 = s_n_0 * w_n; /* (3.2) */
     const krhpr_lanes z_1_1 = s_n_1 * w_n;
     const krhpr_lanes z_1_2 = s_n_2 * w_n;
-    const krhpr_lanes w_y = w_1 * w_n;
-    const krhpr_lanes y_1_0 = y_n_0 * w_y;
-    const krhpr_lanes y_1_1 = y_n_1 * w_y;
-    const krhpr_lanes y_1_2 = y_n_2 * w_y;
+    const krhpr_lanes y_e_0 = y_n_0 * w_1;
+    const krhpr_lanes y_e_1 = y_n_1 * w_1;
+    const krhpr_lanes y_e_2 = y_n_2 * w_1;
+    const krhpr_lanes y_1_0 = w_n * y_e_0;
+    const krhpr_lanes y_1_1 = w_n * y_e_1;
+    const krhpr_lanes y_1_2 = w_n * y_e_2;
+    const krhpr_lanes h_3 = s_n_2_a * w_n;
     const krhpr_lanes r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const krhpr_lanes r_3_1 = w_n * (s_n_2_a * w_1);
+    const krhpr_lanes r_3_1 = w_1 * h_3;
     const krhpr_lanes A = lambda_3 * (slide[5] * r_3_0 - slide[4] * r_3_1) + v_1 * (slide[3] * lambda_2);
     const krhpr_lanes B = lambda_3 * (slide[4] * r_3_0 + slide[5] * r_3_1) + v_1 * (slide[2] * lambda_2);
     const krhpr_lanes C = distance[0] * lambda_1 + distance[1] * lambda_2 + distance[2] * lambda_3;
@@ -755,7 +761,7 @@ KRHPR_INLINE void krhpr_platform_spatial_b_assembly_mode_lanes(
 }
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
- * (3.24).  (43 add, 69 multiply, 5 divide, 3 square root, 1 select) */
+ * (3.24).  (43 add, 71 multiply, 5 divide, 3 square root, 1 select) */
 KRHPR_INLINE void krhpr_platform_spatial_b_two_encoders_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at measured[2], const krhpr_lanes_at slide[6],
     const krhpr_lanes_at distance[3], const krhpr_lanes_at start[3], krhpr_lanes tolerance,
@@ -799,12 +805,15 @@ KRHPR_INLINE void krhpr_platform_spatial_b_two_encoders_lanes(
     const krhpr_lanes z_1_0 = s_n_0 * w_n; /* (3.2) */
     const krhpr_lanes z_1_1 = s_n_1 * w_n;
     const krhpr_lanes z_1_2 = s_n_2 * w_n;
-    const krhpr_lanes w_y = w_1 * w_n;
-    const krhpr_lanes y_1_0 = y_n_0 * w_y;
-    const krhpr_lanes y_1_1 = y_n_1 * w_y;
-    const krhpr_lanes y_1_2 = y_n_2 * w_y;
+    const krhpr_lanes y_e_0 = y_n_0 * w_1;
+    const krhpr_lanes y_e_1 = y_n_1 * w_1;
+    const krhpr_lanes y_e_2 = y_n_2 * w_1;
+    const krhpr_lanes y_1_0 = w_n * y_e_0;
+    const krhpr_lanes y_1_1 = w_n * y_e_1;
+    const krhpr_lanes y_1_2 = w_n * y_e_2;
+    const krhpr_lanes h_3 = s_n_2_a * w_n;
     const krhpr_lanes r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const krhpr_lanes r_3_1 = w_n * (s_n_2_a * w_1);
+    const krhpr_lanes r_3_1 = w_1 * h_3;
     const krhpr_lanes d_12_0 = e_2_0 - e_1_0;
     const krhpr_lanes d_12_1 = e_2_1 - e_1_1;
     const krhpr_lanes d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
@@ -845,7 +854,7 @@ KRHPR_INLINE void krhpr_platform_spatial_b_two_encoders_lanes(
 }
 
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
- * 3.2.5, (3.30).  (56 add, 86 multiply, 5 divide, 7 square root, 5 select) */
+ * 3.2.5, (3.30).  (56 add, 88 multiply, 5 divide, 7 square root, 5 select) */
 KRHPR_INLINE void krhpr_platform_spatial_b_three_encoders_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at measured[3], const krhpr_lanes_at slide[6],
     const krhpr_lanes_at distance[3], const krhpr_lanes_at start[3], krhpr_lanes tolerance,
@@ -892,12 +901,15 @@ KRHPR_INLINE void krhpr_platform_spatial_b_three_encoders_lanes(
     const krhpr_lanes z_1_0 = s_n_0 * w_n; /* (3.2) */
     const krhpr_lanes z_1_1 = s_n_1 * w_n;
     const krhpr_lanes z_1_2 = s_n_2 * w_n;
-    const krhpr_lanes w_y = w_1 * w_n;
-    const krhpr_lanes y_1_0 = y_n_0 * w_y;
-    const krhpr_lanes y_1_1 = y_n_1 * w_y;
-    const krhpr_lanes y_1_2 = y_n_2 * w_y;
+    const krhpr_lanes y_e_0 = y_n_0 * w_1;
+    const krhpr_lanes y_e_1 = y_n_1 * w_1;
+    const krhpr_lanes y_e_2 = y_n_2 * w_1;
+    const krhpr_lanes y_1_0 = w_n * y_e_0;
+    const krhpr_lanes y_1_1 = w_n * y_e_1;
+    const krhpr_lanes y_1_2 = w_n * y_e_2;
+    const krhpr_lanes h_3 = s_n_2_a * w_n;
     const krhpr_lanes r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const krhpr_lanes r_3_1 = w_n * (s_n_2_a * w_1);
+    const krhpr_lanes r_3_1 = w_1 * h_3;
     const krhpr_lanes d_12_0 = e_2_0 - e_1_0;
     const krhpr_lanes d_12_1 = e_2_1 - e_1_1;
     const krhpr_lanes d_13_0 = e_3_0 - e_1_0;

@@ -463,7 +463,7 @@ KRHPR_STATIC void krhpr_platform_spatial_c_tie(
     slide[1] = g->t[1][i];
 }
 
-/* Both poses of the platform that hold the three end points.  Thesis: (2.30), (2.31).  (113 add, 186
+/* Both poses of the platform that hold the three end points.  Thesis: (2.30), (2.31).  (113 add, 188
  * multiply, 6 divide, 3 square root) */
 KRHPR_STATIC void krhpr_platform_spatial_c_assembly_modes(
     const double s[9], const double slide[6], double turned, double *KRHPR_RESTRICT sign,
@@ -505,12 +505,15 @@ KRHPR_STATIC void krhpr_platform_spatial_c_assembly_modes(
     const double z_1_0 = s_n_0 * w_n; /* (3.2) */
     const double z_1_1 = s_n_1 * w_n;
     const double z_1_2 = s_n_2 * w_n;
-    const double w_y = w_1 * w_n;
-    const double y_1_0 = y_n_0 * w_y;
-    const double y_1_1 = y_n_1 * w_y;
-    const double y_1_2 = y_n_2 * w_y;
+    const double y_e_0 = y_n_0 * w_1;
+    const double y_e_1 = y_n_1 * w_1;
+    const double y_e_2 = y_n_2 * w_1;
+    const double y_1_0 = w_n * y_e_0;
+    const double y_1_1 = w_n * y_e_1;
+    const double y_1_2 = w_n * y_e_2;
+    const double h_3 = s_n_2_a * w_n;
     const double r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const double r_3_1 = w_n * (s_n_2_a * w_1);
+    const double r_3_1 = w_1 * h_3;
     const double t3 = lambda_3 * (slide[4] * r_3_1 - slide[5] * r_3_0);
     const double t4 = v_1 * (slide[3] * lambda_2);
     const double A = t3 - t4;
@@ -616,7 +619,7 @@ KRHPR_STATIC void krhpr_platform_spatial_c_assembly_modes(
 }
 
 /* The pose of the platform that holds the three end points, on one side of type II.  Thesis: (2.30),
- * (2.31).  (67 add, 123 multiply, 7 divide, 3 square root) */
+ * (2.31).  (67 add, 125 multiply, 7 divide, 3 square root) */
 KRHPR_STATIC void krhpr_platform_spatial_c_assembly_mode(
     const double s[9], const double slide[6], double side, double *KRHPR_RESTRICT flatness,
     double *KRHPR_RESTRICT breadth, double *KRHPR_RESTRICT radicand, double *KRHPR_RESTRICT sign,
@@ -654,12 +657,15 @@ KRHPR_STATIC void krhpr_platform_spatial_c_assembly_mode(
     const double z_1_0 = s_n_0 * w_n; /* (3.2) */
     const double z_1_1 = s_n_1 * w_n;
     const double z_1_2 = s_n_2 * w_n;
-    const double w_y = w_1 * w_n;
-    const double y_1_0 = y_n_0 * w_y;
-    const double y_1_1 = y_n_1 * w_y;
-    const double y_1_2 = y_n_2 * w_y;
+    const double y_e_0 = y_n_0 * w_1;
+    const double y_e_1 = y_n_1 * w_1;
+    const double y_e_2 = y_n_2 * w_1;
+    const double y_1_0 = w_n * y_e_0;
+    const double y_1_1 = w_n * y_e_1;
+    const double y_1_2 = w_n * y_e_2;
+    const double h_3 = s_n_2_a * w_n;
     const double r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const double r_3_1 = w_n * (s_n_2_a * w_1);
+    const double r_3_1 = w_1 * h_3;
     const double A = lambda_3 * (slide[4] * r_3_1 - slide[5] * r_3_0) - v_1 * (slide[3] * lambda_2);
     const double t1 = lambda_3 * (slide[4] * r_3_0 + slide[5] * r_3_1) + v_1 * (slide[2] * lambda_2);
     const double AB_2 = A * A + t1 * t1;
@@ -711,7 +717,7 @@ KRHPR_STATIC void krhpr_platform_spatial_c_assembly_mode(
 }
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
- * (3.24).  (37 add, 65 multiply, 5 divide, 3 square root, 1 select) */
+ * (3.24).  (37 add, 67 multiply, 5 divide, 3 square root, 1 select) */
 KRHPR_STATIC void krhpr_platform_spatial_c_two_encoders(
     const double s[9], const double measured[2], const double slide[6], double tolerance,
     double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT axes,
@@ -751,12 +757,15 @@ KRHPR_STATIC void krhpr_platform_spatial_c_two_encoders(
     const double z_1_0 = s_n_0 * w_n; /* (3.2) */
     const double z_1_1 = s_n_1 * w_n;
     const double z_1_2 = s_n_2 * w_n;
-    const double w_y = w_1 * w_n;
-    const double y_1_0 = y_n_0 * w_y;
-    const double y_1_1 = y_n_1 * w_y;
-    const double y_1_2 = y_n_2 * w_y;
+    const double y_e_0 = y_n_0 * w_1;
+    const double y_e_1 = y_n_1 * w_1;
+    const double y_e_2 = y_n_2 * w_1;
+    const double y_1_0 = w_n * y_e_0;
+    const double y_1_1 = w_n * y_e_1;
+    const double y_1_2 = w_n * y_e_2;
+    const double h_3 = s_n_2_a * w_n;
     const double r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const double r_3_1 = w_n * (s_n_2_a * w_1);
+    const double r_3_1 = w_1 * h_3;
     const double d_12_0 = e_2_0 - e_1_0;
     const double d_12_1 = e_2_1 - e_1_1;
     const double d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
@@ -797,7 +806,7 @@ KRHPR_STATIC void krhpr_platform_spatial_c_two_encoders(
 }
 
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
- * 3.2.5, (3.30).  (47 add, 80 multiply, 5 divide, 7 square root, 5 select) */
+ * 3.2.5, (3.30).  (47 add, 82 multiply, 5 divide, 7 square root, 5 select) */
 KRHPR_STATIC void krhpr_platform_spatial_c_three_encoders(
     const double s[9], const double measured[3], const double slide[6], double tolerance,
     double *KRHPR_RESTRICT flatness, double *KRHPR_RESTRICT points, double *KRHPR_RESTRICT axes,
@@ -839,12 +848,15 @@ KRHPR_STATIC void krhpr_platform_spatial_c_three_encoders(
     const double z_1_0 = s_n_0 * w_n; /* (3.2) */
     const double z_1_1 = s_n_1 * w_n;
     const double z_1_2 = s_n_2 * w_n;
-    const double w_y = w_1 * w_n;
-    const double y_1_0 = y_n_0 * w_y;
-    const double y_1_1 = y_n_1 * w_y;
-    const double y_1_2 = y_n_2 * w_y;
+    const double y_e_0 = y_n_0 * w_1;
+    const double y_e_1 = y_n_1 * w_1;
+    const double y_e_2 = y_n_2 * w_1;
+    const double y_1_0 = w_n * y_e_0;
+    const double y_1_1 = w_n * y_e_1;
+    const double y_1_2 = w_n * y_e_2;
+    const double h_3 = s_n_2_a * w_n;
     const double r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const double r_3_1 = w_n * (s_n_2_a * w_1);
+    const double r_3_1 = w_1 * h_3;
     const double d_12_0 = e_2_0 - e_1_0;
     const double d_12_1 = e_2_1 - e_1_1;
     const double d_13_0 = e_3_0 - e_1_0;

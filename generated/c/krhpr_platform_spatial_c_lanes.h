@@ -475,7 +475,7 @@ KRHPR_INLINE void krhpr_platform_spatial_c_tie_lanes(
     slide[1] = g_t_1;
 }
 
-/* Both poses of the platform that hold the three end points.  Thesis: (2.30), (2.31).  (113 add, 186
+/* Both poses of the platform that hold the three end points.  Thesis: (2.30), (2.31).  (113 add, 188
  * multiply, 6 divide, 3 square root) */
 KRHPR_INLINE void krhpr_platform_spatial_c_assembly_modes_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at slide[6], krhpr_lanes turned,
@@ -519,12 +519,15 @@ KRHPR_INLINE void krhpr_platform_spatial_c_assembly_modes_lanes(
     const krhpr_lanes z_1_0 = s_n_0 * w_n; /* (3.2) */
     const krhpr_lanes z_1_1 = s_n_1 * w_n;
     const krhpr_lanes z_1_2 = s_n_2 * w_n;
-    const krhpr_lanes w_y = w_1 * w_n;
-    const krhpr_lanes y_1_0 = y_n_0 * w_y;
-    const krhpr_lanes y_1_1 = y_n_1 * w_y;
-    const krhpr_lanes y_1_2 = y_n_2 * w_y;
+    const krhpr_lanes y_e_0 = y_n_0 * w_1;
+    const krhpr_lanes y_e_1 = y_n_1 * w_1;
+    const krhpr_lanes y_e_2 = y_n_2 * w_1;
+    const krhpr_lanes y_1_0 = w_n * y_e_0;
+    const krhpr_lanes y_1_1 = w_n * y_e_1;
+    const krhpr_lanes y_1_2 = w_n * y_e_2;
+    const krhpr_lanes h_3 = s_n_2_a * w_n;
     const krhpr_lanes r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const krhpr_lanes r_3_1 = w_n * (s_n_2_a * w_1);
+    const krhpr_lanes r_3_1 = w_1 * h_3;
     const krhpr_lanes t3 = lambda_3 * (slide[4] * r_3_1 - slide[5] * r_3_0);
     const krhpr_lanes t4 = v_1 * (slide[3] * lambda_2);
     const krhpr_lanes A = t3 - t4;
@@ -630,7 +633,7 @@ KRHPR_INLINE void krhpr_platform_spatial_c_assembly_modes_lanes(
 }
 
 /* The pose of the platform that holds the three end points, on one side of type II.  Thesis: (2.30),
- * (2.31).  (67 add, 123 multiply, 7 divide, 3 square root) */
+ * (2.31).  (67 add, 125 multiply, 7 divide, 3 square root) */
 KRHPR_INLINE void krhpr_platform_spatial_c_assembly_mode_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at slide[6], krhpr_lanes side,
     krhpr_lanes_at *KRHPR_RESTRICT flatness, krhpr_lanes_at *KRHPR_RESTRICT breadth,
@@ -670,12 +673,15 @@ KRHPR_INLINE void krhpr_platform_spatial_c_assembly_mode_lanes(
     const krhpr_lanes z_1_0 = s_n_0 * w_n; /* (3.2) */
     const krhpr_lanes z_1_1 = s_n_1 * w_n;
     const krhpr_lanes z_1_2 = s_n_2 * w_n;
-    const krhpr_lanes w_y = w_1 * w_n;
-    const krhpr_lanes y_1_0 = y_n_0 * w_y;
-    const krhpr_lanes y_1_1 = y_n_1 * w_y;
-    const krhpr_lanes y_1_2 = y_n_2 * w_y;
+    const krhpr_lanes y_e_0 = y_n_0 * w_1;
+    const krhpr_lanes y_e_1 = y_n_1 * w_1;
+    const krhpr_lanes y_e_2 = y_n_2 * w_1;
+    const krhpr_lanes y_1_0 = w_n * y_e_0;
+    const krhpr_lanes y_1_1 = w_n * y_e_1;
+    const krhpr_lanes y_1_2 = w_n * y_e_2;
+    const krhpr_lanes h_3 = s_n_2_a * w_n;
     const krhpr_lanes r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const krhpr_lanes r_3_1 = w_n * (s_n_2_a * w_1);
+    const krhpr_lanes r_3_1 = w_1 * h_3;
     const krhpr_lanes A = lambda_3 * (slide[4] * r_3_1 - slide[5] * r_3_0) - v_1 * (slide[3] * lambda_2);
     const krhpr_lanes t1 = lambda_3 * (slide[4] * r_3_0 + slide[5] * r_3_1) + v_1 * (slide[2] * lambda_2);
     const krhpr_lanes AB_2 = A * A + t1 * t1;
@@ -727,7 +733,7 @@ KRHPR_INLINE void krhpr_platform_spatial_c_assembly_mode_lanes(
 }
 
 /* Orientation and position in the plane from the end points and two redundant coordinates.  Thesis: 3.2.4,
- * (3.24).  (37 add, 65 multiply, 5 divide, 3 square root, 1 select) */
+ * (3.24).  (37 add, 67 multiply, 5 divide, 3 square root, 1 select) */
 KRHPR_INLINE void krhpr_platform_spatial_c_two_encoders_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at measured[2], const krhpr_lanes_at slide[6],
     krhpr_lanes tolerance, krhpr_lanes_at *KRHPR_RESTRICT flatness, krhpr_lanes_at *KRHPR_RESTRICT points,
@@ -768,12 +774,15 @@ KRHPR_INLINE void krhpr_platform_spatial_c_two_encoders_lanes(
     const krhpr_lanes z_1_0 = s_n_0 * w_n; /* (3.2) */
     const krhpr_lanes z_1_1 = s_n_1 * w_n;
     const krhpr_lanes z_1_2 = s_n_2 * w_n;
-    const krhpr_lanes w_y = w_1 * w_n;
-    const krhpr_lanes y_1_0 = y_n_0 * w_y;
-    const krhpr_lanes y_1_1 = y_n_1 * w_y;
-    const krhpr_lanes y_1_2 = y_n_2 * w_y;
+    const krhpr_lanes y_e_0 = y_n_0 * w_1;
+    const krhpr_lanes y_e_1 = y_n_1 * w_1;
+    const krhpr_lanes y_e_2 = y_n_2 * w_1;
+    const krhpr_lanes y_1_0 = w_n * y_e_0;
+    const krhpr_lanes y_1_1 = w_n * y_e_1;
+    const krhpr_lanes y_1_2 = w_n * y_e_2;
+    const krhpr_lanes h_3 = s_n_2_a * w_n;
     const krhpr_lanes r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const krhpr_lanes r_3_1 = w_n * (s_n_2_a * w_1);
+    const krhpr_lanes r_3_1 = w_1 * h_3;
     const krhpr_lanes d_12_0 = e_2_0 - e_1_0;
     const krhpr_lanes d_12_1 = e_2_1 - e_1_1;
     const krhpr_lanes d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1;
@@ -814,7 +823,7 @@ KRHPR_INLINE void krhpr_platform_spatial_c_two_encoders_lanes(
 }
 
 /* Orientation and position in the plane from the end points and three redundant coordinates.  Thesis:
- * 3.2.5, (3.30).  (47 add, 80 multiply, 5 divide, 7 square root, 5 select) */
+ * 3.2.5, (3.30).  (47 add, 82 multiply, 5 divide, 7 square root, 5 select) */
 KRHPR_INLINE void krhpr_platform_spatial_c_three_encoders_lanes(
     const krhpr_lanes_at s[9], const krhpr_lanes_at measured[3], const krhpr_lanes_at slide[6],
     krhpr_lanes tolerance, krhpr_lanes_at *KRHPR_RESTRICT flatness, krhpr_lanes_at *KRHPR_RESTRICT points,
@@ -857,12 +866,15 @@ KRHPR_INLINE void krhpr_platform_spatial_c_three_encoders_lanes(
     const krhpr_lanes z_1_0 = s_n_0 * w_n; /* (3.2) */
     const krhpr_lanes z_1_1 = s_n_1 * w_n;
     const krhpr_lanes z_1_2 = s_n_2 * w_n;
-    const krhpr_lanes w_y = w_1 * w_n;
-    const krhpr_lanes y_1_0 = y_n_0 * w_y;
-    const krhpr_lanes y_1_1 = y_n_1 * w_y;
-    const krhpr_lanes y_1_2 = y_n_2 * w_y;
+    const krhpr_lanes y_e_0 = y_n_0 * w_1;
+    const krhpr_lanes y_e_1 = y_n_1 * w_1;
+    const krhpr_lanes y_e_2 = y_n_2 * w_1;
+    const krhpr_lanes y_1_0 = w_n * y_e_0;
+    const krhpr_lanes y_1_1 = w_n * y_e_1;
+    const krhpr_lanes y_1_2 = w_n * y_e_2;
+    const krhpr_lanes h_3 = s_n_2_a * w_n;
     const krhpr_lanes r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2);
-    const krhpr_lanes r_3_1 = w_n * (s_n_2_a * w_1);
+    const krhpr_lanes r_3_1 = w_1 * h_3;
     const krhpr_lanes d_12_0 = e_2_0 - e_1_0;
     const krhpr_lanes d_12_1 = e_2_1 - e_1_1;
     const krhpr_lanes d_13_0 = e_3_0 - e_1_0;

@@ -563,7 +563,7 @@ def tie(g: Any) -> tuple[Any, ...]:
 
 def assembly_modes(s: Any, slide: Any, distance: Any, start: Any, turned: Any) -> tuple[Any, ...]:
     """Both poses of the platform that hold the three end points.  Thesis: (2.19), (2.21).  (139 add,
-    211 multiply, 6 divide, 3 square root)"""
+    213 multiply, 6 divide, 3 square root)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     distance_0, distance_1, distance_2 = distance
@@ -603,12 +603,15 @@ def assembly_modes(s: Any, slide: Any, distance: Any, start: Any, turned: Any) -
     z_1_0 = s_n_0 * w_n  # (3.2)
     z_1_1 = s_n_1 * w_n
     z_1_2 = s_n_2 * w_n
-    w_y = w_1 * w_n
-    y_1_0 = y_n_0 * w_y
-    y_1_1 = y_n_1 * w_y
-    y_1_2 = y_n_2 * w_y
+    y_e_0 = y_n_0 * w_1
+    y_e_1 = y_n_1 * w_1
+    y_e_2 = y_n_2 * w_1
+    y_1_0 = w_n * y_e_0
+    y_1_1 = w_n * y_e_1
+    y_1_2 = w_n * y_e_2
+    h_3 = s_n_2_a * w_n
     r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
-    r_3_1 = w_n * (s_n_2_a * w_1)
+    r_3_1 = w_1 * h_3
     A = lambda_3 * (slide_21 * r_3_0 - slide_20 * r_3_1) + v_1 * (slide_11 * lambda_2)
     B = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + v_1 * (slide_10 * lambda_2)
     C = distance_0 * lambda_1 + distance_1 * lambda_2 + distance_2 * lambda_3
@@ -735,7 +738,7 @@ def assembly_modes(s: Any, slide: Any, distance: Any, start: Any, turned: Any) -
 
 def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> tuple[Any, ...]:
     """The pose of the platform that holds the three end points, on one side of type II.  Thesis:
-    (2.19), (2.21).  (82 add, 137 multiply, 7 divide, 3 square root)"""
+    (2.19), (2.21).  (82 add, 139 multiply, 7 divide, 3 square root)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     distance_0, distance_1, distance_2 = distance
@@ -772,12 +775,15 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
     z_1_0 = s_n_0 * w_n  # (3.2)
     z_1_1 = s_n_1 * w_n
     z_1_2 = s_n_2 * w_n
-    w_y = w_1 * w_n
-    y_1_0 = y_n_0 * w_y
-    y_1_1 = y_n_1 * w_y
-    y_1_2 = y_n_2 * w_y
+    y_e_0 = y_n_0 * w_1
+    y_e_1 = y_n_1 * w_1
+    y_e_2 = y_n_2 * w_1
+    y_1_0 = w_n * y_e_0
+    y_1_1 = w_n * y_e_1
+    y_1_2 = w_n * y_e_2
+    h_3 = s_n_2_a * w_n
     r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
-    r_3_1 = w_n * (s_n_2_a * w_1)
+    r_3_1 = w_1 * h_3
     A = lambda_3 * (slide_21 * r_3_0 - slide_20 * r_3_1) + v_1 * (slide_11 * lambda_2)
     B = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + v_1 * (slide_10 * lambda_2)
     C = distance_0 * lambda_1 + distance_1 * lambda_2 + distance_2 * lambda_3
@@ -858,7 +864,7 @@ def assembly_mode(s: Any, slide: Any, distance: Any, start: Any, side: Any) -> t
 def two_encoders(
     s: Any, measured: Any, slide: Any, distance: Any, start: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and two redundant coordinates.
-    Thesis: 3.2.4, (3.24).  (43 add, 69 multiply, 5 divide, 3 square root, 1 select)"""
+    Thesis: 3.2.4, (3.24).  (43 add, 71 multiply, 5 divide, 3 square root, 1 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     measured_0, measured_1 = measured
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
@@ -900,12 +906,15 @@ def two_encoders(
     z_1_0 = s_n_0 * w_n  # (3.2)
     z_1_1 = s_n_1 * w_n
     z_1_2 = s_n_2 * w_n
-    w_y = w_1 * w_n
-    y_1_0 = y_n_0 * w_y
-    y_1_1 = y_n_1 * w_y
-    y_1_2 = y_n_2 * w_y
+    y_e_0 = y_n_0 * w_1
+    y_e_1 = y_n_1 * w_1
+    y_e_2 = y_n_2 * w_1
+    y_1_0 = w_n * y_e_0
+    y_1_1 = w_n * y_e_1
+    y_1_2 = w_n * y_e_2
+    h_3 = s_n_2_a * w_n
     r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
-    r_3_1 = w_n * (s_n_2_a * w_1)
+    r_3_1 = w_1 * h_3
     d_12_0 = e_2_0 - e_1_0
     d_12_1 = e_2_1 - e_1_1
     d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1
@@ -966,7 +975,7 @@ def two_encoders(
 def three_encoders(
     s: Any, measured: Any, slide: Any, distance: Any, start: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and three redundant coordinates.
-    Thesis: 3.2.5, (3.30).  (56 add, 86 multiply, 5 divide, 7 square root, 5 select)"""
+    Thesis: 3.2.5, (3.30).  (56 add, 88 multiply, 5 divide, 7 square root, 5 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     measured_0, measured_1, measured_2 = measured
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
@@ -1011,12 +1020,15 @@ def three_encoders(
     z_1_0 = s_n_0 * w_n  # (3.2)
     z_1_1 = s_n_1 * w_n
     z_1_2 = s_n_2 * w_n
-    w_y = w_1 * w_n
-    y_1_0 = y_n_0 * w_y
-    y_1_1 = y_n_1 * w_y
-    y_1_2 = y_n_2 * w_y
+    y_e_0 = y_n_0 * w_1
+    y_e_1 = y_n_1 * w_1
+    y_e_2 = y_n_2 * w_1
+    y_1_0 = w_n * y_e_0
+    y_1_1 = w_n * y_e_1
+    y_1_2 = w_n * y_e_2
+    h_3 = s_n_2_a * w_n
     r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
-    r_3_1 = w_n * (s_n_2_a * w_1)
+    r_3_1 = w_1 * h_3
     d_12_0 = e_2_0 - e_1_0
     d_12_1 = e_2_1 - e_1_1
     d_13_0 = e_3_0 - e_1_0

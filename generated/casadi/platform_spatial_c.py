@@ -537,7 +537,7 @@ def tie(g: Any) -> tuple[Any, ...]:
 
 def assembly_modes(s: Any, slide: Any, turned: Any) -> tuple[Any, ...]:
     """Both poses of the platform that hold the three end points.  Thesis: (2.30), (2.31).  (113 add,
-    186 multiply, 6 divide, 3 square root)"""
+    188 multiply, 6 divide, 3 square root)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     turned, = turned
@@ -575,12 +575,15 @@ def assembly_modes(s: Any, slide: Any, turned: Any) -> tuple[Any, ...]:
     z_1_0 = s_n_0 * w_n  # (3.2)
     z_1_1 = s_n_1 * w_n
     z_1_2 = s_n_2 * w_n
-    w_y = w_1 * w_n
-    y_1_0 = y_n_0 * w_y
-    y_1_1 = y_n_1 * w_y
-    y_1_2 = y_n_2 * w_y
+    y_e_0 = y_n_0 * w_1
+    y_e_1 = y_n_1 * w_1
+    y_e_2 = y_n_2 * w_1
+    y_1_0 = w_n * y_e_0
+    y_1_1 = w_n * y_e_1
+    y_1_2 = w_n * y_e_2
+    h_3 = s_n_2_a * w_n
     r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
-    r_3_1 = w_n * (s_n_2_a * w_1)
+    r_3_1 = w_1 * h_3
     t3 = lambda_3 * (slide_20 * r_3_1 - slide_21 * r_3_0)
     t4 = v_1 * (slide_11 * lambda_2)
     A = t3 - t4
@@ -707,7 +710,7 @@ def assembly_modes(s: Any, slide: Any, turned: Any) -> tuple[Any, ...]:
 
 def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
     """The pose of the platform that holds the three end points, on one side of type II.  Thesis:
-    (2.30), (2.31).  (67 add, 123 multiply, 7 divide, 3 square root)"""
+    (2.30), (2.31).  (67 add, 125 multiply, 7 divide, 3 square root)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
     side, = side
@@ -742,12 +745,15 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
     z_1_0 = s_n_0 * w_n  # (3.2)
     z_1_1 = s_n_1 * w_n
     z_1_2 = s_n_2 * w_n
-    w_y = w_1 * w_n
-    y_1_0 = y_n_0 * w_y
-    y_1_1 = y_n_1 * w_y
-    y_1_2 = y_n_2 * w_y
+    y_e_0 = y_n_0 * w_1
+    y_e_1 = y_n_1 * w_1
+    y_e_2 = y_n_2 * w_1
+    y_1_0 = w_n * y_e_0
+    y_1_1 = w_n * y_e_1
+    y_1_2 = w_n * y_e_2
+    h_3 = s_n_2_a * w_n
     r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
-    r_3_1 = w_n * (s_n_2_a * w_1)
+    r_3_1 = w_1 * h_3
     A = lambda_3 * (slide_20 * r_3_1 - slide_21 * r_3_0) - v_1 * (slide_11 * lambda_2)
     t1 = lambda_3 * (slide_20 * r_3_0 + slide_21 * r_3_1) + v_1 * (slide_10 * lambda_2)
     AB_2 = A * A + t1 * t1
@@ -820,7 +826,7 @@ def assembly_mode(s: Any, slide: Any, side: Any) -> tuple[Any, ...]:
 
 def two_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and two redundant coordinates.
-    Thesis: 3.2.4, (3.24).  (37 add, 65 multiply, 5 divide, 3 square root, 1 select)"""
+    Thesis: 3.2.4, (3.24).  (37 add, 67 multiply, 5 divide, 3 square root, 1 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     measured_0, measured_1 = measured
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
@@ -858,12 +864,15 @@ def two_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any
     z_1_0 = s_n_0 * w_n  # (3.2)
     z_1_1 = s_n_1 * w_n
     z_1_2 = s_n_2 * w_n
-    w_y = w_1 * w_n
-    y_1_0 = y_n_0 * w_y
-    y_1_1 = y_n_1 * w_y
-    y_1_2 = y_n_2 * w_y
+    y_e_0 = y_n_0 * w_1
+    y_e_1 = y_n_1 * w_1
+    y_e_2 = y_n_2 * w_1
+    y_1_0 = w_n * y_e_0
+    y_1_1 = w_n * y_e_1
+    y_1_2 = w_n * y_e_2
+    h_3 = s_n_2_a * w_n
     r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
-    r_3_1 = w_n * (s_n_2_a * w_1)
+    r_3_1 = w_1 * h_3
     d_12_0 = e_2_0 - e_1_0
     d_12_1 = e_2_1 - e_1_1
     d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1
@@ -923,7 +932,7 @@ def two_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any
 
 def three_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and three redundant coordinates.
-    Thesis: 3.2.5, (3.30).  (47 add, 80 multiply, 5 divide, 7 square root, 5 select)"""
+    Thesis: 3.2.5, (3.30).  (47 add, 82 multiply, 5 divide, 7 square root, 5 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     measured_0, measured_1, measured_2 = measured
     slide_00, slide_01, slide_10, slide_11, slide_20, slide_21 = slide
@@ -963,12 +972,15 @@ def three_encoders(s: Any, measured: Any, slide: Any, tolerance: Any) -> tuple[A
     z_1_0 = s_n_0 * w_n  # (3.2)
     z_1_1 = s_n_1 * w_n
     z_1_2 = s_n_2 * w_n
-    w_y = w_1 * w_n
-    y_1_0 = y_n_0 * w_y
-    y_1_1 = y_n_1 * w_y
-    y_1_2 = y_n_2 * w_y
+    y_e_0 = y_n_0 * w_1
+    y_e_1 = y_n_1 * w_1
+    y_e_2 = y_n_2 * w_1
+    y_1_0 = w_n * y_e_0
+    y_1_1 = w_n * y_e_1
+    y_1_2 = w_n * y_e_2
+    h_3 = s_n_2_a * w_n
     r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
-    r_3_1 = w_n * (s_n_2_a * w_1)
+    r_3_1 = w_1 * h_3
     d_12_0 = e_2_0 - e_1_0
     d_12_1 = e_2_1 - e_1_1
     d_13_0 = e_3_0 - e_1_0

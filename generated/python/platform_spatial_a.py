@@ -606,7 +606,7 @@ def tie(g: Any) -> tuple[Any, ...]:
 
 def sextic(s: Any, anchor: Any, length: Any, turned: Any) -> tuple[Any, ...]:
     """The sextic in tan(phi / 2) that holds the three end points.  Thesis: 3.2.1, (3.1) to (3.4).
-    (123 add, 175 multiply, 3 divide, 2 square root)"""
+    (123 add, 177 multiply, 3 divide, 2 square root)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
     length_0, length_1, length_2 = length
@@ -648,12 +648,15 @@ def sextic(s: Any, anchor: Any, length: Any, turned: Any) -> tuple[Any, ...]:
     z_1_0 = s_n_0 * w_n  # (3.2)
     z_1_1 = s_n_1 * w_n
     z_1_2 = s_n_2 * w_n
-    w_y = w_1 * w_n
-    y_1_0 = y_n_0 * w_y
-    y_1_1 = y_n_1 * w_y
-    y_1_2 = y_n_2 * w_y
+    y_e_0 = y_n_0 * w_1
+    y_e_1 = y_n_1 * w_1
+    y_e_2 = y_n_2 * w_1
+    y_1_0 = w_n * y_e_0
+    y_1_1 = w_n * y_e_1
+    y_1_2 = w_n * y_e_2
+    h_3 = s_n_2_a * w_n
     r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
-    r_3_1 = w_n * (s_n_2_a * w_1)
+    r_3_1 = w_1 * h_3
     c_22 = d_2_0 * v_1
     c_23 = d_2_0 * r_3_0 + d_2_1 * r_3_1
     c_32 = d_3_0 * v_1
@@ -975,7 +978,7 @@ def uniqueness(anchor: Any, length: Any, box: Any) -> tuple[Any, ...]:
 
 def newton_start(s: Any, anchor: Any, length: Any, p_near: Any, Q_near: Any) -> tuple[Any, ...]:
     """The pose nearby in the platform's plane, and whether steps from it are certain to converge.
-    Thesis: 3.2.2, (3.4) to (3.9).  (100 add, 157 multiply, 8 divide, 10 square root, 1 select)"""
+    Thesis: 3.2.2, (3.4) to (3.9).  (100 add, 159 multiply, 8 divide, 10 square root, 1 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
     length_0, length_1, length_2 = length
@@ -1013,12 +1016,15 @@ def newton_start(s: Any, anchor: Any, length: Any, p_near: Any, Q_near: Any) -> 
     z_1_0 = s_n_0 * w_n  # (3.2)
     z_1_1 = s_n_1 * w_n
     z_1_2 = s_n_2 * w_n
-    w_y = w_1 * w_n
-    y_1_0 = y_n_0 * w_y
-    y_1_1 = y_n_1 * w_y
-    y_1_2 = y_n_2 * w_y
+    y_e_0 = y_n_0 * w_1
+    y_e_1 = y_n_1 * w_1
+    y_e_2 = y_n_2 * w_1
+    y_1_0 = w_n * y_e_0
+    y_1_1 = w_n * y_e_1
+    y_1_2 = w_n * y_e_2
+    h_3 = s_n_2_a * w_n
     r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
-    r_3_1 = w_n * (s_n_2_a * w_1)
+    r_3_1 = w_1 * h_3
     c = Q_near_00 * s_12_0 + Q_near_10 * s_12_1 + Q_near_20 * s_12_2
     s_a = sense * (Q_near_00 * y_n_0 + Q_near_10 * y_n_1 + Q_near_20 * y_n_2)
     norm_of = s_a * s_a + s_n_w * (c * c)
@@ -1296,7 +1302,7 @@ def turns_3(measured: Any) -> tuple[Any, ...]:
 
 
 def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
-    """The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (93 add, 124
+    """The pose from the end points and the first redundant angle.  Thesis: 3.2.3.  (93 add, 126
     multiply, 5 divide, 5 square root, 4 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     turns_00, turns_01 = turns
@@ -1334,12 +1340,15 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
     z_1_0 = s_n_0 * w_n  # (3.2)
     z_1_1 = s_n_1 * w_n
     z_1_2 = s_n_2 * w_n
-    w_y = w_1 * w_n
-    y_1_0 = y_n_0 * w_y
-    y_1_1 = y_n_1 * w_y
-    y_1_2 = y_n_2 * w_y
+    y_e_0 = y_n_0 * w_1
+    y_e_1 = y_n_1 * w_1
+    y_e_2 = y_n_2 * w_1
+    y_1_0 = w_n * y_e_0
+    y_1_1 = w_n * y_e_1
+    y_1_2 = w_n * y_e_2
+    h_3 = s_n_2_a * w_n
     r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
-    r_3_1 = w_n * (s_n_2_a * w_1)
+    r_3_1 = w_1 * h_3
     w_2_0 = anchor_10 - e_1_0  # S_1 to B_i
     w_2_1 = anchor_11 - e_1_1
     w_3_0 = anchor_20 - e_1_0
@@ -1430,7 +1439,7 @@ def one_encoder(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleranc
 
 def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and two redundant coordinates.
-    Thesis: 3.2.4, (3.24).  (45 add, 65 multiply, 5 divide, 3 square root, 1 select)"""
+    Thesis: 3.2.4, (3.24).  (45 add, 67 multiply, 5 divide, 3 square root, 1 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     turns_00, turns_01, turns_10, turns_11 = turns
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
@@ -1468,12 +1477,15 @@ def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleran
     z_1_0 = s_n_0 * w_n  # (3.2)
     z_1_1 = s_n_1 * w_n
     z_1_2 = s_n_2 * w_n
-    w_y = w_1 * w_n
-    y_1_0 = y_n_0 * w_y
-    y_1_1 = y_n_1 * w_y
-    y_1_2 = y_n_2 * w_y
+    y_e_0 = y_n_0 * w_1
+    y_e_1 = y_n_1 * w_1
+    y_e_2 = y_n_2 * w_1
+    y_1_0 = w_n * y_e_0
+    y_1_1 = w_n * y_e_1
+    y_1_2 = w_n * y_e_2
+    h_3 = s_n_2_a * w_n
     r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
-    r_3_1 = w_n * (s_n_2_a * w_1)
+    r_3_1 = w_1 * h_3
     d_12_0 = e_2_0 - e_1_0
     d_12_1 = e_2_1 - e_1_1
     d_12_2 = d_12_0 * d_12_0 + d_12_1 * d_12_1
@@ -1533,7 +1545,7 @@ def two_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toleran
 
 def three_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, tolerance: Any) -> tuple[Any, ...]:
     """Orientation and position in the plane from the end points and three redundant coordinates.
-    Thesis: 3.2.5, (3.30).  (59 add, 82 multiply, 5 divide, 7 square root, 5 select)"""
+    Thesis: 3.2.5, (3.30).  (59 add, 84 multiply, 5 divide, 7 square root, 5 select)"""
     s_00, s_01, s_02, s_10, s_11, s_12, s_20, s_21, s_22 = s
     turns_00, turns_01, turns_10, turns_11, turns_20, turns_21 = turns
     anchor_00, anchor_01, anchor_10, anchor_11, anchor_20, anchor_21 = anchor
@@ -1573,12 +1585,15 @@ def three_encoders(s: Any, turns: Any, anchor: Any, length: Any, arm: Any, toler
     z_1_0 = s_n_0 * w_n  # (3.2)
     z_1_1 = s_n_1 * w_n
     z_1_2 = s_n_2 * w_n
-    w_y = w_1 * w_n
-    y_1_0 = y_n_0 * w_y
-    y_1_1 = y_n_1 * w_y
-    y_1_2 = y_n_2 * w_y
+    y_e_0 = y_n_0 * w_1
+    y_e_1 = y_n_1 * w_1
+    y_e_2 = y_n_2 * w_1
+    y_1_0 = w_n * y_e_0
+    y_1_1 = w_n * y_e_1
+    y_1_2 = w_n * y_e_2
+    h_3 = s_n_2_a * w_n
     r_3_0 = w_1 * (s_12_0 * s_13_0 + s_12_1 * s_13_1 + s_12_2 * s_13_2)
-    r_3_1 = w_n * (s_n_2_a * w_1)
+    r_3_1 = w_1 * h_3
     d_12_0 = e_2_0 - e_1_0
     d_12_1 = e_2_1 - e_1_1
     d_13_0 = e_3_0 - e_1_0
