@@ -187,7 +187,7 @@ KRHPR_STATIC krhpr_lanes krhpr_taint(const double *x, int n)
     const int whole = n / KRHPR_LANES * KRHPR_LANES;
     krhpr_lanes taint = krhpr_all(0.0);
 #if KRHPR_LANES == 4 && defined(KRHPR_SHUFFLE)
-    if (whole == 0 && n > 1) {
+    if (whole == 0 && n > 1) { /* two pairs, some of them again */
         const krhpr_pair_at two = *(const krhpr_pair_at *)x * 0.0 + *(const krhpr_pair_at *)(x + n - 2) * 0.0;
         return KRHPR_SHUFFLE(two, two, 0, 1, 0, 1);
     }
