@@ -69,6 +69,48 @@ def encoders(subject: Subject, check: Check, count: int) -> Measured:
     return found
 
 
+def spreads(subject: Subject, check: Check, count: int) -> Measured:
+    """What is compared with the tolerance of a singularity, by its definition, from the end points in the
+    base frame: lengths and angles are those of the platform.
+    """
+    found = Measured(check)
+    source = Draw(check.seed)
+    with ball_precision():
+        for _ in range(count):
+            here = configuration_in_balls(subject, source)
+            d = 2 if subject.planar else 3
+            s = [here.values["s"][d * i : d * i + d] for i in range(3)]
+            sides = [minus(point, s[0]) for point in s[1:]]
+            squares = [dot(side, side) for side in sides]
+            one = Ball(1)
+            sine_2 = one - dot(*sides) * dot(*sides) / (squares[0] * squares[1])
+            arms = [minus(point, here.values["p"]) for point in s[:2]]
+            far_2 = squares[0] + dot(arms[0], arms[0]) + dot(arms[1], arms[1])
+            for encoders_, wanted in ((2, squares[0] / far_2), (3, sine_2)):
+                ends = _with_encoders(here, encoders_)
+                found.equal(ends["spread"], [wanted], f"{encoders_} encoders: spread")
+                if not subject.planar:
+                    found.equal(ends["flatness"], [sine_2], f"{encoders_} encoders: flatness")
+            found.samples += 1
+    return found
+
+
+def _with_encoders(here: Configuration, count: int) -> Outputs:
+    """What the kernel makes of the first redundant coordinates, measured without an error."""
+    subject = here.subject
+    kernel = subject.derived("platform", {2: "two_encoders", 3: "three_encoders"}[count])
+    turns = [entry for x in here.values["redundant"][:count] for entry in (x.cos(), x.sin())]
+    known = {
+        **subject.ties(here.geometry, BALLS),
+        "s": here.values["s"],
+        "measured": here.values["redundant"][:count],
+        "turns": turns,
+        "tolerance": [Ball(0)],
+    }
+    inputs = {port.name: known[port.name] for port in kernel.inputs}
+    return subject.kernel("platform", kernel, inputs, here.geometry, 0, BALLS)
+
+
 def orthonormalised(subject: Subject, check: Check, count: int) -> Measured:
     """From any U: the orientation as it is, and made a rotation by (3.34) to (3.36) in the base frame."""
     found = Measured(check)
@@ -95,6 +137,7 @@ def orthonormalised(subject: Subject, check: Check, count: int) -> Measured:
             p = [s[i] + sum((state[4 + k] * axes[k][i] for k in range(2)), Ball(0)) for i in range(d)]
             found.equal(result["p"], p, "p")
             square = dot(columns[0], columns[0])
+            found.equal(result["direction"], [square], "direction")
             found.equal(result["direction"], [square], "direction")
             q_x = [x / sqrt(square) for x in columns[0]]
             if subject.planar:
@@ -284,5 +327,6 @@ RUNNERS: dict[str, Runner] = {
     "Newton and Kantorovich": kantorovich,
     "encoders": encoders,
     "orthonormalised": orthonormalised,
+    "spread of the end points": spreads,
     "least squares": least_squares,
 }

@@ -337,6 +337,15 @@ ROBOT_PROOFS = (
         ("platform.encoder_pose",),
     ),
     Proof(
+        "spread of the end points",
+        "forward_encoders_3",
+        BALL,
+        FEW,
+        "What is compared with the tolerance of a singularity, where end points lie, is the squared sine and "
+        "the squared ratio that it is called, from the end points in the base frame.",
+        ("platform.two_encoders", "platform.three_encoders"),
+    ),
+    Proof(
         "least squares",
         "forward_gauss_newton_3",
         BALL,
