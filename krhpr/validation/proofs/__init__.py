@@ -9,6 +9,7 @@ from krhpr.validation.outcome import Runner
 from krhpr.validation.proofs import (
     approaches,
     assemblies,
+    encoders,
     forward,
     indices,
     links,
@@ -26,6 +27,7 @@ RUNNERS: dict[str, Runner] = {
     **statics.RUNNERS,
     **forward.RUNNERS,
     **approaches.RUNNERS,
+    **encoders.RUNNERS,
     **indices.RUNNERS,
     **links.RUNNERS,
 }

@@ -10,7 +10,7 @@ from krhpr.validation.arithmetic import BALLS
 from krhpr.validation.check import Check
 from krhpr.validation.configurations import Configuration, configuration_in_balls
 from krhpr.validation.draw import Draw
-from krhpr.validation.linear import cross, dot, minus, solve
+from krhpr.validation.linear import apply, cross, dot, matrix, minus, plus, solve
 from krhpr.validation.numbers import Ball, ball_precision, sqrt
 from krhpr.validation.outcome import Measured, Runner
 from krhpr.validation.subject import Outputs, Subject
@@ -37,8 +37,34 @@ def newton(subject: Subject, check: Check, count: int) -> Measured:
                 end = _platform(here, "newton_step", state=moved, **start)["state_next"]
                 gaps = [abs((a - b).to_float()) for a, b in zip(end, state, strict=True)]
                 found.equal([Ball(int(max(gaps) < 1e-25))], [Ball(1)], f"a step from beside it, {index}")
+            _what_ends_steps(here, start, state, found)
             found.samples += 1
     return found
+
+
+def _what_ends_steps(here: Configuration, start: Outputs, state: list[Any], found: Measured) -> None:
+    """How long a step is, and by how much the links misfit where it began, by their definitions."""
+    ties, d = here.subject.ties(here.geometry, BALLS), 2 if here.subject.planar else 3
+    anchors, lengths = matrix(ties["anchor"], 2), ties["length"]
+    arms = [minus(anchor, anchors[0]) for anchor in anchors[1:]]
+    size = dot(arms[0], arms[0]) + dot(arms[1], arms[1])
+    off = [x + Ball(Fraction(1, 50 + i)) if i < 3 else x for i, x in enumerate(state)]
+    after = _platform(here, "newton_step", state=off, **start)
+    turn, *move = (after["state_next"][i] - off[i] for i in range(3))
+    found.equal(after["change"], [turn * turn + dot(move, move) / size], "change")
+    pose = _platform(here, "newton_pose", state=off, **start)
+    if here.subject.planar:
+        cosine, sine = pose["phi"][0].cos(), pose["phi"][0].sin()
+        Q = [[cosine, -sine], [sine, cosine]]
+    else:
+        Q = matrix(pose["Q"], 3)
+    links = [
+        minus(plus(pose["p"], apply([row[:2] for row in Q], anchor)), s)
+        for anchor, s in zip(anchors, matrix(here.values["s"], d), strict=True)
+    ]
+    gaps = [dot(link, link) - length * length for link, length in zip(links, lengths, strict=True)]
+    whole = size + dot(lengths, lengths)
+    found.equal(pose["misfit"], [dot(gaps, gaps) / (whole * whole)], "misfit")
 
 
 def encoders(subject: Subject, check: Check, count: int) -> Measured:
@@ -67,48 +93,6 @@ def encoders(subject: Subject, check: Check, count: int) -> Measured:
                 found.equal(result["mismatch"][:size], zero, f"{function.name}: mismatch")
             found.samples += 1
     return found
-
-
-def spreads(subject: Subject, check: Check, count: int) -> Measured:
-    """What is compared with the tolerance of a singularity, by its definition, from the end points in the
-    base frame: lengths and angles are those of the platform.
-    """
-    found = Measured(check)
-    source = Draw(check.seed)
-    with ball_precision():
-        for _ in range(count):
-            here = configuration_in_balls(subject, source)
-            d = 2 if subject.planar else 3
-            s = [here.values["s"][d * i : d * i + d] for i in range(3)]
-            sides = [minus(point, s[0]) for point in s[1:]]
-            squares = [dot(side, side) for side in sides]
-            one = Ball(1)
-            sine_2 = one - dot(*sides) * dot(*sides) / (squares[0] * squares[1])
-            arms = [minus(point, here.values["p"]) for point in s[:2]]
-            far_2 = squares[0] + dot(arms[0], arms[0]) + dot(arms[1], arms[1])
-            for encoders_, wanted in ((2, squares[0] / far_2), (3, sine_2)):
-                ends = _with_encoders(here, encoders_)
-                found.equal(ends["spread"], [wanted], f"{encoders_} encoders: spread")
-                if not subject.planar:
-                    found.equal(ends["flatness"], [sine_2], f"{encoders_} encoders: flatness")
-            found.samples += 1
-    return found
-
-
-def _with_encoders(here: Configuration, count: int) -> Outputs:
-    """What the kernel makes of the first redundant coordinates, measured without an error."""
-    subject = here.subject
-    kernel = subject.derived("platform", {2: "two_encoders", 3: "three_encoders"}[count])
-    turns = [entry for x in here.values["redundant"][:count] for entry in (x.cos(), x.sin())]
-    known = {
-        **subject.ties(here.geometry, BALLS),
-        "s": here.values["s"],
-        "measured": here.values["redundant"][:count],
-        "turns": turns,
-        "tolerance": [Ball(0)],
-    }
-    inputs = {port.name: known[port.name] for port in kernel.inputs}
-    return subject.kernel("platform", kernel, inputs, here.geometry, 0, BALLS)
 
 
 def orthonormalised(subject: Subject, check: Check, count: int) -> Measured:
@@ -224,6 +208,9 @@ def least_squares(subject: Subject, check: Check, count: int) -> Measured:
                     [dot(column, moved) for column in columns], [Ball(0)] * 6, f"{name}: normal equations"
                 )
                 size = sum((dot(end, end) for end in ends), Ball(0))
+                length = dot(step[:4], step[:4]) + dot(step[4:], step[4:]) / size
+                found.equal(result["change"], [length], f"{name}: change")
+                size = sum((dot(end, end) for end in ends), Ball(0))
                 change = dot(step[:4], step[:4]) + dot(step[4:], step[4:]) / size
                 found.equal(result["change"], [change], f"{name}: change")
             found.samples += 1
@@ -327,6 +314,5 @@ RUNNERS: dict[str, Runner] = {
     "Newton and Kantorovich": kantorovich,
     "encoders": encoders,
     "orthonormalised": orthonormalised,
-    "spread of the end points": spreads,
     "least squares": least_squares,
 }

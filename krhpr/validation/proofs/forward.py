@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
-from math import prod, radians
+from math import degrees, prod, radians
 from typing import Any
 
 import numpy as np
@@ -154,24 +154,36 @@ def _conditions(
 ) -> Iterator[tuple[str, dict[str, list[Any]], Box, bool]]:
     """Each condition of the theorem violated by itself, and none."""
     whole = [LOW + 1e-12, HIGH - 1e-12] * 3
-    leg, off = source.random.randrange(3), source.random.uniform(1e-6, 0.1)
-
-    def changed(name: str, factor: float = 1.0, term: float = 0.0) -> dict[str, list[Any]]:
-        values = [x * Ball(factor) + Ball(term) if i == leg else x for i, x in enumerate(sizes[name])]
-        return {name: values}
-
+    off = source.random.uniform(1e-6, 0.1)
     narrow = [LOW + off if place % 2 == 0 else HIGH - off for place in range(6)]
     yield "the theorem holds", {}, whole, True
     yield "in a smaller box too", {}, narrow, True
-    for name in ("l_r", "R_p"):
-        yield f"{name} of one leg differs", changed(name, 1 + off), whole, False
-    yield "an azimuth differs", changed("platform_azimuth", term=off), whole, False
+    for leg in range(3):
+        longer = [x * Ball(1 + off) if i == leg else x for i, x in enumerate(sizes["l_r"])]
+        yield f"the link of leg {leg + 1} differs", {"l_r": longer}, whole, False
+        yield f"the triangle is off, along leg {leg + 1}", _beside_centre(radius, leg, off), whole, False
+        # two sides of the triangle are alike, the third is not
+        apart = [120 * i + (degrees(off) if i == (leg + 1) % 3 else 0) for i in range(3)]
+        apart[(leg + 2) % 3] -= degrees(off)
+        moved = [Ball(radians(angle)) for angle in apart]
+        yield f"the side opposite to leg {leg + 1} differs", {"platform_azimuth": moved}, whole, False
     yield "links too long", {"l_r": [Ball(0.75 * radius * (1 + off))] * 3}, whole, False
     clockwise = [Ball(radians(-120 * place)) for place in range(3)]
     yield "legs in the other order", {"platform_azimuth": clockwise}, whole, False
-    for place, by in ((2 * leg, -off), (2 * leg + 1, off)):
+    for place in range(6):
+        by = off if place % 2 else -off
         wider = [bound + by if index == place else bound for index, bound in enumerate(whole)]
         yield "a wider box", {}, wider, False
+
+
+def _beside_centre(radius: float, leg: int, off: float) -> dict[str, list[Any]]:
+    """An equilateral triangle moved along one of its legs: the other two remain alike."""
+    points = [radius * np.exp(1j * radians(120 * i)) for i in range(3)]
+    moved = [point + off * points[leg] for point in points]
+    return {
+        "platform_azimuth": [Ball(float(np.angle(point))) for point in moved],
+        "R_p": [Ball(float(abs(point))) for point in moved],
+    }
 
 
 def _distances(

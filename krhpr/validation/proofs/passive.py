@@ -12,6 +12,7 @@ from krhpr.validation.linear import (
     dot,
     identity,
     matrix,
+    minus,
     plus,
     scaled,
     times,
@@ -61,6 +62,10 @@ def passive_joints(subject: Subject, here: Configuration, leg: int, found: Measu
     if chains is None:
         return  # a sub-leg of one's own
     chains(Leg(fields, theta, s, result.get("passive", []), link, found))
+    folded = FOLDED.get(subject.code.subleg.name)
+    assert (folded is None) == ("regularity" not in result)
+    if folded is not None:
+        found.equal(result["regularity"], [folded(Leg(fields, theta, s, [], link, found))], "regularity")
 
 
 def _direction(angle: Any, x: Vector, y: Vector) -> Vector:
@@ -216,6 +221,14 @@ def _tripteron(leg: Leg) -> None:
     _keeps_orientation(leg)
 
 
+def _tripteron_folded(leg: Leg) -> Any:
+    """The square of the shortest way from a slider to the end point, over that of stretched links."""
+    at, reach = _base(leg), leg.g["l_2"] + leg.g["l_3"]
+    axes = (at.x, at.e_1, at.e_2)
+    ways = (minus(leg.s, plus(at.c, scaled(leg.theta[k], axes[k]))) for k in range(3))
+    return min(dot(way, way) for way in ways) / (reach * reach)
+
+
 # -- in the plane ------------------------------------------------------------------------------------
 
 
@@ -329,3 +342,6 @@ PASSIVE: dict[str, Callable[[Leg], None]] = {
     "subleg_planar_rrr": _planar_rrr,
 }
 """The chains of each sub-leg, written from its description alone."""
+
+FOLDED: dict[str, Callable[[Leg], Any]] = {"subleg_tripteron": _tripteron_folded}
+"""What tells where a passive joint of a sub-leg is undetermined."""

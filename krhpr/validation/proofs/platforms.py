@@ -4,7 +4,7 @@ equations.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from fractions import Fraction
 from types import SimpleNamespace
 from typing import Any
@@ -176,8 +176,24 @@ def whole(here: Configuration, **inputs: Any) -> tuple[Matrix, dict[str, list[An
     return J, gathered
 
 
+def _anyhow(here: Configuration, source: Draw) -> Iterator[tuple[Matrix, dict[str, list[Any]]]]:
+    """J, lines and points: with end points on the constraints, with any, and with any lines."""
+    subject = here.subject
+    yield whole(here)
+    yield whole(here, s=[source.vector(len(here.leg("s", 0))) for _ in range(LEGS)])
+    lines = [source.vector(subject.platform.space.degrees_of_freedom) for _ in range(LEGS)]
+    points = [source.vector(2) for _ in range(LEGS)]
+    J = []
+    for line, (x, y) in zip(lines, points, strict=True):
+        J.append(_in_base(here, line))
+        if not subject.planar:
+            J.append(_in_base(here, [Exact(0), Exact(0), Exact(1), y, -x, Exact(0)]))
+    flat = {"line": lines, "point": points}
+    yield J, {name: [entry for row in rows_ for entry in row] for name, rows_ in flat.items()}
+
+
 def solving(subject: Subject, check: Check, count: int) -> Measured:
-    """J solve(r) = r for any end points, on the constraints or not."""
+    """J solve(r) = r for any end points, on the constraints or not, and for any lines."""
     found = Measured(check)
     source = Draw(check.seed)
     for _ in range(count):
@@ -186,11 +202,7 @@ def solving(subject: Subject, check: Check, count: int) -> Measured:
             here.arithmetic.constant(source.nonzero().fraction)
             for _ in range(LEGS * subject.platform.space.rows_per_leg)
         ]
-        for s in (
-            [here.leg("s", leg) for leg in range(LEGS)],
-            [source.vector(len(here.leg("s", 0))) for _ in range(LEGS)],
-        ):
-            J, gathered = whole(here, s=s)
+        for J, gathered in _anyhow(here, source):
             inputs = {
                 "Q": here.values["Q"],
                 "line": gathered["line"],
@@ -205,18 +217,14 @@ def solving(subject: Subject, check: Check, count: int) -> Measured:
 
 
 def balance(subject: Subject, check: Check, count: int) -> Measured:
-    """J^T lambda + C^T phi = F for any end points and any lines of the redundant coordinates."""
+    """J^T lambda + C^T phi = F for any end points, any lines, and any lines of the redundant coordinates."""
     found = Measured(check)
     source = Draw(check.seed)
     f = subject.platform.space.degrees_of_freedom
     for _ in range(count):
         here = configuration(subject, source)
         lines = [source.vector(f) for _ in range(LEGS)]
-        for s in (
-            [here.leg("s", leg) for leg in range(LEGS)],
-            [source.vector(len(here.leg("s", 0))) for _ in range(LEGS)],
-        ):
-            J, gathered = whole(here, s=s)
+        for J, gathered in _anyhow(here, source):
             inputs = {
                 **{name: here.values[name] for name in ("Q", "wrench", "redundant_forces")},
                 **{name: gathered[name] for name in ("line", "point")},

@@ -73,6 +73,23 @@ def non_redundant(subject: Subject, here: Configuration, found: Measured) -> Non
     found.equal(here.call("inverse_statics")["actuator_forces"], apply(transpose(K), along), "f")
 
 
+def torques(subject: Subject, here: Configuration, found: Measured) -> None:
+    """The kernel multiplies with the transposes of any three blocks."""
+    kernel = subject.derived("subleg", "torques")
+    given = {
+        port.name: [Exact(k * k - leg - 2) / (k + 3) for leg in range(LEGS) for k in range(port.size // LEGS)]
+        for port in kernel.inputs
+    }
+    n, rows = subject.subleg.n, subject.platform.space.rows_per_leg
+    wanted: list[Any] = []
+    for leg, block in enumerate(matrix(given["K_n"], len(given["K_n"]) // LEGS)):
+        forces = given["line_forces"][rows * leg : rows * leg + rows]
+        forces += [given[name][leg] for name in ("redundant_forces", "swivel_forces") if name in given]
+        wanted += apply(transpose(matrix(block, n)), forces)
+    got = evaluate_kernel(kernel, given, None, here.arithmetic)["actuator_forces"]
+    found.equal(got, wanted, "f")
+
+
 def transposed(subject: Subject, here: Configuration, found: Measured) -> None:
     """f = K^T J^-T F where nothing but the wrench acts."""
     J, K = jacobians(here)
@@ -190,6 +207,7 @@ def _determined(here: Configuration) -> list[Any]:
 RUNNERS: dict[str, Runner] = {
     "non-redundant view": proof(non_redundant),
     "virtual work": proof(virtual_work),
+    "transposed blocks": proof(torques),
     "(J^-1 K)^T": proof(transposed),
     "opening": proof(opening),
     "grasp": proof(grasp),

@@ -210,6 +210,7 @@ def products(subject: Subject, here: Configuration, leg: int, found: Measured) -
     result = here.kernel("subleg", "rates", leg, **at, s_dot=s_dot, **swivel)
     found.equal(result["theta_dot"], rates, "rates of M theta_dot")
     inputs = {**at, "N": flat_rows, "along": s_dot, "s_dot": s_dot, **swivel}
+    inputs["characteristic_length"] = [Exact(2) / 7]
     _guards(subject, here, leg, inputs, found)
 
 
@@ -223,6 +224,8 @@ def _guards(subject: Subject, here: Configuration, leg: int, inputs: dict[str, A
         "jacobian": by_parallel,
         "project": by_parallel,
         "velocity": by_parallel,
+        "bias": by_parallel,
+        "gram": by_parallel,
         "rates": by_serial + of_swivel,
         "transmission": by_parallel + of_swivel,
         "end_force": by_serial + of_swivel,
@@ -322,6 +325,22 @@ def motion(subject: Subject, here: Configuration, leg: int, found: Measured) -> 
     residual = here.kernel("subleg", "closure", leg, s=s, theta=theta)["residual"]
     for order in range(3):
         found.equal(coefficients(residual, order), [Exact(0)] * len(residual), f"closure, order {order}")
+    if subject.subleg.redundant:
+        rate = _swivel_rate(here, leg, s, theta)
+        wanted = rate[0] + bias["swivel_bias"][0]
+        found.equal(rate[1:], [wanted], "second rate of the swivel")
+
+
+def _swivel_rate(here: Configuration, leg: int, s: list[Any], theta: list[Any]) -> list[Any]:
+    """What theta_ddot gives of the swivel's second rate, and that rate itself."""
+    d, n = here.subject.subleg.space.dimension, here.subject.subleg.n
+    at = here.kernel("subleg", "posture", leg, s=s, theta=theta)
+    equations = here.kernel("subleg", equations_kernel(here.subject.subleg), leg, **at)
+    weight, row = matrix(equations["A"], n)[d][d], matrix(equations["B"], n)[d]
+    gradient = [entry / weight for entry in row]
+    rates, second = here.leg("theta_dot", leg), here.leg("theta_ddot", leg)
+    still = dot(coefficients(gradient, 0), second)
+    return [still, still + dot(coefficients(gradient, 1), rates)]
 
 
 def newton_step(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:
@@ -335,6 +354,10 @@ def newton_step(subject: Subject, here: Configuration, leg: int, found: Measured
         moved = straight(start, unit(len(start), index), [Exact(0)] * len(start))
         after = here.kernel("subleg", name, leg, **{unknown: moved})[f"{unknown}_next"]
         found.equal(coefficients(after, 1), [Exact(0)] * len(start), f"first order in {unknown}[{index}]")
+    off = [x + Exact(1) / (50 + index) for index, x in enumerate(start)]
+    result = here.kernel("subleg", name, leg, **{unknown: off})
+    step = minus(result[f"{unknown}_next"], off)
+    found.equal(result["change"], [dot(step, step) / dot(off, off)], "change from beside it")
 
 
 def links(subject: Subject, here: Configuration, leg: int, found: Measured) -> None:

@@ -65,7 +65,7 @@ SUBLEG_PROOFS = (
         MANY,
         "project = N M, velocity = M theta_dot and rates = M^-1 s_dot; their guards are the factors of "
         "det M.",
-        ("velocity", "rates", "transmission", "end_force"),
+        ("velocity", "rates", "transmission", "end_force", "gram", "bias"),
     ),
     Proof(
         "determinant of M",
@@ -337,12 +337,21 @@ ROBOT_PROOFS = (
         ("platform.encoder_pose",),
     ),
     Proof(
-        "spread of the end points",
+        "one encoder that is wrong",
+        "forward_encoders_1",
+        BALL,
+        FEW,
+        "Both poses have S_1 where the encoder says and the second link as long as it is; the third is "
+        "longer by the mismatch, which is smaller in the first and is compared with the tolerance.",
+        ("platform.one_encoder", "platform.turns_1"),
+    ),
+    Proof(
+        "encoders that are wrong",
         "forward_encoders_3",
         BALL,
         FEW,
-        "What is compared with the tolerance of a singularity, where end points lie, is the squared sine and "
-        "the squared ratio that it is called, from the end points in the base frame.",
+        "Mismatches, and what is compared with the tolerances of agreement and of singularities, by their "
+        "definitions from the end points in the base frame and where encoders have them in the platform.",
         ("platform.two_encoders", "platform.three_encoders"),
     ),
     Proof(
@@ -461,6 +470,14 @@ ROBOT_PROOFS = (
             "subleg.transmission",
             "subleg.torques",
         ),
+    ),
+    Proof(
+        "transposed blocks",
+        "inverse_statics",
+        EXACT,
+        FEW,
+        "f = K_n^T [lambda, phi] for any three blocks.",
+        ("subleg.torques",),
     ),
     Proof(
         "(J^-1 K)^T",
