@@ -120,12 +120,14 @@ def unique_in_the_box(subject: Subject, check: Check, count: int) -> Measured:
             diagonal, next_to_it, det_J = _distances(subject, general, angles)
             found.equal([prod(diagonal) + prod(next_to_it)], [det_J * Ball(-8)], "determinant")
             radius = source.random.uniform(0.1, 0.3)
-            equal = {**general, **_equilateral(radius, radius * source.random.uniform(0.1, 0.7499))}
+            first = source.random.uniform(-180, 180)
+            length = radius * source.random.uniform(0.1, 0.7499)
+            equal = {**general, **_equilateral(radius, length), **_azimuths(first, first + 120, first + 240)}
             angles = [source.random.uniform(LOW, HIGH) for _ in range(3)]
             diagonal, _, det_J = _distances(subject, equal, angles)
             positive = [x.to_float() > 0 for x in (*diagonal, -det_J)]
             found.equal([Ball(int(all(positive)))], [Ball(1)], "the minors are positive in the box")
-            for name, sizes, box, holds in _conditions(source, radius, equal):
+            for name, sizes, box, holds in _conditions(source, radius, first, equal):
                 ties = subject.ties({**equal, **sizes}, BALLS)
                 inputs = {**ties, "box": [Ball(x) for x in box]}
                 margins = subject.kernel("platform", "uniqueness", inputs, equal, 0, BALLS)["certificate"]
@@ -140,17 +142,20 @@ LOW, HIGH = radians(30), radians(150)
 
 def _equilateral(radius: float, length: float) -> dict[str, list[Any]]:
     return {
-        "platform_azimuth": [Ball(radians(120 * leg)) for leg in range(3)],
         "R_p": [Ball(radius)] * 3,
         "l_r": [Ball(length)] * 3,
     }
+
+
+def _azimuths(*degrees_: float) -> dict[str, list[Any]]:
+    return {"platform_azimuth": [Ball(radians(angle)) for angle in degrees_]}
 
 
 Box = list[float]
 
 
 def _conditions(
-    source: Draw, radius: float, sizes: dict[str, list[Any]]
+    source: Draw, radius: float, first: float, sizes: dict[str, list[Any]]
 ) -> Iterator[tuple[str, dict[str, list[Any]], Box, bool]]:
     """Each condition of the theorem violated by itself, and none."""
     whole = [LOW + 1e-12, HIGH - 1e-12] * 3
@@ -161,24 +166,27 @@ def _conditions(
     for leg in range(3):
         longer = [x * Ball(1 + off) if i == leg else x for i, x in enumerate(sizes["l_r"])]
         yield f"the link of leg {leg + 1} differs", {"l_r": longer}, whole, False
-        yield f"the triangle is off, along leg {leg + 1}", _beside_centre(radius, leg, off), whole, False
+        yield (
+            f"the triangle is off, along leg {leg + 1}",
+            _beside_centre(radius, first, leg, off),
+            whole,
+            False,
+        )
         # two sides of the triangle are alike, the third is not
-        apart = [120 * i + (degrees(off) if i == (leg + 1) % 3 else 0) for i in range(3)]
+        apart = [first + 120 * i + (degrees(off) if i == (leg + 1) % 3 else 0) for i in range(3)]
         apart[(leg + 2) % 3] -= degrees(off)
-        moved = [Ball(radians(angle)) for angle in apart]
-        yield f"the side opposite to leg {leg + 1} differs", {"platform_azimuth": moved}, whole, False
+        yield f"the side opposite to leg {leg + 1} differs", _azimuths(*apart), whole, False
     yield "links too long", {"l_r": [Ball(0.75 * radius * (1 + off))] * 3}, whole, False
-    clockwise = [Ball(radians(-120 * place)) for place in range(3)]
-    yield "legs in the other order", {"platform_azimuth": clockwise}, whole, False
+    yield "legs in the other order", _azimuths(first, first - 120, first - 240), whole, False
     for place in range(6):
         by = off if place % 2 else -off
         wider = [bound + by if index == place else bound for index, bound in enumerate(whole)]
         yield "a wider box", {}, wider, False
 
 
-def _beside_centre(radius: float, leg: int, off: float) -> dict[str, list[Any]]:
+def _beside_centre(radius: float, first: float, leg: int, off: float) -> dict[str, list[Any]]:
     """An equilateral triangle moved along one of its legs: the other two remain alike."""
-    points = [radius * np.exp(1j * radians(120 * i)) for i in range(3)]
+    points = [radius * np.exp(1j * radians(first + 120 * i)) for i in range(3)]
     moved = [point + off * points[leg] for point in points]
     return {
         "platform_azimuth": [Ball(float(np.angle(point))) for point in moved],
