@@ -16,7 +16,7 @@ from types import FrameType, ModuleType
 from typing import TYPE_CHECKING, NoReturn
 
 from krhpr.cli.common import Column, Command, Exit, Step, WrongUse, print_table, progress
-from krhpr.cli.plugin_option import add_plugin_option, plugin_entries, printed
+from krhpr.cli.plugin_option import add_plugin_option, numpy_modules, plugin_entries
 from krhpr.errors import UnknownRobot
 
 if TYPE_CHECKING:
@@ -193,7 +193,7 @@ def _orders(
     customs: list[Custom | None] = []
     seen: dict[str, str] = {}
     everything = {entry.identifier: entry for entry in (*_entries((), ()), *own)}
-    modules = _modules(own) if any(map(is_robot_file, names)) else {}
+    modules = numpy_modules(own, None) if any(map(is_robot_file, names)) else {}
     for name in names:
         if is_robot_file(name):
             entry, custom = _custom(Path(name), everything, modules, bake=bake)
@@ -206,14 +206,6 @@ def _orders(
         entries.append(entry)
         customs.append(custom)
     return entries, customs
-
-
-def _modules(own: Sequence[Entry]) -> dict[str, ModuleType]:
-    """The NumPy modules of robots of one's own, which robot files are checked with."""
-    if not own:
-        return {}
-    with printed(own, None) as found:
-        return {identifier: found.module(identifier) for identifier in found.identifiers}
 
 
 def _custom(

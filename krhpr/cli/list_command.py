@@ -6,16 +6,14 @@ import argparse
 import json
 import re
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import krhpr
 from krhpr.cli.common import Column, Command, Exit, WrongUse, print_table
-from krhpr.cli.plugin_option import add_plugin_option, known_robots, plugin_entries, printed
+from krhpr.cli.plugin_option import add_plugin_option, known_robots, numpy_modules, plugin_entries
 from krhpr.errors import nearest
+from krhpr.robot import Robot
 from krhpr.robot_files.facts import choice
-
-if TYPE_CHECKING:
-    from krhpr.robot import Robot
 
 COLUMNS = (
     Column("robot", whole=True),
@@ -44,9 +42,8 @@ def run(options: argparse.Namespace) -> int:
     own = plugin_entries(options.plugin)
     identifiers = chosen(known_robots(own), wanted)
     robots = [krhpr.load(name, backend="numpy") for name in identifiers if name in krhpr.catalogue()]
-    if own:
-        with printed(own, identifiers) as found:
-            robots += [found.robot(name) for name in found.identifiers]
+    modules = numpy_modules(own, identifiers)
+    robots += [Robot(module, backend="numpy") for module in modules.values()]
     if options.json:
         print(json.dumps([facts(robot) for robot in robots], indent=1))
     else:

@@ -14,6 +14,7 @@ from krhpr.errors import UnknownRobot
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from types import ModuleType
 
     from krhpr.derivations.catalogue import Entry
     from krhpr.plugins import Printed
@@ -67,9 +68,24 @@ def printed(
     """Robots of one's own (those wanted, or all), printed to a folder that is gone afterwards."""
     from krhpr.plugins import Printed
 
-    chosen = [entry for entry in entries if wanted is None or entry.identifier in wanted]
-    with Printed(chosen, step) as found:
+    with Printed(_chosen(entries, wanted), step) as found:
         yield found
+
+
+def numpy_modules(entries: Sequence[Entry], wanted: Sequence[str] | None) -> dict[str, ModuleType]:
+    """The NumPy modules of one's own robots (those wanted, or all); nothing else is printed."""
+    chosen = _chosen(entries, wanted)
+    if not chosen:
+        return {}
+    from krhpr.codegen.pipeline import NUMPY
+    from krhpr.plugins import Printed
+
+    with Printed(chosen, targets=[NUMPY]) as found:
+        return {identifier: found.module(identifier) for identifier in found.identifiers}
+
+
+def _chosen(entries: Sequence[Entry], wanted: Sequence[str] | None) -> list[Entry]:
+    return [entry for entry in entries if wanted is None or entry.identifier in wanted]
 
 
 def refuse_unknown(names: Sequence[str], known: Sequence[str]) -> None:

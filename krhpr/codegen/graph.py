@@ -36,6 +36,8 @@ class Op(StrEnum):
 COMMUTATIVE = frozenset({Op.ADD, Op.MUL})
 # MIN and MAX are not: where the first operand is NaN the second is the result (a > b ? a : b)
 LEAVES = frozenset({Op.CONST, Op.INPUT})
+KINKS = frozenset({Op.ABS, Op.MIN, Op.MAX})
+"""Operations without a derivative somewhere."""
 
 
 @dataclass(frozen=True, order=True)

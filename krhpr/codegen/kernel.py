@@ -8,7 +8,7 @@ from enum import StrEnum
 from functools import cached_property
 from math import prod
 
-from krhpr.codegen.graph import Graph, Node, OperationCount, count_operations
+from krhpr.codegen.graph import KINKS, Graph, InputRef, Node, OperationCount, count_operations
 
 
 class Unit(StrEnum):
@@ -180,6 +180,29 @@ class Kernel:
     def operations(self) -> OperationCount:
         """Operations of one call."""
         return count_operations(self.graph, self.result_nodes)
+
+    @cached_property
+    def smooth_outputs(self) -> tuple[Port, ...]:
+        """Outputs without a kink (absolute value, least, largest) on the way: all but those that serve
+        guards.
+        """
+        kinked: list[bool] = []
+        for _, node in self.graph:
+            kinked.append(node.op in KINKS or any(kinked[argument] for argument in node.args))
+        return tuple(p for p in self.outputs if not any(kinked[node] for node in self.results[p.name]))
+
+    @cached_property
+    def sources(self) -> Mapping[str, tuple[frozenset[InputRef], ...]]:
+        """For each element of each output, the inputs' elements (and what is prepared of the geometry) on
+        which it depends.
+        """
+        found: list[frozenset[InputRef]] = []
+        for _, node in self.graph:
+            if isinstance(node.value, InputRef):
+                found.append(frozenset({node.value}))
+            else:
+                found.append(frozenset().union(*(found[argument] for argument in node.args)))
+        return {port.name: tuple(found[node] for node in self.results[port.name]) for port in self.outputs}
 
     def input_port(self, name: str) -> Port:
         """An input by name."""

@@ -27,11 +27,14 @@ from krhpr.derivations.catalogue import Entry, catalogue
 from krhpr.derivations.grasping.catalogue import GraspingEntry, grasping
 from krhpr.limits import Limits
 
+NUMPY: Target = PythonTarget()
+"""All that it takes to look a robot up, or to call it from Python."""
+
 TARGETS: tuple[Target, ...] = (
     CTarget(),
     CControlTarget(),
     CasadiShimTarget(),
-    PythonTarget(),
+    NUMPY,
     CasadiTarget(),
 )
 
@@ -115,10 +118,12 @@ def _box(robot: RobotCode, limits: Limits) -> tuple[tuple[float, float], ...]:
     return tuple((joint.low, joint.high) for joint in joints)
 
 
-def print_all(derived: Derived, progress: Progress = lambda step: None) -> list[File]:
-    """Every file of every target, sorted by path."""
+def print_all(
+    derived: Derived, progress: Progress = lambda step: None, targets: Sequence[Target] = TARGETS
+) -> list[File]:
+    """Every file of every target (or of some), sorted by path."""
     files: list[File] = []
-    for target in TARGETS:
+    for target in targets:
         progress(f"print {target.name}")
         files += target.shared()
         for part in derived.parts:

@@ -22,22 +22,10 @@ SUFFIX = "_tangent"
 BRANCHES = ("mode", "assembly")
 """Inputs that choose a branch by signs: nothing is differentiated with respect to them."""
 
-_KINKS = frozenset({Op.ABS, Op.MIN, Op.MAX})
-
 
 def is_tangent(ref: InputRef) -> bool:
     """Whether an input of a twin's graph is a derivative."""
     return ref.port.endswith(SUFFIX)
-
-
-def twin_outputs(kernel: Kernel) -> tuple[Port, ...]:
-    """Outputs without a kink (absolute value, least, largest) on the way: all but those that serve guards."""
-    found = []
-    for port in kernel.outputs:
-        needed = kernel.graph.needed(kernel.results[port.name])
-        if not any(needed[index] and node.op in _KINKS for index, node in kernel.graph):
-            found.append(port)
-    return tuple(found)
 
 
 def tangent_twin(kernel: Kernel) -> Kernel | None:
@@ -46,7 +34,7 @@ def tangent_twin(kernel: Kernel) -> Kernel | None:
     Nodes that do not depend on tangents come first, and those that the others read have names.  A kernel that
     only serves guards has no twin.
     """
-    outputs = twin_outputs(kernel)
+    outputs = kernel.smooth_outputs
     if not outputs:
         return None
     carried = [port for port in kernel.inputs if port.name not in BRANCHES]
@@ -165,7 +153,7 @@ def tangent_function(function: RobotFunction, parts: Mapping[str, Part]) -> Tang
         reads = {call.variable_in(port.name) for port in kernel.inputs if port.name not in BRANCHES}
         if not reads <= made:
             return None
-        made |= {call.variable_out(port.name) for port in twin_outputs(kernel)}
+        made |= {call.variable_out(port.name) for port in kernel.smooth_outputs}
     if any(port.name not in made for port in function.outputs):
         return None
     structure = _structure(function, calls, parts)
@@ -228,11 +216,10 @@ def _structure(
 
 
 def _kernel_sources(kernel: Kernel, arguments: Mapping[str, Sources]) -> dict[str, Sources]:
-    found: Sources = []
-    for _, node in kernel.graph:
-        if isinstance(node.value, InputRef):
-            own = arguments.get(node.value.port)  # None: geometry
-            found.append(own[node.value.index] if own is not None else frozenset())
-        else:
-            found.append(frozenset().union(*(found[a] for a in node.args)))
-    return {port.name: [found[node] for node in kernel.results[port.name]] for port in kernel.outputs}
+    """Those of a kernel's outputs, given those of its inputs; the geometry is none."""
+
+    def whole(refs: frozenset[InputRef]) -> frozenset[tuple[str, int]]:
+        own = (arguments[ref.port][ref.index] for ref in refs if ref.port in arguments)
+        return frozenset().union(*own)
+
+    return {name: [whole(refs) for refs in entries] for name, entries in kernel.sources.items()}

@@ -19,7 +19,6 @@ from krhpr.codegen.tangent import (
     is_tangent,
     tangent_function,
     tangent_twin,
-    twin_outputs,
 )
 from tests.support import derived_robots
 
@@ -111,7 +110,7 @@ def test_twins_give_values_and_derivatives(part: Part, kernel: Kernel) -> None:
     """Against central differences with 60 digits and a step of 1e-20."""
     twin = tangent_twin(kernel)
     if twin is None:
-        assert not twin_outputs(kernel)
+        assert not kernel.smooth_outputs
         return
     geometry, at = in_reach(part, kernel)
     along = {name: [x - mp.mpf("0.4") for x in numbers(len(values), 50)] for name, values in at.items()}
@@ -129,7 +128,7 @@ def test_twins_give_values_and_derivatives(part: Part, kernel: Kernel) -> None:
         return evaluate_kernel(kernel, place, geometry, DIGITS)
 
     here, above, below = moved(0), moved(STEP), moved(-STEP)
-    for port in twin_outputs(kernel):
+    for port in kernel.smooth_outputs:
         for j in range(port.size):
             assert mp.almosteq(found[port.name][j], here[port.name][j], mp.mpf(10) ** -50)
             slope = (above[port.name][j] - below[port.name][j]) / (2 * STEP)
@@ -175,7 +174,7 @@ def test_what_only_guards_has_no_derivative(derived: Derived) -> None:
                 assert tangent is not None and all(call in function.calls for call in tangent.calls)
     robot = derived.robots[0]
     kernel = robot.subleg.kernel("rates")
-    assert [port.name for port in kernel.outputs] != [port.name for port in twin_outputs(kernel)]
+    assert [port.name for port in kernel.outputs] != [port.name for port in kernel.smooth_outputs]
 
 
 def test_structure_holds_every_dependence(derived: Derived) -> None:

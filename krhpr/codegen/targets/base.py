@@ -8,7 +8,7 @@ import json
 import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any, Protocol
 
 import jinja2
@@ -69,11 +69,17 @@ def render(template: str, **context: Any) -> str:
     return "\n".join(line.rstrip() for line in text.splitlines()).rstrip("\n") + "\n"
 
 
+@lru_cache(maxsize=8192)
+def _lines(text: str, width: int) -> tuple[str, ...]:
+    """A paragraph broken between words; robots say much in the same words."""
+    return tuple(textwrap.wrap(text, width, break_long_words=False, break_on_hyphens=False))
+
+
 def wrap(text: str, width: int = 100, prefix: str = "", first: str | None = None) -> str:
     """Break a paragraph into lines that start with `prefix` (the first with `first`)."""
-    lines = textwrap.wrap(text, width - len(prefix), break_long_words=False, break_on_hyphens=False)
+    lines = _lines(text, width - len(prefix))
     start = prefix if first is None else first
-    return "\n".join((start if i == 0 else prefix) + line for i, line in enumerate(lines or [""]))
+    return "\n".join((start if i == 0 else prefix) + line for i, line in enumerate(lines or ("",)))
 
 
 def broken(head: str, items: Sequence[str], tail: str = "", indent: int = 0, width: int = 110) -> str:
@@ -82,12 +88,7 @@ def broken(head: str, items: Sequence[str], tail: str = "", indent: int = 0, wid
     if indent + len(whole) <= width:
         return whole
     margin = " " * (indent + 4)
-    lines = textwrap.wrap(
-        ", ".join(item.replace(" ", "\0") for item in items),
-        width - len(margin) - len(tail) - 1,
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
+    lines = _lines(", ".join(item.replace(" ", "\0") for item in items), width - len(margin) - len(tail) - 1)
     return f"{head}(\n" + "\n".join(margin + line.replace("\0", " ") for line in lines) + f"){tail}"
 
 

@@ -16,7 +16,7 @@ from krhpr.codegen.kernel import GEOMETRY_PREFIX, Kernel, Port
 from krhpr.codegen.part import Part
 from krhpr.codegen.printers.c import FUNCTIONS, RESERVED, constant, input_text
 from krhpr.codegen.printers.infix import Dialect, Line, Pair, print_body
-from krhpr.codegen.tangent import BRANCHES, SUFFIX, TangentFunction, is_tangent, tangent_twin, twin_outputs
+from krhpr.codegen.tangent import BRANCHES, SUFFIX, TangentFunction, is_tangent, tangent_twin
 from krhpr.codegen.targets.base import broken, kernel_comment
 
 DIRECTIONS = 8
@@ -53,14 +53,14 @@ def _twin_view(part: Part, kernel: Kernel, twin: Kernel) -> TwinView:
     lines = [_statement(line) for line in body.lines]
     first = next((number for number, line in enumerate(lines) if _IN_LOOP.search(line)), len(lines))
     once, each = lines[:first], lines[first:]
-    for port in twin_outputs(kernel):
+    for port in kernel.smooth_outputs:
         once += [f"{port.name}[{j}].v = {text};" for j, text in enumerate(body.results[port.name])]
         each += [
             f"{port.name}[{j}].t[k] = {text};" for j, text in enumerate(body.results[port.name + SUFFIX])
         ]
     parameters = [f"const krhpr_{part.name}_geometry *g", "int i"] if kernel.geometry else []
     parameters += [f"const {_type(port)} *{port.name}" for port in kernel.inputs]
-    parameters += [f"krhpr_dual *KRHPR_RESTRICT {port.name}" for port in twin_outputs(kernel)]
+    parameters += [f"krhpr_dual *KRHPR_RESTRICT {port.name}" for port in kernel.smooth_outputs]
     used = {ref.port.split(".")[0].removesuffix(SUFFIX) for ref in body.inputs_used}
     unused = [port.name for port in kernel.inputs if port.name not in used]
     if kernel.geometry and "g" not in used:
@@ -160,7 +160,7 @@ class TwinFunction:
             kernel = self._kernel(call)
             for port in kernel.inputs:
                 found.setdefault(call.variable_in(port.name))
-            for port in twin_outputs(kernel):
+            for port in kernel.smooth_outputs:
                 found.setdefault(call.variable_out(port.name))
         return list(found)
 
@@ -171,7 +171,7 @@ class TwinFunction:
         kernel = self._kernel(call)
         arguments = [f"&geometry.{call.part}", "i"] if kernel.geometry is not None else []
         names = [call.variable_in(port.name) for port in kernel.inputs]
-        names += [call.variable_out(port.name) for port in twin_outputs(kernel)]
+        names += [call.variable_out(port.name) for port in kernel.smooth_outputs]
         arguments += [self._argument(self.known[name], call.stage) for name in names]
         symbol = f"krhpr_{self.robot.parts[call.part].name}_{kernel.name}{SUFFIX}"
         return broken(symbol, arguments, ";", indent=8 if call.stage is Stage.LEG else 4)

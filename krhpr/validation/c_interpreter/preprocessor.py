@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 from pycparser import c_parser
 
@@ -39,7 +40,13 @@ class Preprocessor:
         self.macros |= {"_Pragma": _FunctionMacro(("text",), "")}
 
     def process(self, text: str, name: str) -> str:
-        """The text without directives, each line in its place."""
+        """The text without directives, each line in its place; what it defines is known from now on."""
+        found, macros = _processed(text, name, self.builtin, tuple(self.macros.items()))
+        self.macros = dict(macros)
+        return found
+
+    def read(self, text: str, name: str) -> str:
+        """`process`, the text read from the beginning."""
         text = _COMMENT.sub(_strip_comment, text)
         text = re.sub(r"(?:[^\n]*\\\n)+[^\n]*", _join_continued, text)
         output = []
@@ -139,6 +146,16 @@ class Preprocessor:
         except c_parser.ParseError as error:
             raise Unsupported(f"{where}: #if {condition}") from error
         return integers.constant(declaration.init, {}) != 0
+
+
+@lru_cache(maxsize=64)
+def _processed(
+    text: str, name: str, builtin: frozenset[str], macros: tuple[tuple[str, str | _FunctionMacro], ...]
+) -> tuple[str, tuple[tuple[str, str | _FunctionMacro], ...]]:
+    """A text without directives, and the macros that are defined after it: programs share their headers."""
+    reader = Preprocessor(builtin)
+    reader.macros = dict(macros)
+    return reader.read(text, name), tuple(reader.macros.items())
 
 
 def _substituted(body: str, given: Mapping[str, str]) -> str:

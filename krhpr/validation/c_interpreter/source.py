@@ -15,6 +15,7 @@ from pycparser import c_ast, c_parser
 from krhpr.validation.c_interpreter.errors import Unsupported
 
 _PIECE = re.compile(r"\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])*'|[{};]")
+_WORD = re.compile(r"[A-Za-z_]\w*")
 _NAME = re.compile(r"(\w+)\s*\(")
 
 
@@ -27,10 +28,12 @@ class Definition:
 
     def parsed(self, typedefs: tuple[str, ...]) -> c_ast.FuncDef:
         """Its tree, where these names are types; nothing may change it."""
-        return _parsed_function(self.text, typedefs)
+        words = set(_WORD.findall(self.text))
+        return _parsed_function(self.text, tuple(name for name in typedefs if name in words))
 
 
-def take_apart(text: str, file: str) -> tuple[str, list[Definition]]:
+@lru_cache(maxsize=64)
+def take_apart(text: str, file: str) -> tuple[str, tuple[Definition, ...]]:
     """A preprocessed text without its functions, every line in its place, and the functions."""
     between: list[str] = []
     found: list[Definition] = []
@@ -59,7 +62,7 @@ def take_apart(text: str, file: str) -> tuple[str, list[Definition]]:
                 start = piece.end()
             case _:
                 pass
-    return f'# 1 "{file}"\n' + "".join([*between, text[copied:]]), found
+    return f'# 1 "{file}"\n' + "".join([*between, text[copied:]]), tuple(found)
 
 
 @lru_cache(maxsize=16)
