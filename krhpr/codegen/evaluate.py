@@ -74,14 +74,17 @@ def evaluate_kernel(
 ) -> dict[str, list[Any]]:
     """Outputs of a kernel by port, flat and row-major; `geometry` as `prepare_geometry` gives it."""
     values: dict[int, Any] = {}
-    operations = {**_BASIC, **arithmetic.functions}
-    for index, node in kernel.steps:
-        if node.value is None:
-            values[index] = operations[node.op](*[values[a] for a in node.args])
-        elif isinstance(node.value, InputRef):
-            values[index] = _read(node.value, inputs, geometry)
+    for index, value in kernel.leaves:
+        if isinstance(value, InputRef):
+            values[index] = _read(value, inputs, geometry)
         else:
-            values[index] = arithmetic.constant(node.value)
+            values[index] = arithmetic.constant(value)
+    functions = {**_BASIC, **arithmetic.functions}
+    for index, operation, a, b in kernel.program:  # plain tuples: most of a proof's time is spent here
+        if b is None:
+            values[index] = functions[operation](values[a])
+        else:
+            values[index] = functions[operation](values[a], values[b])
     return {port.name: [values[node] for node in kernel.results[port.name]] for port in kernel.outputs}
 
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from fractions import Fraction
 from functools import cached_property
 from math import prod
 
-from krhpr.codegen.graph import KINKS, Graph, InputRef, Node, OperationCount, count_operations
+from krhpr.codegen.graph import KINKS, Graph, InputRef, Node, Op, OperationCount, count_operations
 
 
 class Unit(StrEnum):
@@ -175,6 +176,17 @@ class Kernel:
         """The nodes that the outputs depend on, each behind its arguments."""
         needed = self.graph.needed(self.result_nodes)
         return tuple((index, node) for index, node in self.graph if needed[index])
+
+    @cached_property
+    def leaves(self) -> tuple[tuple[int, InputRef | Fraction], ...]:
+        """The inputs and constants among the steps."""
+        return tuple((index, node.value) for index, node in self.steps if node.value is not None)
+
+    @cached_property
+    def program(self) -> tuple[tuple[int, Op, int, int | None], ...]:
+        """The operations among the steps, and the nodes of their one or two arguments."""
+        steps = ((index, node.op, node.args) for index, node in self.steps if node.value is None)
+        return tuple((index, op, args[0], args[1] if len(args) > 1 else None) for index, op, args in steps)
 
     @cached_property
     def operations(self) -> OperationCount:

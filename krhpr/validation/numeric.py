@@ -15,7 +15,6 @@ import casadi
 import numpy as np
 from numpy.typing import NDArray
 
-from krhpr.backend import compile_robot
 from krhpr.codegen.composition import RobotFunction
 from krhpr.native import load_library
 from krhpr.validation.check import Target
@@ -71,7 +70,7 @@ class CompiledC:
 
     def __init__(self, subject: Subject) -> None:
         self.subject = subject
-        self.library = load_library(compile_robot(subject.identifier, subject.source.parent))
+        self.library = load_library(subject.library)
         self.prefix = f"krhpr_{subject.identifier}_"
         size = getattr(self.library, self.prefix + "geometry_size")
         size.restype = ctypes.c_size_t

@@ -13,6 +13,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from krhpr.backend import compile_robot
 from krhpr.codegen.build import Parts, build
 from krhpr.codegen.composition import RobotCode, RobotFunction
 from krhpr.codegen.evaluate import Arithmetic, evaluate_function, evaluate_kernel, prepare_geometry
@@ -148,6 +149,11 @@ class Subject:
     def source(self) -> Path:
         """The generated C source."""
         return self.folder / "c" / f"krhpr_{self.identifier}.c"
+
+    @cached_property
+    def library(self) -> Path:
+        """The generated C, compiled for speed; raises `NoCompiler` where nothing compiles it."""
+        return compile_robot(self.identifier, self.source.parent)
 
     def c_sources(self, kind: str = "") -> list[tuple[str, str]]:
         """The C source (`_batch`: that of its batches) and the headers that it includes, each before what
