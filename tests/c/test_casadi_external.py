@@ -39,7 +39,7 @@ def library(tmp_path_factory: pytest.TempPathFactory) -> Load:
     def library(robot: str, *flags: str) -> Path:
         target = folder / f"{len(list(folder.iterdir()))}_{robot}.so"
         source, compiled = SHIMS / f"krhpr_{robot}_casadi.c", target.with_suffix(".o")
-        run([program("cc"), "-O1", *flags, "-fPIC", "-c", source, "-o", compiled])
+        run([program("cc"), "-O0", *flags, "-fPIC", "-c", source, "-o", compiled])
         run([program("cc"), "-shared", compiled, "-o", target, "-lm"])
         return target
 
@@ -338,7 +338,7 @@ def test_a_name_and_a_geometry_of_ones_own(robot: str, tmp_path: Path) -> None:
     target = tmp_path / "mine.so"
     flags = ['-DKRHPR_CASADI_GEOMETRY="mine.h"', "-DKRHPR_CASADI_PREFIX=my_", f"-I{tmp_path}"]
     sources = [SHIMS / f"krhpr_{robot}_casadi.c", SOURCES / f"krhpr_{robot}.c"]
-    run([program("cc"), "-O1", *flags, "-fPIC", "-shared", *sources, "-o", target, "-lm"])
+    run([program("cc"), "-O0", *flags, "-fPIC", "-shared", *sources, "-o", target, "-lm"])
     flat = [sizes[name][leg] for leg in range(3) for name in module.FIELDS]
     expected, found = module.end_points(flat), ca.external("my_end_points", str(target))
     given = arguments(robot, expected, configurations(robot, 1)[0])
@@ -382,7 +382,7 @@ def test_in_code_that_casadi_generates(robot: str, library: Load, tmp_path: Path
     generator.add(outer)
     generator.generate(f"{tmp_path}/")
     sources = [tmp_path / "outer.c", SHIMS / f"krhpr_{robot}_casadi.c"]
-    run([program("cc"), "-O1", "-fPIC", "-shared", *sources, "-o", tmp_path / "outer.so", "-lm"])
+    run([program("cc"), "-O0", "-fPIC", "-shared", *sources, "-o", tmp_path / "outer.so", "-lm"])
     compiled = ca.external("outer", str(tmp_path / "outer.so"))
     values = arguments(robot, inner, configurations(robot, 1)[0])
     for got, want in zip(compiled.call(values), outer.call(values), strict=True):

@@ -97,7 +97,7 @@ def test_a_cpp_program_calls_a_robot(robot: str, compiler: str, tmp_path: Path) 
     prefix = f"krhpr_{robot}"
     body = f"{{ {prefix}_geometry g; return {prefix}_default_geometry(&g); }}"
     source.write_text(f'#include "{prefix}.h"\nint main() {body}\n')
-    library = compile_object(compiler, robot, "", tmp_path, "-O1")
+    library = compile_object(compiler, robot, "", tmp_path, "-O0")
     run([cpp, *CPP_CONFORMANCE, f"-I{SOURCES}", source, library, "-o", tmp_path / "main", "-lm"])
     run([tmp_path / "main"])
 
@@ -108,10 +108,14 @@ def test_a_cpp_program_calls_a_robot(robot: str, compiler: str, tmp_path: Path) 
     [("-O0",), pytest.param(("-O2",), marks=pytest.mark.full), SPEED],
     ids=["O0", "O2", "speed"],
 )
-def test_objects(robot: str, kind: str, compiler: str, flags: tuple[str, ...], tmp_path: Path) -> None:
+def test_objects(
+    robot: str, kind: str, compiler: str, flags: tuple[str, ...], tmp_path: Path, full: bool
+) -> None:
     """No warning; undefined symbols are on a short list (no allocation, no pow), all others are prefixed; and
     there is no state: nothing in .data, .bss or thread-local storage, and no common symbols.
     """
+    if flags == SPEED and robot != SOME[0] and not full:
+        pytest.skip("what optimisation needs comes from the templates, which all robots share")
     nm = program("nm")
     library = compile_object(
         compiler, robot, kind, tmp_path, *CONFORMANCE, *flags, "-fPIC", "-fno-stack-protector"
