@@ -16,17 +16,17 @@ from krhpr.cli.common import Command, Exit, WrongUse
 from krhpr.cli.plugin_option import (
     add_plugin_option,
     known_robots,
-    numpy_modules,
+    own_robots,
     plugin_entries,
     refuse_unknown,
 )
 from krhpr.errors import nearest
-from krhpr.robot import Robot
 from krhpr.robot_files.reader import is_robot_file
 
 if TYPE_CHECKING:
     from krhpr.generated.python.runtime import Port, Signature
     from krhpr.limits import Limits
+    from krhpr.robot import Robot
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -65,7 +65,7 @@ def find_robot(name: str, plugins: Sequence[Path]) -> Robot:
     """A robot of the catalogue or of a file, or one with a sub-leg of one's own, on NumPy."""
     own = plugin_entries(plugins)
     if name in known_robots(own)[len(krhpr.catalogue()) :]:
-        return Robot(numpy_modules(own, [name])[name], backend="numpy")
+        return own_robots(own, [name])[0]
     if own and not is_robot_file(name):
         refuse_unknown([name], known_robots(own))
     return krhpr.load(name, backend="numpy")

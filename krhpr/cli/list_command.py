@@ -6,14 +6,16 @@ import argparse
 import json
 import re
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import krhpr
 from krhpr.cli.common import Column, Command, Exit, WrongUse, print_table
-from krhpr.cli.plugin_option import add_plugin_option, known_robots, numpy_modules, plugin_entries
+from krhpr.cli.plugin_option import add_plugin_option, known_robots, own_robots, plugin_entries
 from krhpr.errors import nearest
-from krhpr.robot import Robot
 from krhpr.robot_files.facts import choice
+
+if TYPE_CHECKING:
+    from krhpr.robot import Robot
 
 COLUMNS = (
     Column("robot", whole=True),
@@ -42,8 +44,7 @@ def run(options: argparse.Namespace) -> int:
     own = plugin_entries(options.plugin)
     identifiers = chosen(known_robots(own), wanted)
     robots = [krhpr.load(name, backend="numpy") for name in identifiers if name in krhpr.catalogue()]
-    modules = numpy_modules(own, identifiers)
-    robots += [Robot(module, backend="numpy") for module in modules.values()]
+    robots += own_robots(own, identifiers)
     if options.json:
         print(json.dumps([facts(robot) for robot in robots], indent=1))
     else:

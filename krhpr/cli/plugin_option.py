@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from krhpr.derivations.catalogue import Entry
     from krhpr.plugins import Printed
+    from krhpr.robot import Robot
 
 
 def add_plugin_option(parser: argparse.ArgumentParser) -> None:
@@ -82,6 +83,13 @@ def numpy_modules(entries: Sequence[Entry], wanted: Sequence[str] | None) -> dic
 
     with Printed(chosen, targets=[NUMPY]) as found:
         return {identifier: found.module(identifier) for identifier in found.identifiers}
+
+
+def own_robots(entries: Sequence[Entry], wanted: Sequence[str]) -> list[Robot]:
+    """Those of one's own robots that are wanted, on NumPy."""
+    from krhpr.robot import Robot  # it needs what is generated, which need not be there yet
+
+    return [Robot(module, backend="numpy") for module in numpy_modules(entries, wanted).values()]
 
 
 def _chosen(entries: Sequence[Entry], wanted: Sequence[str] | None) -> list[Entry]:
