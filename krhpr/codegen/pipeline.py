@@ -119,11 +119,11 @@ def _box(robot: RobotCode, limits: Limits) -> tuple[tuple[float, float], ...]:
 
 
 def print_all(
-    derived: Derived, progress: Progress = lambda step: None, targets: Sequence[Target] = TARGETS
+    derived: Derived, progress: Progress = lambda step: None, targets: Sequence[Target] | None = None
 ) -> list[File]:
     """Every file of every target (or of some), sorted by path."""
     files: list[File] = []
-    for target in targets:
+    for target in TARGETS if targets is None else targets:
         progress(f"print {target.name}")
         files += target.shared()
         for part in derived.parts:

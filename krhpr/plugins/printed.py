@@ -9,7 +9,7 @@ from types import ModuleType
 from typing import Self
 
 from krhpr.codegen.output import write
-from krhpr.codegen.pipeline import TARGETS, Derived, derive, print_all
+from krhpr.codegen.pipeline import Derived, derive, print_all
 from krhpr.codegen.targets.base import Target
 from krhpr.derivations.catalogue import Entry
 from krhpr.printed_package import submodule
@@ -30,7 +30,7 @@ class Printed:
         self,
         entries: Sequence[Entry],
         progress: Callable[[str], None] = lambda step: None,
-        targets: Sequence[Target] = TARGETS,
+        targets: Sequence[Target] | None = None,
     ) -> None:
         self.entries = tuple(entries)
         self.derived: Derived = derive(self.entries, progress)
