@@ -92,7 +92,7 @@ SUBLEG_PROOFS = (
         MANY,
         "Along a motion, as truncated Taylor series: s_dot = M theta_dot and s_ddot = M theta_ddot + "
         "bias for the end point "
-        "of `forward`, which satisfies the closure to second order.",
+        "of `forward`, which satisfies the closure to second order; so for the rate of a swivel.",
         ("forward", "velocity"),
     ),
     Proof(
@@ -167,14 +167,16 @@ SUBLEG_PROOFS = (
         "forward_step",
         EXACT,
         MANY,
-        "A Newton step leaves a solution where it is, and errors are squared by it.",
+        "A Newton step leaves a solution where it is, and errors are squared by it; beside it `change` is what "
+        "it says.",
     ),
     Proof(
         "Newton step",
         "inverse_step",
         EXACT,
         MANY,
-        "A Newton step leaves a solution where it is, and errors are squared by it.",
+        "A Newton step leaves a solution where it is, and errors are squared by it; beside it `change` is what "
+        "it says.",
     ),
 )
 
@@ -231,8 +233,8 @@ PLATFORM_PROOFS = (
         "solve",
         EXACT,
         MANY,
-        "J times the twist of `solve` gives the rates back, for any S_i; its guards are det J_a and det J_n, "
-        "made dimensionless.",
+        "J times the twist of `solve` gives the rates back, for any S_i and any lines; its guards are det J_a "
+        "and det J_n, made dimensionless.",
     ),
     Proof(
         "balance",
@@ -240,7 +242,7 @@ PLATFORM_PROOFS = (
         EXACT,
         MANY,
         "J^T times the forces along the lines, and the forces along any redundant lines, add up to the "
-        "wrench, for any S_i; the guards are those of `solve`.",
+        "wrench, for any S_i and any lines; the guards are those of `solve`.",
         ("rows",),
     ),
     Proof(
@@ -315,7 +317,7 @@ ROBOT_PROOFS = (
         BALL,
         FEW,
         "From the pose itself the steps do not move; from beside it one step squares the distance; where "
-        "they end is the pose.",
+        "they end is the pose; `change` and `misfit` are what they say.",
         ("platform.tie", "platform.newton_start", "platform.newton_step", "platform.newton_pose"),
         needs="platform.newton_step",
     ),
