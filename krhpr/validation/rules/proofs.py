@@ -167,16 +167,16 @@ SUBLEG_PROOFS = (
         "forward_step",
         EXACT,
         MANY,
-        "A Newton step leaves a solution where it is, and errors are squared by it; beside it `change` is what "
-        "it says.",
+        "A Newton step leaves a solution where it is, and errors are squared by it; beside it `change` is "
+        "what it says.",
     ),
     Proof(
         "Newton step",
         "inverse_step",
         EXACT,
         MANY,
-        "A Newton step leaves a solution where it is, and errors are squared by it; beside it `change` is what "
-        "it says.",
+        "A Newton step leaves a solution where it is, and errors are squared by it; beside it `change` is "
+        "what it says.",
     ),
 )
 
@@ -233,8 +233,8 @@ PLATFORM_PROOFS = (
         "solve",
         EXACT,
         MANY,
-        "J times the twist of `solve` gives the rates back, for any S_i and any lines; its guards are det J_a "
-        "and det J_n, made dimensionless.",
+        "J times the twist of `solve` gives the rates back, for any S_i and any lines; its guards are "
+        "det J_a and det J_n, made dimensionless.",
     ),
     Proof(
         "balance",
