@@ -10,9 +10,10 @@ from krhpr.validation.arithmetic import BALLS
 from krhpr.validation.check import Check
 from krhpr.validation.configurations import Configuration, configuration_in_balls
 from krhpr.validation.draw import Draw
-from krhpr.validation.linear import apply, cross, dot, matrix, minus, plus, solve
+from krhpr.validation.linear import cross, dot, matrix, minus, solve
 from krhpr.validation.numbers import Ball, ball_precision, sqrt
 from krhpr.validation.outcome import Measured, Runner
+from krhpr.validation.proofs.misfits import squared_misfits
 from krhpr.validation.subject import Outputs, Subject
 
 
@@ -44,7 +45,7 @@ def newton(subject: Subject, check: Check, count: int) -> Measured:
 
 def _what_ends_steps(here: Configuration, start: Outputs, state: list[Any], found: Measured) -> None:
     """How long a step is, and by how much the links misfit where it began, by their definitions."""
-    ties, d = here.subject.ties(here.geometry, BALLS), 2 if here.subject.planar else 3
+    ties = here.subject.ties(here.geometry, BALLS)
     anchors, lengths = matrix(ties["anchor"], 2), ties["length"]
     arms = [minus(anchor, anchors[0]) for anchor in anchors[1:]]
     size = dot(arms[0], arms[0]) + dot(arms[1], arms[1])
@@ -53,16 +54,7 @@ def _what_ends_steps(here: Configuration, start: Outputs, state: list[Any], foun
     turn, *move = (after["state_next"][i] - off[i] for i in range(3))
     found.equal(after["change"], [turn * turn + dot(move, move) / size], "change")
     pose = _platform(here, "newton_pose", state=off, **start)
-    if here.subject.planar:
-        cosine, sine = pose["phi"][0].cos(), pose["phi"][0].sin()
-        Q = [[cosine, -sine], [sine, cosine]]
-    else:
-        Q = matrix(pose["Q"], 3)
-    links = [
-        minus(plus(pose["p"], apply([row[:2] for row in Q], anchor)), s)
-        for anchor, s in zip(anchors, matrix(here.values["s"], d), strict=True)
-    ]
-    gaps = [dot(link, link) - length * length for link, length in zip(links, lengths, strict=True)]
+    gaps = squared_misfits(here, pose)
     whole = size + dot(lengths, lengths)
     found.equal(pose["misfit"], [dot(gaps, gaps) / (whole * whole)], "misfit")
 

@@ -16,6 +16,7 @@ from krhpr.validation.draw import Draw
 from krhpr.validation.linear import dot
 from krhpr.validation.numbers import Ball, ball_precision, same
 from krhpr.validation.outcome import Measured, Runner
+from krhpr.validation.proofs.misfits import squared_misfits
 from krhpr.validation.sampling import draw_geometry
 from krhpr.validation.subject import Subject
 
@@ -103,6 +104,11 @@ def sextic(subject: Subject, check: Check, count: int) -> Measured:
             beside = subject.kernel("platform", "assembly", inputs, here.geometry, 0, BALLS)
             gaps = [(a - b).to_float() for a, b in zip(beside["p"], here.values["p"], strict=True)]
             found.equal([Ball(int(max(map(abs, gaps)) < 1e-20))], [Ball(1)], "beside the root")
+            # far from it they lead anywhere, and `miss` says so
+            inputs["root"] = [sine + Ball(Fraction(1, 5)), cosine + Ball(1)]
+            astray = subject.kernel("platform", "assembly", inputs, here.geometry, 0, BALLS)
+            gaps_2, size = squared_misfits(here, astray), dot(inputs["length"], inputs["length"])
+            found.equal(astray["miss"], [dot(gaps_2, gaps_2) / (size * size)], "miss beside the root")
             found.equal(pose["det_J"], [_det_J(here, pose["redundant"])], "det J at the root")
             found.samples += 1
     return found

@@ -237,7 +237,20 @@ def balance(subject: Subject, check: Check, count: int) -> Measured:
             found.equal(total, here.values["wrench"], "J^T lambda + C^T phi")
             _regularity(subject, gathered, result["regularity"], found)
             found.samples += 1
+        for leg in range(LEGS):
+            _redundant_line(here, leg, source.vector(subject.platform.space.dimension), found)
     return found
+
+
+def _redundant_line(here: Configuration, leg: int, s: list[Any], found: Measured) -> None:
+    """The line has the direction that is given in the base frame, and goes through S_i, wherever it is."""
+    d = here.subject.platform.space.dimension
+    result = here.kernel("platform", "redundant_line", leg, s=s)
+    in_platform = transpose(matrix(here.values["Q"], d))
+    local = apply(in_platform, result["along"])
+    arm = apply(in_platform, minus(s, here.values["p"]))
+    moment = cross(arm, local) if d == 3 else [arm[0] * local[1] - arm[1] * local[0]]
+    found.equal(result["redundant_line"], [*local, *moment], "line of the redundant force")
 
 
 def _in_base(here: Configuration, line: list[Any]) -> list[Any]:

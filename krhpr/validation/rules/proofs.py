@@ -242,8 +242,9 @@ PLATFORM_PROOFS = (
         EXACT,
         MANY,
         "J^T times the forces along the lines, and the forces along any redundant lines, add up to the "
-        "wrench, for any S_i and any lines; the guards are those of `solve`.",
-        ("rows",),
+        "wrench, for any S_i and any lines; the line of a redundant force goes through S_i; the guards are "
+        "those of `solve`.",
+        ("rows", "redundant_line"),
     ),
     Proof(
         "sensitivity",
@@ -298,7 +299,8 @@ ROBOT_PROOFS = (
         BALL,
         FEW,
         "The sextic is what eliminating the links' vectors leaves, at any T; the pose that the end points "
-        "come from is one of its roots, and the kernel gives it back there.",
+        "come from is one of its roots, and the kernel gives it back there; elsewhere `miss` is what it "
+        "says.",
         ("platform.tie", "platform.sextic", "platform.assembly"),
         needs="platform.sextic",
     ),
