@@ -9,9 +9,10 @@ from krhpr.validation.arithmetic import BALLS
 from krhpr.validation.check import Check
 from krhpr.validation.configurations import Configuration, configuration_in_balls
 from krhpr.validation.draw import Draw
-from krhpr.validation.linear import apply, dot, matrix, minus, plus
+from krhpr.validation.linear import dot, matrix, minus
 from krhpr.validation.numbers import Ball, ball_precision, sqrt
 from krhpr.validation.outcome import Measured, Runner
+from krhpr.validation.proofs.misfits import placed, squared_lengths
 from krhpr.validation.subject import Outputs, Subject
 
 TOLERANCE = Fraction(1, 30)
@@ -58,40 +59,24 @@ def one_encoder(subject: Subject, check: Check, count: int) -> Measured:
             measured = here.values["redundant"][0] + Ball(source.nonzero()) / Ball(10**6)
             given = {"measured": [measured], "tolerance": [Ball(TOLERANCE)]}
             result = here.call("forward_encoders_1", **given)
-            ties = subject.ties(here.geometry, BALLS)
-            anchors, lengths = matrix(ties["anchor"], 2), ties["length"]
-            s = matrix(here.values["s"], d)
+            lengths = subject.ties(here.geometry, BALLS)["length"]
             gaps = []
             for which in range(2):
-                p, Q = result["p"][d * which : d * which + d], _rotation(subject, result, which)
+                p, Q = placed(here, result, which)
                 pose = {"p": p, "Q": [x for row in Q for x in row], "redundant": measured}
                 if subject.planar:
                     pose["phi"] = result["phi"][which]
                 end = here.kernel("platform", "end_point", 0, **pose)["s"]
-                found.equal(end, s[0], f"pose {which}: S_1")
-                second, third = (
-                    _apart(plus(p, apply([row[:2] for row in Q], anchors[leg])), s[leg]) for leg in (1, 2)
-                )
+                found.equal(end, here.values["s"][:d], f"pose {which}: S_1")
+                _, second, third = map(sqrt, squared_lengths(here, result, which))
                 found.equal([second], [lengths[1]], f"pose {which}: the second link")
                 gaps.append(third - lengths[2])
             found.equal(result["mismatch"], gaps, "the third link")
             found.worse(float(abs(gaps[0]) > abs(gaps[1])), "the second pose fits better")
-            found.equal(_agreement(here, given), [Ball(TOLERANCE) - abs(gaps[0])], "agreement")
+            agreement = _kernel(here, "one_encoder", **given)["agreement"]
+            found.equal(agreement, [Ball(TOLERANCE) - abs(gaps[0])], "agreement")
             found.samples += 1
     return found
-
-
-def _rotation(subject: Subject, result: Outputs, which: int) -> list[list[Any]]:
-    """One of two orientations."""
-    if subject.planar:
-        phi = result["phi"][which]
-        return [[phi.cos(), -phi.sin()], [phi.sin(), phi.cos()]]
-    return matrix(result["Q"][9 * which : 9 * which + 9], 3)
-
-
-def _agreement(here: Configuration, given: dict[str, Any]) -> list[Any]:
-    """What the function compares with zero."""
-    return _kernel(here, "one_encoder", given["measured"], given["tolerance"])["agreement"]
 
 
 def _apart(a: list[Any], b: list[Any]) -> Any:
