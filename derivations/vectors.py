@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import sympy as sp
@@ -78,11 +78,14 @@ def solve3(m: sp.Matrix, right: sp.Matrix) -> tuple[sp.Matrix, Any]:
     return bc * right[0] + ca * right[1] + ab * right[2], dot(a, bc)
 
 
-def solve_structured(m: sp.Matrix, right: sp.Matrix) -> sp.Matrix:
+def solve_structured(
+    m: sp.Matrix, right: sp.Matrix, named: Callable[[Any], Any] = lambda value: value
+) -> sp.Matrix:
     """Solve m x = right for the small matrices of sub-legs, using their zeros.
 
     Rows with one entry are solved on their own; a block of two that is left is solved by Cramer's rule.  More
-    than that (three coupled rows) falls back to `solve3`.
+    than that (three coupled rows) falls back to `solve3`.  `named` gives a quotient that is used twice a
+    name, without which SymPy divides each product.
     """
     n = m.rows
     solution: list[Any] = [None] * n
@@ -106,8 +109,15 @@ def solve_structured(m: sp.Matrix, right: sp.Matrix) -> sp.Matrix:
     if len(rows) == 2:
         (i, j), (p, q) = rows, columns
         determinant = m[i, p] * m[j, q] - m[i, q] * m[j, p]
-        solution[p] = (residual[i] * m[j, q] - residual[j] * m[i, q]) / determinant
-        solution[q] = (residual[j] * m[i, p] - residual[i] * m[j, p]) / determinant
+        if residual[i] == 0:
+            quotient = named(residual[j] / determinant)
+            solution[p], solution[q] = -quotient * m[i, q], quotient * m[i, p]
+        elif residual[j] == 0:
+            quotient = named(residual[i] / determinant)
+            solution[p], solution[q] = quotient * m[j, q], -quotient * m[j, p]
+        else:
+            solution[p] = (residual[i] * m[j, q] - residual[j] * m[i, q]) / determinant
+            solution[q] = (residual[j] * m[i, p] - residual[i] * m[j, p]) / determinant
     elif len(rows) == 3:
         scaled, determinant = solve3(m.extract(rows, columns), sp.Matrix([residual[row] for row in rows]))
         for column, value in zip(columns, scaled, strict=True):
@@ -117,9 +127,9 @@ def solve_structured(m: sp.Matrix, right: sp.Matrix) -> sp.Matrix:
     return sp.Matrix(solution)
 
 
-def solve_columns(a: sp.Matrix, b: sp.Matrix) -> sp.Matrix:
+def solve_columns(a: sp.Matrix, b: sp.Matrix, named: Callable[[Any], Any] = lambda value: value) -> sp.Matrix:
     """a^-1 b, by `solve_structured` column by column."""
     if a == sp.eye(a.rows):
         return b
-    columns = [solve_structured(a, b.col(j)) for j in range(b.cols)]
+    columns = [solve_structured(a, b.col(j), named) for j in range(b.cols)]
     return sp.Matrix.hstack(*columns)

@@ -152,22 +152,39 @@ class FiveBar(Linkage):
     def velocity(self, k: KernelWriter, at: SimpleNamespace) -> PlaneVelocity:
         u_1, u_2 = at.u_1, at.u_2
         v_1, v_2 = self._distal(k, at)
-        ratio = k.let("ratio", self._ratio(k), "k of w = k v_1")
         b_22 = k.let("b_22", cross2(u_1, v_1), "v_1^T (e_2 x u_1)")
-        b_32 = k.let("b_32", (1 - ratio) * cross2(v_2, u_1), "(1.13)")
-        b_33 = k.let("b_33", cross2(u_2, v_2), "v_2^T (e_3 x u_2)")
-        alignment = k.let("delta", cross2(v_1, v_2), "e_2^T (v_1 x v_2)")
+        if self.coupler:
+            rod, b_32, b_33 = self._beyond(k, at, v_1, b_22)
+        else:
+            rod, b_32, b_33 = v_2, sp.Integer(0), k.let("b_33", cross2(u_2, v_2), "v_2^T (e_3 x u_2)")
+        alignment = k.let("delta", cross2(v_1, rod), "e_2^T (v_1 x v_2)")
+        ratio = self._ratio(k)
         return PlaneVelocity(
-            # (1.10), (1.11), with the erratum of (1.10)
-            A=sp.Matrix([[v_1[0], v_1[1]], [ratio * v_2[0], ratio * v_2[1]]]),
+            A=sp.Matrix([[v_1[0], v_1[1]], [rod[0], rod[1]]]),
             B=sp.Matrix([[b_22, 0], [b_32, b_33]]),
-            determinant=b_22 * b_33 / (ratio * alignment),
+            determinant=b_22 * b_33 / alignment,
             serial=(
                 Factor("elbow", b_22 / (k.g.l_4 * k.g.l_6), "crank u_1 and distal link v_1 aligned"),
-                Factor("crank", b_33 / (k.g.l_2 * k.g.l_3), "crank u_2 and rod v_2 aligned"),
+                Factor("crank", ratio * b_33 / (k.g.l_2 * k.g.l_3), "crank u_2 and rod v_2 aligned"),
             ),
             parallel=(Factor("rod", alignment / (k.g.l_6 * k.g.l_3), "rod v_2 and distal link v_1 aligned"),),
         )
+
+    def _beyond(
+        self, k: KernelWriter, at: SimpleNamespace, v_1: sp.Matrix, b_22: Any
+    ) -> tuple[sp.Matrix, Any, Any]:
+        """The second row of A and B where the rod ends beyond E: that of (1.10), (1.11), with the erratum of
+        (1.10), over k and less k times the first row. As v_2 = f + k v_1, it has f for v_2.
+        """
+        f = k.let("f", at.u_1 - at.u_2 - self._second_axis(k), "from C to E")
+        if self.coaxial:
+            turn_1 = k.let("u_12", cross2(at.u_1, at.u_2), "f x u_1")
+            turn_2 = -turn_1
+        else:
+            turn_1, turn_2 = cross2(f, at.u_1), cross2(at.u_2, f)
+        ratio = self._ratio(k)
+        b_32 = k.let("b_32", (1 / ratio - 1) * turn_1 - b_22, "(1.13) over k, less k b_22")
+        return f, b_32, k.let("b_33", cross2(at.u_2, v_1) + turn_2 / ratio, "v_2^T (e_3 x u_2) / k")
 
     def tip(self, k: KernelWriter, at: SimpleNamespace) -> sp.Matrix:
         return self._distal(k, at)[0] / k.g.l_6

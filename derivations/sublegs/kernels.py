@@ -201,8 +201,13 @@ class SubLegKernels:
 
     def _local_jacobian(self, k: KernelWriter, equations: VelocityEquations) -> sp.Matrix:
         """M_i in the leg's frame: the rows of A^-1 B that belong to the end point."""
-        rows = solve_columns(equations.A, equations.B)[: self.leg.space.dimension, :]
+        rows = self.columns(k, equations)[: self.leg.space.dimension, :]
         return k.let("m", rows, "A^-1 B in the leg's frame")
+
+    @staticmethod
+    def columns(k: KernelWriter, equations: VelocityEquations) -> sp.Matrix:
+        """A^-1 B."""
+        return solve_columns(equations.A, equations.B, lambda quotient: k.let("q", quotient))
 
     def _project(self) -> Kernel:
         k = KernelWriter(

@@ -12,7 +12,7 @@ import sympy as sp
 
 from krhpr.codegen.kernel import Frame, Kernel, Layout, Port, Unit
 from krhpr.codegen.writer import KernelWriter
-from krhpr.derivations.vectors import cross, cross2, dot, solve_columns
+from krhpr.derivations.vectors import cross, cross2, dot
 
 if TYPE_CHECKING:
     from krhpr.derivations.sublegs.base import SubLeg
@@ -89,7 +89,7 @@ class StaticsKernels:
         d = self.leg.space.dimension
         equations = self.leg.velocity(k, self.base.at(k))
         rows = sp.Matrix.vstack(k.add_input(self.ports.N), k.add_input(self.statics.along).T)
-        local = solve_columns(equations.A, equations.B)
+        local = self.base.columns(k, equations)
         M = k.let("m", local[:d, :], "A^-1 B in the leg's frame")
         whole = k.let("n", rows * equations.F, "N and c_i in the leg's frame") * M
         if self.leg.redundant:

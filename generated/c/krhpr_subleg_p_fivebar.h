@@ -45,6 +45,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_prepare(krhpr_subleg_p_fivebar_geometry
     const double k_6 = 1.0 - g->l_5[i] / g->l_6[i];
     const double k_0 = g->l_3[i] * g->l_3[i];
     const double t6 = g->l_6[i] - g->l_5[i];
+    const double k_2 = 1.0 / k_6;
     const double t7 = g->l_4[i] - g->l_6[i];
     const double t8 = g->l_4[i] + g->l_6[i];
     const double t9 = g->l_2[i] - g->l_3[i];
@@ -64,7 +65,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_prepare(krhpr_subleg_p_fivebar_geometry
     g->e_t[2][i] = 0.0;
     g->k[0][i] = k_0;
     g->k[1][i] = t6 * t6;
-    g->k[2][i] = 1.0 / k_6;
+    g->k[2][i] = k_2;
     g->k[3][i] = t7 * t7;
     g->k[4][i] = t8 * t8;
     g->k[5][i] = g->l_4[i] * g->l_4[i] - g->l_6[i] * g->l_6[i];
@@ -74,7 +75,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_prepare(krhpr_subleg_p_fivebar_geometry
     g->k[9][i] = g->l_2[i] * g->l_2[i] - k_0;
     g->k[10][i] = fabs(t9);
     g->k[11][i] = fabs(t7);
-    g->k[12][i] = 1.0 - k_6;
+    g->k[12][i] = k_2 - 1.0;
     g->k[13][i] = 1.0 / (g->l_3[i] * g->l_6[i]);
     g->k[14][i] = 1.0 / (g->l_4[i] * g->l_6[i]);
     g->k[15][i] = 1.0 / (g->l_2[i] * g->l_3[i]);
@@ -379,7 +380,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_posture(
     u_2[1] = g->l_2[i] * sine[1];
 }
 
-/* Jacobian M_i of the P(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (20 add, 37
+/* Jacobian M_i of the P(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (18 add, 32
  * multiply, 1 divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_jacobian(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
@@ -387,58 +388,52 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_jacobian(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[6][i];
-    const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[6][i];
-    const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const double t3 = u_2[0] * v_2_1;
-    const double t4 = u_2[1] * v_2_0;
-    const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
-    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[6][i] * b_22;
-    const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
-    const double m_02 = t6 * (v_1_1 * (t4 - t3));
-    const double m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
-    const double m_12 = t6 * (v_1_0 * b_33);
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
+    const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const double t1 = 1.0 / delta;
+    const double q = b_33 * t1;
+    const double m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const double t2 = v_1_1 * q;
+    const double m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
+    const double m_12 = v_1_0 * q;
     M[0] = g->e_t[0][i];
     M[1] = g->e_1[0][i] * m_11 + g->e_x[0][i] * m_01;
-    M[2] = g->e_1[0][i] * m_12 + g->e_x[0][i] * m_02;
+    M[2] = g->e_1[0][i] * m_12 - g->e_x[0][i] * t2;
     M[3] = g->e_t[1][i];
     M[4] = g->e_1[1][i] * m_11 + g->e_x[1][i] * m_01;
-    M[5] = g->e_1[1][i] * m_12 + g->e_x[1][i] * m_02;
+    M[5] = g->e_1[1][i] * m_12 - g->e_x[1][i] * t2;
     M[6] = 0.0;
     M[7] = g->e_1[2][i] * m_11 + g->e_x[2][i] * m_01;
-    M[8] = g->e_1[2][i] * m_12 + g->e_x[2][i] * m_02;
+    M[8] = g->e_1[2][i] * m_12 - g->e_x[2][i] * t2;
     *regularity = fabs(delta * g->k[13][i]);
 }
 
 /* Rows of K: N M_i for the P(RR-RRR) sub-leg, where the rows of N are the directions of the platform's
- * lines.  Thesis: (1.8), (1.28).  (28 add, 49 multiply, 1 divide, 1 select) */
+ * lines.  Thesis: (1.8), (1.28).  (26 add, 44 multiply, 1 divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_project(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double N[6], double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[6][i];
-    const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[6][i];
-    const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const double t3 = u_2[0] * v_2_1;
-    const double t4 = u_2[1] * v_2_0;
-    const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
-    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[6][i] * b_22;
-    const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
-    const double m_02 = t6 * (v_1_1 * (t4 - t3));
-    const double m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
-    const double m_12 = t6 * (v_1_0 * b_33);
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
+    const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const double t1 = 1.0 / delta;
+    const double q = b_33 * t1;
+    const double m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const double t2 = v_1_1 * q;
+    const double m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
+    const double m_12 = v_1_0 * q;
     const double n_00 = g->e_x[0][i] * N[0] + g->e_x[1][i] * N[1] + g->e_x[2][i] * N[2]; /* N in the leg's frame */
     const double n_01 = g->e_1[0][i] * N[0] + g->e_1[1][i] * N[1] + g->e_1[2][i] * N[2];
     const double n_02 = g->e_t[0][i] * N[0] + g->e_t[1][i] * N[1];
@@ -447,14 +442,14 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_project(
     const double n_12 = g->e_t[0][i] * N[3] + g->e_t[1][i] * N[4];
     K[0] = n_02;
     K[1] = m_01 * n_00 + m_11 * n_01;
-    K[2] = m_02 * n_00 + m_12 * n_01;
+    K[2] = m_12 * n_01 - t2 * n_00;
     K[3] = n_12;
     K[4] = m_01 * n_10 + m_11 * n_11;
-    K[5] = m_02 * n_10 + m_12 * n_11;
+    K[5] = m_12 * n_11 - t2 * n_10;
     *regularity = fabs(delta * g->k[13][i]);
 }
 
-/* Velocity of the end point of the P(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (19 add, 33 multiply, 1
+/* Velocity of the end point of the P(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (18 add, 28 multiply, 1
  * divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_velocity(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
@@ -463,19 +458,18 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_velocity(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[6][i];
-    const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[6][i];
-    const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
-    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
+    const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const double w_1 = b_22 * theta_dot[1]; /* B theta_dot */
     const double w_2 = b_32 * theta_dot[1] + b_33 * theta_dot[2];
-    const double t3 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double v_l_0 = (w_1 * (g->k[6][i] * v_2_1) - v_1_1 * w_2) * t3; /* velocity in the leg's frame */
-    const double v_l_1 = t3 * (v_1_0 * w_2 - w_1 * (g->k[6][i] * v_2_0));
+    const double t1 = 1.0 / delta;
+    const double v_l_0 = (f_1 * w_1 - v_1_1 * w_2) * t1; /* velocity in the leg's frame */
+    const double v_l_1 = t1 * (v_1_0 * w_2 - f_0 * w_1);
     s_dot[0] = g->e_1[0][i] * v_l_1 + g->e_t[0][i] * theta_dot[0] + g->e_x[0][i] * v_l_0;
     s_dot[1] = g->e_1[1][i] * v_l_1 + g->e_t[1][i] * theta_dot[0] + g->e_x[1][i] * v_l_0;
     s_dot[2] = g->e_1[2][i] * v_l_1 + g->e_x[2][i] * v_l_0;
@@ -490,7 +484,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_bias_angles(const double theta[3], doub
 }
 
 /* Velocity of the end point of the P(RR-RRR) sub-leg and the part of its acceleration that does not depend
- * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (64 add, 109 multiply, 1 divide, 1
+ * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (63 add, 105 multiply, 1 divide, 1
  * select) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_bias(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double s[3], const double theta_dot[3],
@@ -508,55 +502,52 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_bias(
     const double u_2_1 = g->l_2[i] * sine[1];
     const double v_1_0 = d_0 - u_1_0; /* (1.14) */
     const double v_1_1 = d_1 - u_1_1;
-    const double t1 = v_1_0 * g->k[6][i];
-    const double v_2_0 = u_1_0 + t1 - u_2_0; /* (1.15) */
-    const double t2 = v_1_1 * g->k[6][i];
-    const double v_2_1 = u_1_1 + t2 - u_2_1; /* (1.15) */
     const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[12][i] * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
-    const double b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0; /* v_2^T (e_3 x u_2) */
-    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t3 = theta_dot[1] * b_32 + theta_dot[2] * b_33;
-    const double t4 = theta_dot[1] * (g->k[6][i] * b_22);
-    const double t5 = v_1_0 * t3 - v_2_0 * t4;
-    const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double t7 = g->e_1[0][i] * t5 * t6;
-    const double t8 = v_2_1 * t4 - v_1_1 * t3;
-    const double t9 = t6 * (g->e_x[0][i] * t8);
-    const double s_dot_0 = g->e_t[0][i] * theta_dot[0] + t7 + t9;
-    const double t10 = t6 * (g->e_1[1][i] * t5);
-    const double t11 = t6 * (g->e_x[1][i] * t8);
-    const double s_dot_1 = g->e_t[1][i] * theta_dot[0] + t10 + t11;
-    const double t12 = t6 * (g->e_1[2][i] * t5);
-    const double t13 = t6 * (g->e_x[2][i] * t8);
-    const double s_dot_2 = t12 + t13;
-    const double t14 = g->l_4[i] * (theta_dot[1] * sine[0]);
-    const double t15 = g->l_4[i] * (theta_dot[1] * cosine[0]);
-    const double t16 = g->l_2[i] * (theta_dot[2] * sine[1]);
-    const double t17 = g->l_2[i] * (theta_dot[2] * cosine[1]);
-    const double t18 = g->e_x[0][i] * s_dot_0 + g->e_x[1][i] * s_dot_1 + g->e_x[2][i] * s_dot_2 + t14;
-    const double t19 = g->e_1[0][i] * s_dot_0 + g->e_1[1][i] * s_dot_1 + g->e_1[2][i] * s_dot_2 - t15;
-    const double t20 = g->k[6][i] * t18;
-    const double t21 = t16 + (t20 - t14);
-    const double t22 = g->k[6][i] * t19;
-    const double t23 = t15 + t22 - t17;
-    const double t24 = theta_dot[1] * (g->k[12][i] * (v_2_0 * t15 + u_1_1 * t21 - (u_1_0 * t23 - v_2_1 * t14)));
-    const double t25 = t24 + theta_dot[2] * (u_2_0 * t23 - v_2_1 * t16 - (v_2_0 * t17 + u_2_1 * t21));
-    const double t26 = theta_dot[1] * (g->k[6][i] * (u_1_0 * t19 - v_1_1 * t14 - (v_1_0 * t15 + u_1_1 * t18)));
-    const double t27 = t3 * t18 + v_1_0 * t25 - (t4 * t21 + v_2_0 * t26);
-    const double t28 = v_2_1 * t20 + t1 * t23 - (t2 * t21 + v_2_0 * t22);
-    const double t29 = t4 * t23 + v_2_1 * t26 - (t3 * t19 + v_1_1 * t25);
+    const double f_0 = u_1_0 - u_2_0; /* from C to E */
+    const double f_1 = u_1_1 - u_2_1;
+    const double u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0; /* f x u_1 */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2_0 * v_1_1 - u_12 * g->k[2][i] - u_2_1 * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const double t1 = theta_dot[1] * b_32 + theta_dot[2] * b_33;
+    const double t2 = v_1_0 * t1 - theta_dot[1] * (b_22 * f_0);
+    const double t3 = 1.0 / delta;
+    const double t4 = g->e_1[0][i] * t2 * t3;
+    const double t5 = theta_dot[1] * (b_22 * f_1) - v_1_1 * t1;
+    const double t6 = t3 * (g->e_x[0][i] * t5);
+    const double s_dot_0 = g->e_t[0][i] * theta_dot[0] + t4 + t6;
+    const double t7 = t3 * (g->e_1[1][i] * t2);
+    const double t8 = t3 * (g->e_x[1][i] * t5);
+    const double s_dot_1 = g->e_t[1][i] * theta_dot[0] + t7 + t8;
+    const double t9 = t3 * (g->e_1[2][i] * t2);
+    const double t10 = t3 * (g->e_x[2][i] * t5);
+    const double s_dot_2 = t9 + t10;
+    const double t11 = g->l_4[i] * (theta_dot[1] * sine[0]);
+    const double t12 = g->l_4[i] * (theta_dot[1] * cosine[0]);
+    const double t13 = g->l_2[i] * (theta_dot[2] * sine[1]);
+    const double t14 = g->l_2[i] * (theta_dot[2] * cosine[1]);
+    const double t15 = g->e_x[0][i] * s_dot_0 + g->e_x[1][i] * s_dot_1 + g->e_x[2][i] * s_dot_2 + t11;
+    const double t16 = g->e_1[0][i] * s_dot_0 + g->e_1[1][i] * s_dot_1 + g->e_1[2][i] * s_dot_2 - t12;
+    const double t17 = u_1_0 * t16 - v_1_1 * t11 - (v_1_0 * t12 + u_1_1 * t15);
+    const double t18 = t13 - t11;
+    const double t19 = t12 - t14;
+    const double t20 = u_1_0 * t14 - u_2_1 * t11 - (u_2_0 * t12 - u_1_1 * t13);
+    const double t21 = f_1 * t15 + v_1_0 * t19 - (f_0 * t16 + v_1_1 * t18);
+    const double t22 = theta_dot[2] * (u_2_0 * t16 - v_1_1 * t13 - g->k[2][i] * t20 - (v_1_0 * t14 + u_2_1 * t15));
+    const double t23 = theta_dot[1] * (g->k[12][i] * t20 - t17) + t22;
+    const double t24 = t1 * t15 + v_1_0 * t23 - theta_dot[1] * (f_0 * t17 + b_22 * t18);
+    const double t25 = theta_dot[1] * (f_1 * t17 + b_22 * t19) - (t1 * t16 + v_1_1 * t23);
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
     s_dot[2] = s_dot_2;
-    bias[0] = t6 * (g->e_1[0][i] * t27 - t7 * t28) + t6 * (g->e_x[0][i] * t29 - t9 * t28);
-    bias[1] = t6 * (g->e_1[1][i] * t27 - t10 * t28) + t6 * (g->e_x[1][i] * t29 - t11 * t28);
-    bias[2] = t6 * (g->e_1[2][i] * t27 - t12 * t28) + t6 * (g->e_x[2][i] * t29 - t13 * t28);
+    bias[0] = t3 * (g->e_1[0][i] * t24 - t4 * t21) + t3 * (g->e_x[0][i] * t25 - t6 * t21);
+    bias[1] = t3 * (g->e_1[1][i] * t24 - t7 * t21) + t3 * (g->e_x[1][i] * t25 - t8 * t21);
+    bias[2] = t3 * (g->e_1[2][i] * t24 - t9 * t21) + t3 * (g->e_x[2][i] * t25 - t10 * t21);
     *regularity = fabs(delta * g->k[13][i]);
 }
 
 /* Actuated joint rates of the P(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
- * so it serves accelerations too.  Thesis: (1.9).  (17 add, 28 multiply, 2 divide, 3 select) */
+ * so it serves accelerations too.  Thesis: (1.9).  (17 add, 26 multiply, 2 divide, 3 select) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_rates(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double s_dot[3], double *KRHPR_RESTRICT theta_dot,
@@ -564,44 +555,46 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_rates(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[6][i] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[6][i] - u_2[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
+    const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
     const double v_l_0 = g->e_x[0][i] * s_dot[0] + g->e_x[1][i] * s_dot[1] + g->e_x[2][i] * s_dot[2]; /* velocity in the leg's frame */
     const double v_l_1 = g->e_1[0][i] * s_dot[0] + g->e_1[1][i] * s_dot[1] + g->e_1[2][i] * s_dot[2];
     const double v_l_2 = g->e_t[0][i] * s_dot[0] + g->e_t[1][i] * s_dot[1];
     const double w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1; /* A s_dot */
-    const double w_2 = v_l_0 * (g->k[6][i] * v_2_0) + v_l_1 * (g->k[6][i] * v_2_1);
+    const double w_2 = f_0 * v_l_0 + f_1 * v_l_1;
     const double t1 = 1.0 / b_22;
     theta_dot[0] = v_l_2;
     theta_dot[1] = w_1 * t1;
     theta_dot[2] = (w_2 - t1 * (b_32 * w_1)) / b_33;
-    *regularity = krhpr_min(fabs(b_22 * g->k[14][i]), fabs(b_33 * g->k[15][i]));
+    *regularity = krhpr_min(fabs(b_22 * g->k[14][i]), fabs(g->k[6][i] * b_33 * g->k[15][i]));
 }
 
 /* det M_i of the P(RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.  (9 add,
- * 13 multiply, 1 divide) */
+ * 14 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_determinant(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[6][i] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[6][i] - u_2[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
-    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    *det_M = b_22 * b_33 / (g->k[6][i] * delta);
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
+    const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    *det_M = b_22 * b_33 / delta;
     factors[0] = b_22 * g->k[14][i];
-    factors[1] = b_33 * g->k[15][i];
+    factors[1] = g->k[6][i] * b_33 * g->k[15][i];
     factors[2] = delta * g->k[13][i];
 }
 
 /* Squares of M_i of the P(RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide count by
- * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (42 add, 83 multiply, 1 divide, 1
+ * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (40 add, 78 multiply, 1 divide, 1
  * select) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_gram(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
@@ -611,24 +604,21 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_gram(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[6][i];
-    const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[6][i];
-    const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const double t3 = u_2[0] * v_2_1;
-    const double t4 = u_2[1] * v_2_0;
-    const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
-    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[6][i] * b_22;
-    const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
-    const double m_02 = t6 * (v_1_1 * (t4 - t3));
-    const double m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
-    const double m_12 = t6 * (v_1_0 * b_33);
-    const double g_00 = m_01 * m_01 + m_02 * m_02; /* M M^T */
-    const double g_01 = m_01 * m_11 + m_02 * m_12;
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
+    const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const double t1 = 1.0 / delta;
+    const double q = b_33 * t1;
+    const double m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const double t2 = v_1_1 * q;
+    const double m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
+    const double m_12 = v_1_0 * q;
+    const double g_00 = m_01 * m_01 + t2 * t2; /* M M^T */
+    const double g_01 = m_01 * m_11 - t2 * m_12;
     const double g_11 = m_11 * m_11 + m_12 * m_12;
     const double g_22 = characteristic_length * characteristic_length;
     const double n_00 = g->e_x[0][i] * N[0] + g->e_x[1][i] * N[1] + g->e_x[2][i] * N[2]; /* N in the leg's frame */
@@ -639,17 +629,17 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_gram(
     const double n_12 = g->e_t[0][i] * N[3] + g->e_t[1][i] * N[4];
     const double k_00 = characteristic_length * n_02; /* the leg's block of K */
     const double k_01 = m_01 * n_00 + m_11 * n_01;
-    const double k_02 = m_02 * n_00 + m_12 * n_01;
+    const double k_02 = m_12 * n_01 - t2 * n_00;
     const double k_10 = characteristic_length * n_12;
     const double k_11 = m_01 * n_10 + m_11 * n_11;
-    const double k_12 = m_02 * n_10 + m_12 * n_11;
+    const double k_12 = m_12 * n_11 - t2 * n_10;
     const double c_01 = m_12 * characteristic_length; /* cofactors of M */
-    const double t7 = m_11 * characteristic_length;
-    const double t8 = m_02 * characteristic_length;
-    const double c_12 = m_01 * characteristic_length; /* cofactors of M */
-    const double c_20 = m_01 * m_12 - m_02 * m_11;
-    const double det_M = m_01 * c_01 - m_02 * t7;
-    const double cofactors_01 = -(c_01 * t8 + t7 * c_12);
+    const double t3 = m_11 * characteristic_length;
+    const double c_11 = t2 * characteristic_length; /* cofactors of M */
+    const double c_12 = m_01 * characteristic_length;
+    const double c_20 = m_01 * m_12 + t2 * m_11;
+    const double det_M = m_01 * c_01 + t2 * t3;
+    const double cofactors_01 = c_01 * c_11 - t3 * c_12;
     gram[0] = g_00;
     gram[1] = g_01;
     gram[2] = 0.0;
@@ -659,11 +649,11 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_gram(
     gram[6] = 0.0;
     gram[7] = 0.0;
     gram[8] = g_22;
-    cofactors[0] = c_01 * c_01 + t7 * t7;
+    cofactors[0] = c_01 * c_01 + t3 * t3;
     cofactors[1] = cofactors_01;
     cofactors[2] = 0.0;
     cofactors[3] = cofactors_01;
-    cofactors[4] = t8 * t8 + c_12 * c_12;
+    cofactors[4] = c_11 * c_11 + c_12 * c_12;
     cofactors[5] = 0.0;
     cofactors[6] = 0.0;
     cofactors[7] = 0.0;
@@ -743,7 +733,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_points(
     points[20] = s[2];
 }
 
-/* Rows of K_n for the P(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (35 add, 61 multiply,
+/* Rows of K_n for the P(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (33 add, 56 multiply,
  * 1 divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_transmission(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
@@ -752,22 +742,19 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_transmission(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[6][i];
-    const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[6][i];
-    const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const double t3 = u_2[0] * v_2_1;
-    const double t4 = u_2[1] * v_2_0;
-    const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
-    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[6][i] * b_22;
-    const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
-    const double m_02 = t6 * (v_1_1 * (t4 - t3));
-    const double m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
-    const double m_12 = t6 * (v_1_0 * b_33);
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
+    const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const double t1 = 1.0 / delta;
+    const double q = b_33 * t1;
+    const double m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const double t2 = v_1_1 * q;
+    const double m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
+    const double m_12 = v_1_0 * q;
     const double n_00 = g->e_x[0][i] * N[0] + g->e_x[1][i] * N[1] + g->e_x[2][i] * N[2]; /* N and c_i in the leg's frame */
     const double n_01 = g->e_1[0][i] * N[0] + g->e_1[1][i] * N[1] + g->e_1[2][i] * N[2];
     const double n_02 = g->e_t[0][i] * N[0] + g->e_t[1][i] * N[1];
@@ -779,13 +766,13 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_transmission(
     const double n_22 = g->e_t[0][i] * along[0] + g->e_t[1][i] * along[1];
     K_n[0] = n_02;
     K_n[1] = m_01 * n_00 + m_11 * n_01;
-    K_n[2] = m_02 * n_00 + m_12 * n_01;
+    K_n[2] = m_12 * n_01 - t2 * n_00;
     K_n[3] = n_12;
     K_n[4] = m_01 * n_10 + m_11 * n_11;
-    K_n[5] = m_02 * n_10 + m_12 * n_11;
+    K_n[5] = m_12 * n_11 - t2 * n_10;
     K_n[6] = n_22;
     K_n[7] = m_01 * n_20 + m_11 * n_21;
-    K_n[8] = m_02 * n_20 + m_12 * n_21;
+    K_n[8] = m_12 * n_21 - t2 * n_20;
     *regularity = fabs(delta * g->k[13][i]);
 }
 
@@ -913,7 +900,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_torques(
 }
 
 /* Force at the end point of the P(RR-RRR) sub-leg from those of its actuators: g = M_i^-T f.  Thesis:
- * (5.36).  (18 add, 33 multiply, 2 divide, 3 select) */
+ * (5.36).  (18 add, 31 multiply, 2 divide, 3 select) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_end_force(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double actuator_forces[3], double *KRHPR_RESTRICT end_force,
@@ -921,23 +908,22 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_end_force(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[6][i] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[6][i] - u_2[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
-    const double w_2 = g->k[6][i] * v_2_0; /* A s_dot */
-    const double w_2_a = g->k[6][i] * v_2_1;
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
+    const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
     const double t1 = 1.0 / b_22;
     const double t2 = 1.0 / b_33;
-    const double g_l_0 = v_1_0 * actuator_forces[1] * t1 + actuator_forces[2] * (w_2 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
-    const double g_l_1 = t1 * (v_1_1 * actuator_forces[1]) + t2 * (actuator_forces[2] * (w_2_a - t1 * (v_1_1 * b_32)));
+    const double g_l_0 = v_1_0 * actuator_forces[1] * t1 + actuator_forces[2] * (f_0 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
+    const double g_l_1 = t1 * (v_1_1 * actuator_forces[1]) + t2 * (actuator_forces[2] * (f_1 - t1 * (v_1_1 * b_32)));
     const double end_force_0 = g->e_t[0][i] * actuator_forces[0] + g->e_1[0][i] * g_l_1 + g->e_x[0][i] * g_l_0;
     const double end_force_1 = g->e_t[1][i] * actuator_forces[0] + g->e_1[1][i] * g_l_1 + g->e_x[1][i] * g_l_0;
     end_force[0] = end_force_0;
     end_force[1] = end_force_1;
     end_force[2] = g->e_1[2][i] * g_l_1 + g->e_x[2][i] * g_l_0;
-    *regularity = krhpr_min(fabs(b_22 * g->k[14][i]), fabs(b_33 * g->k[15][i]));
+    *regularity = krhpr_min(fabs(b_22 * g->k[14][i]), fabs(g->k[6][i] * b_33 * g->k[15][i]));
 }
 
 #endif

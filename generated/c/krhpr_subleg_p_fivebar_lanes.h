@@ -423,7 +423,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_posture_lanes(
     u_2[1] = g_l_2 * sine[1];
 }
 
-/* Jacobian M_i of the P(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (20 add, 37
+/* Jacobian M_i of the P(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (18 add, 32
  * multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_jacobian_lanes(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
@@ -437,41 +437,38 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_jacobian_lanes(
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
     const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
     const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
-    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes t1 = v_1_0 * g_k_6;
-    const krhpr_lanes v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_6;
-    const krhpr_lanes v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const krhpr_lanes t3 = u_2[0] * v_2_1;
-    const krhpr_lanes t4 = u_2[1] * v_2_0;
-    const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
-    const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t5 = g_k_6 * b_22;
-    const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const krhpr_lanes m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
-    const krhpr_lanes m_02 = t6 * (v_1_1 * (t4 - t3));
-    const krhpr_lanes m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
-    const krhpr_lanes m_12 = t6 * (v_1_0 * b_33);
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
+    const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes t1 = 1.0 / delta;
+    const krhpr_lanes q = b_33 * t1;
+    const krhpr_lanes m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const krhpr_lanes t2 = v_1_1 * q;
+    const krhpr_lanes m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_12 = v_1_0 * q;
     M[0] = g_e_t_0;
     M[1] = g_e_1_0 * m_11 + g_e_x_0 * m_01;
-    M[2] = g_e_1_0 * m_12 + g_e_x_0 * m_02;
+    M[2] = g_e_1_0 * m_12 - g_e_x_0 * t2;
     M[3] = g_e_t_1;
     M[4] = g_e_1_1 * m_11 + g_e_x_1 * m_01;
-    M[5] = g_e_1_1 * m_12 + g_e_x_1 * m_02;
+    M[5] = g_e_1_1 * m_12 - g_e_x_1 * t2;
     M[6] = krhpr_all(0.0);
     M[7] = g_e_1_2 * m_11 + g_e_x_2 * m_01;
-    M[8] = g_e_1_2 * m_12 + g_e_x_2 * m_02;
+    M[8] = g_e_1_2 * m_12 - g_e_x_2 * t2;
     *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
 /* Rows of K: N M_i for the P(RR-RRR) sub-leg, where the rows of N are the directions of the platform's
- * lines.  Thesis: (1.8), (1.28).  (28 add, 49 multiply, 1 divide, 1 select) */
+ * lines.  Thesis: (1.8), (1.28).  (26 add, 44 multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_project_lanes(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
     const krhpr_lanes_at u_2[2], const krhpr_lanes_at N[6], krhpr_lanes_at *KRHPR_RESTRICT K,
@@ -485,27 +482,24 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_project_lanes(
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
     const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
     const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
-    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes t1 = v_1_0 * g_k_6;
-    const krhpr_lanes v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_6;
-    const krhpr_lanes v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const krhpr_lanes t3 = u_2[0] * v_2_1;
-    const krhpr_lanes t4 = u_2[1] * v_2_0;
-    const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
-    const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t5 = g_k_6 * b_22;
-    const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const krhpr_lanes m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
-    const krhpr_lanes m_02 = t6 * (v_1_1 * (t4 - t3));
-    const krhpr_lanes m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
-    const krhpr_lanes m_12 = t6 * (v_1_0 * b_33);
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
+    const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes t1 = 1.0 / delta;
+    const krhpr_lanes q = b_33 * t1;
+    const krhpr_lanes m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const krhpr_lanes t2 = v_1_1 * q;
+    const krhpr_lanes m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_12 = v_1_0 * q;
     const krhpr_lanes n_00 = g_e_x_0 * N[0] + g_e_x_1 * N[1] + g_e_x_2 * N[2]; /* N in the leg's frame */
     const krhpr_lanes n_01 = g_e_1_0 * N[0] + g_e_1_1 * N[1] + g_e_1_2 * N[2];
     const krhpr_lanes n_02 = g_e_t_0 * N[0] + g_e_t_1 * N[1];
@@ -514,14 +508,14 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_project_lanes(
     const krhpr_lanes n_12 = g_e_t_0 * N[3] + g_e_t_1 * N[4];
     K[0] = n_02;
     K[1] = m_01 * n_00 + m_11 * n_01;
-    K[2] = m_02 * n_00 + m_12 * n_01;
+    K[2] = m_12 * n_01 - t2 * n_00;
     K[3] = n_12;
     K[4] = m_01 * n_10 + m_11 * n_11;
-    K[5] = m_02 * n_10 + m_12 * n_11;
+    K[5] = m_12 * n_11 - t2 * n_10;
     *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
-/* Velocity of the end point of the P(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (19 add, 33 multiply, 1
+/* Velocity of the end point of the P(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (18 add, 28 multiply, 1
  * divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_velocity_lanes(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
@@ -536,24 +530,23 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_velocity_lanes(
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
     const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
     const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
-    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes t1 = v_1_0 * g_k_6;
-    const krhpr_lanes v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_6;
-    const krhpr_lanes v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
-    const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
+    const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const krhpr_lanes w_1 = b_22 * theta_dot[1]; /* B theta_dot */
     const krhpr_lanes w_2 = b_32 * theta_dot[1] + b_33 * theta_dot[2];
-    const krhpr_lanes t3 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const krhpr_lanes v_l_0 = (w_1 * (g_k_6 * v_2_1) - v_1_1 * w_2) * t3; /* velocity in the leg's frame */
-    const krhpr_lanes v_l_1 = t3 * (v_1_0 * w_2 - w_1 * (g_k_6 * v_2_0));
+    const krhpr_lanes t1 = 1.0 / delta;
+    const krhpr_lanes v_l_0 = (f_1 * w_1 - v_1_1 * w_2) * t1; /* velocity in the leg's frame */
+    const krhpr_lanes v_l_1 = t1 * (v_1_0 * w_2 - f_0 * w_1);
     s_dot[0] = g_e_1_0 * v_l_1 + g_e_t_0 * theta_dot[0] + g_e_x_0 * v_l_0;
     s_dot[1] = g_e_1_1 * v_l_1 + g_e_t_1 * theta_dot[0] + g_e_x_1 * v_l_0;
     s_dot[2] = g_e_1_2 * v_l_1 + g_e_x_2 * v_l_0;
@@ -569,7 +562,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_bias_angles_lanes(
 }
 
 /* Velocity of the end point of the P(RR-RRR) sub-leg and the part of its acceleration that does not depend
- * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (64 add, 109 multiply, 1 divide, 1
+ * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (63 add, 105 multiply, 1 divide, 1
  * select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_bias_lanes(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at s[3],
@@ -590,7 +583,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_bias_lanes(
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
     const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
     const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
-    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
     const krhpr_lanes arm_0 = s[0] - g_c_0; /* s - c */
@@ -604,55 +597,52 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_bias_lanes(
     const krhpr_lanes u_2_1 = g_l_2 * sine[1];
     const krhpr_lanes v_1_0 = d_0 - u_1_0; /* (1.14) */
     const krhpr_lanes v_1_1 = d_1 - u_1_1;
-    const krhpr_lanes t1 = v_1_0 * g_k_6;
-    const krhpr_lanes v_2_0 = u_1_0 + t1 - u_2_0; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_6;
-    const krhpr_lanes v_2_1 = u_1_1 + t2 - u_2_1; /* (1.15) */
     const krhpr_lanes b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_12 * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
-    const krhpr_lanes b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0; /* v_2^T (e_3 x u_2) */
-    const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t3 = theta_dot[1] * b_32 + theta_dot[2] * b_33;
-    const krhpr_lanes t4 = theta_dot[1] * (g_k_6 * b_22);
-    const krhpr_lanes t5 = v_1_0 * t3 - v_2_0 * t4;
-    const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const krhpr_lanes t7 = g_e_1_0 * t5 * t6;
-    const krhpr_lanes t8 = v_2_1 * t4 - v_1_1 * t3;
-    const krhpr_lanes t9 = t6 * (g_e_x_0 * t8);
-    const krhpr_lanes s_dot_0 = g_e_t_0 * theta_dot[0] + t7 + t9;
-    const krhpr_lanes t10 = t6 * (g_e_1_1 * t5);
-    const krhpr_lanes t11 = t6 * (g_e_x_1 * t8);
-    const krhpr_lanes s_dot_1 = g_e_t_1 * theta_dot[0] + t10 + t11;
-    const krhpr_lanes t12 = t6 * (g_e_1_2 * t5);
-    const krhpr_lanes t13 = t6 * (g_e_x_2 * t8);
-    const krhpr_lanes s_dot_2 = t12 + t13;
-    const krhpr_lanes t14 = g_l_4 * (theta_dot[1] * sine[0]);
-    const krhpr_lanes t15 = g_l_4 * (theta_dot[1] * cosine[0]);
-    const krhpr_lanes t16 = g_l_2 * (theta_dot[2] * sine[1]);
-    const krhpr_lanes t17 = g_l_2 * (theta_dot[2] * cosine[1]);
-    const krhpr_lanes t18 = g_e_x_0 * s_dot_0 + g_e_x_1 * s_dot_1 + g_e_x_2 * s_dot_2 + t14;
-    const krhpr_lanes t19 = g_e_1_0 * s_dot_0 + g_e_1_1 * s_dot_1 + g_e_1_2 * s_dot_2 - t15;
-    const krhpr_lanes t20 = g_k_6 * t18;
-    const krhpr_lanes t21 = t16 + (t20 - t14);
-    const krhpr_lanes t22 = g_k_6 * t19;
-    const krhpr_lanes t23 = t15 + t22 - t17;
-    const krhpr_lanes t24 = theta_dot[1] * (g_k_12 * (v_2_0 * t15 + u_1_1 * t21 - (u_1_0 * t23 - v_2_1 * t14)));
-    const krhpr_lanes t25 = t24 + theta_dot[2] * (u_2_0 * t23 - v_2_1 * t16 - (v_2_0 * t17 + u_2_1 * t21));
-    const krhpr_lanes t26 = theta_dot[1] * (g_k_6 * (u_1_0 * t19 - v_1_1 * t14 - (v_1_0 * t15 + u_1_1 * t18)));
-    const krhpr_lanes t27 = t3 * t18 + v_1_0 * t25 - (t4 * t21 + v_2_0 * t26);
-    const krhpr_lanes t28 = v_2_1 * t20 + t1 * t23 - (t2 * t21 + v_2_0 * t22);
-    const krhpr_lanes t29 = t4 * t23 + v_2_1 * t26 - (t3 * t19 + v_1_1 * t25);
+    const krhpr_lanes f_0 = u_1_0 - u_2_0; /* from C to E */
+    const krhpr_lanes f_1 = u_1_1 - u_2_1;
+    const krhpr_lanes u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0; /* f x u_1 */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2_0 * v_1_1 - u_12 * g_k_2 - u_2_1 * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes t1 = theta_dot[1] * b_32 + theta_dot[2] * b_33;
+    const krhpr_lanes t2 = v_1_0 * t1 - theta_dot[1] * (b_22 * f_0);
+    const krhpr_lanes t3 = 1.0 / delta;
+    const krhpr_lanes t4 = g_e_1_0 * t2 * t3;
+    const krhpr_lanes t5 = theta_dot[1] * (b_22 * f_1) - v_1_1 * t1;
+    const krhpr_lanes t6 = t3 * (g_e_x_0 * t5);
+    const krhpr_lanes s_dot_0 = g_e_t_0 * theta_dot[0] + t4 + t6;
+    const krhpr_lanes t7 = t3 * (g_e_1_1 * t2);
+    const krhpr_lanes t8 = t3 * (g_e_x_1 * t5);
+    const krhpr_lanes s_dot_1 = g_e_t_1 * theta_dot[0] + t7 + t8;
+    const krhpr_lanes t9 = t3 * (g_e_1_2 * t2);
+    const krhpr_lanes t10 = t3 * (g_e_x_2 * t5);
+    const krhpr_lanes s_dot_2 = t9 + t10;
+    const krhpr_lanes t11 = g_l_4 * (theta_dot[1] * sine[0]);
+    const krhpr_lanes t12 = g_l_4 * (theta_dot[1] * cosine[0]);
+    const krhpr_lanes t13 = g_l_2 * (theta_dot[2] * sine[1]);
+    const krhpr_lanes t14 = g_l_2 * (theta_dot[2] * cosine[1]);
+    const krhpr_lanes t15 = g_e_x_0 * s_dot_0 + g_e_x_1 * s_dot_1 + g_e_x_2 * s_dot_2 + t11;
+    const krhpr_lanes t16 = g_e_1_0 * s_dot_0 + g_e_1_1 * s_dot_1 + g_e_1_2 * s_dot_2 - t12;
+    const krhpr_lanes t17 = u_1_0 * t16 - v_1_1 * t11 - (v_1_0 * t12 + u_1_1 * t15);
+    const krhpr_lanes t18 = t13 - t11;
+    const krhpr_lanes t19 = t12 - t14;
+    const krhpr_lanes t20 = u_1_0 * t14 - u_2_1 * t11 - (u_2_0 * t12 - u_1_1 * t13);
+    const krhpr_lanes t21 = f_1 * t15 + v_1_0 * t19 - (f_0 * t16 + v_1_1 * t18);
+    const krhpr_lanes t22 = theta_dot[2] * (u_2_0 * t16 - v_1_1 * t13 - g_k_2 * t20 - (v_1_0 * t14 + u_2_1 * t15));
+    const krhpr_lanes t23 = theta_dot[1] * (g_k_12 * t20 - t17) + t22;
+    const krhpr_lanes t24 = t1 * t15 + v_1_0 * t23 - theta_dot[1] * (f_0 * t17 + b_22 * t18);
+    const krhpr_lanes t25 = theta_dot[1] * (f_1 * t17 + b_22 * t19) - (t1 * t16 + v_1_1 * t23);
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
     s_dot[2] = s_dot_2;
-    bias[0] = t6 * (g_e_1_0 * t27 - t7 * t28) + t6 * (g_e_x_0 * t29 - t9 * t28);
-    bias[1] = t6 * (g_e_1_1 * t27 - t10 * t28) + t6 * (g_e_x_1 * t29 - t11 * t28);
-    bias[2] = t6 * (g_e_1_2 * t27 - t12 * t28) + t6 * (g_e_x_2 * t29 - t13 * t28);
+    bias[0] = t3 * (g_e_1_0 * t24 - t4 * t21) + t3 * (g_e_x_0 * t25 - t6 * t21);
+    bias[1] = t3 * (g_e_1_1 * t24 - t7 * t21) + t3 * (g_e_x_1 * t25 - t8 * t21);
+    bias[2] = t3 * (g_e_1_2 * t24 - t9 * t21) + t3 * (g_e_x_2 * t25 - t10 * t21);
     *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
 /* Actuated joint rates of the P(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
- * so it serves accelerations too.  Thesis: (1.9).  (17 add, 28 multiply, 2 divide, 3 select) */
+ * so it serves accelerations too.  Thesis: (1.9).  (17 add, 26 multiply, 2 divide, 3 select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_rates_lanes(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
     const krhpr_lanes_at u_2[2], const krhpr_lanes_at s_dot[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot,
@@ -666,24 +656,26 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_rates_lanes(
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
     const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
     const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
+    const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
     const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes g_k_15 = krhpr_of_leg(g->k[15], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_6 - u_2[0]; /* (1.15) */
-    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_6 - u_2[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
+    const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
     const krhpr_lanes v_l_0 = g_e_x_0 * s_dot[0] + g_e_x_1 * s_dot[1] + g_e_x_2 * s_dot[2]; /* velocity in the leg's frame */
     const krhpr_lanes v_l_1 = g_e_1_0 * s_dot[0] + g_e_1_1 * s_dot[1] + g_e_1_2 * s_dot[2];
     const krhpr_lanes v_l_2 = g_e_t_0 * s_dot[0] + g_e_t_1 * s_dot[1];
     const krhpr_lanes w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1; /* A s_dot */
-    const krhpr_lanes w_2 = v_l_0 * (g_k_6 * v_2_0) + v_l_1 * (g_k_6 * v_2_1);
+    const krhpr_lanes w_2 = f_0 * v_l_0 + f_1 * v_l_1;
     const krhpr_lanes t1 = 1.0 / b_22;
-    const krhpr_lanes regularity_a = krhpr_lanes_min(krhpr_lanes_fabs(b_22 * g_k_14), krhpr_lanes_fabs(b_33 * g_k_15));
+    const krhpr_lanes regularity_a = krhpr_lanes_min(krhpr_lanes_fabs(b_22 * g_k_14), krhpr_lanes_fabs(g_k_6 * b_33 * g_k_15));
     theta_dot[0] = v_l_2;
     theta_dot[1] = w_1 * t1;
     theta_dot[2] = (w_2 - t1 * (b_32 * w_1)) / b_33;
@@ -691,30 +683,32 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_rates_lanes(
 }
 
 /* det M_i of the P(RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.  (9 add,
- * 13 multiply, 1 divide) */
+ * 14 multiply, 1 divide) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_determinant_lanes(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
     const krhpr_lanes_at u_2[2], krhpr_lanes_at *KRHPR_RESTRICT det_M, krhpr_lanes_at *KRHPR_RESTRICT factors)
 {
+    const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
     const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes g_k_15 = krhpr_of_leg(g->k[15], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_6 - u_2[0]; /* (1.15) */
-    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_6 - u_2[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
-    const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    *det_M = b_22 * b_33 / (g_k_6 * delta);
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
+    const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    *det_M = b_22 * b_33 / delta;
     factors[0] = b_22 * g_k_14;
-    factors[1] = b_33 * g_k_15;
+    factors[1] = g_k_6 * b_33 * g_k_15;
     factors[2] = delta * g_k_13;
 }
 
 /* Squares of M_i of the P(RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide count by
- * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (42 add, 83 multiply, 1 divide, 1
+ * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (40 add, 78 multiply, 1 divide, 1
  * select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_gram_lanes(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
@@ -731,29 +725,26 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_gram_lanes(
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
     const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
     const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
-    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes t1 = v_1_0 * g_k_6;
-    const krhpr_lanes v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_6;
-    const krhpr_lanes v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const krhpr_lanes t3 = u_2[0] * v_2_1;
-    const krhpr_lanes t4 = u_2[1] * v_2_0;
-    const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
-    const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t5 = g_k_6 * b_22;
-    const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const krhpr_lanes m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
-    const krhpr_lanes m_02 = t6 * (v_1_1 * (t4 - t3));
-    const krhpr_lanes m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
-    const krhpr_lanes m_12 = t6 * (v_1_0 * b_33);
-    const krhpr_lanes g_00 = m_01 * m_01 + m_02 * m_02; /* M M^T */
-    const krhpr_lanes g_01 = m_01 * m_11 + m_02 * m_12;
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
+    const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes t1 = 1.0 / delta;
+    const krhpr_lanes q = b_33 * t1;
+    const krhpr_lanes m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const krhpr_lanes t2 = v_1_1 * q;
+    const krhpr_lanes m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_12 = v_1_0 * q;
+    const krhpr_lanes g_00 = m_01 * m_01 + t2 * t2; /* M M^T */
+    const krhpr_lanes g_01 = m_01 * m_11 - t2 * m_12;
     const krhpr_lanes g_11 = m_11 * m_11 + m_12 * m_12;
     const krhpr_lanes g_22 = characteristic_length * characteristic_length;
     const krhpr_lanes n_00 = g_e_x_0 * N[0] + g_e_x_1 * N[1] + g_e_x_2 * N[2]; /* N in the leg's frame */
@@ -764,17 +755,17 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_gram_lanes(
     const krhpr_lanes n_12 = g_e_t_0 * N[3] + g_e_t_1 * N[4];
     const krhpr_lanes k_00 = characteristic_length * n_02; /* the leg's block of K */
     const krhpr_lanes k_01 = m_01 * n_00 + m_11 * n_01;
-    const krhpr_lanes k_02 = m_02 * n_00 + m_12 * n_01;
+    const krhpr_lanes k_02 = m_12 * n_01 - t2 * n_00;
     const krhpr_lanes k_10 = characteristic_length * n_12;
     const krhpr_lanes k_11 = m_01 * n_10 + m_11 * n_11;
-    const krhpr_lanes k_12 = m_02 * n_10 + m_12 * n_11;
+    const krhpr_lanes k_12 = m_12 * n_11 - t2 * n_10;
     const krhpr_lanes c_01 = m_12 * characteristic_length; /* cofactors of M */
-    const krhpr_lanes t7 = m_11 * characteristic_length;
-    const krhpr_lanes t8 = m_02 * characteristic_length;
-    const krhpr_lanes c_12 = m_01 * characteristic_length; /* cofactors of M */
-    const krhpr_lanes c_20 = m_01 * m_12 - m_02 * m_11;
-    const krhpr_lanes det_M = m_01 * c_01 - m_02 * t7;
-    const krhpr_lanes cofactors_01 = -(c_01 * t8 + t7 * c_12);
+    const krhpr_lanes t3 = m_11 * characteristic_length;
+    const krhpr_lanes c_11 = t2 * characteristic_length; /* cofactors of M */
+    const krhpr_lanes c_12 = m_01 * characteristic_length;
+    const krhpr_lanes c_20 = m_01 * m_12 + t2 * m_11;
+    const krhpr_lanes det_M = m_01 * c_01 + t2 * t3;
+    const krhpr_lanes cofactors_01 = c_01 * c_11 - t3 * c_12;
     gram[0] = g_00;
     gram[1] = g_01;
     gram[2] = krhpr_all(0.0);
@@ -784,11 +775,11 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_gram_lanes(
     gram[6] = krhpr_all(0.0);
     gram[7] = krhpr_all(0.0);
     gram[8] = g_22;
-    cofactors[0] = c_01 * c_01 + t7 * t7;
+    cofactors[0] = c_01 * c_01 + t3 * t3;
     cofactors[1] = cofactors_01;
     cofactors[2] = krhpr_all(0.0);
     cofactors[3] = cofactors_01;
-    cofactors[4] = t8 * t8 + c_12 * c_12;
+    cofactors[4] = c_11 * c_11 + c_12 * c_12;
     cofactors[5] = krhpr_all(0.0);
     cofactors[6] = krhpr_all(0.0);
     cofactors[7] = krhpr_all(0.0);
@@ -891,7 +882,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_points_lanes(
     points[20] = s[2];
 }
 
-/* Rows of K_n for the P(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (35 add, 61 multiply,
+/* Rows of K_n for the P(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (33 add, 56 multiply,
  * 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_transmission_lanes(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
@@ -906,27 +897,24 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_transmission_lanes(
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
     const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
     const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
-    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes t1 = v_1_0 * g_k_6;
-    const krhpr_lanes v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_6;
-    const krhpr_lanes v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const krhpr_lanes t3 = u_2[0] * v_2_1;
-    const krhpr_lanes t4 = u_2[1] * v_2_0;
-    const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
-    const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t5 = g_k_6 * b_22;
-    const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const krhpr_lanes m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
-    const krhpr_lanes m_02 = t6 * (v_1_1 * (t4 - t3));
-    const krhpr_lanes m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
-    const krhpr_lanes m_12 = t6 * (v_1_0 * b_33);
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
+    const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes t1 = 1.0 / delta;
+    const krhpr_lanes q = b_33 * t1;
+    const krhpr_lanes m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const krhpr_lanes t2 = v_1_1 * q;
+    const krhpr_lanes m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_12 = v_1_0 * q;
     const krhpr_lanes n_00 = g_e_x_0 * N[0] + g_e_x_1 * N[1] + g_e_x_2 * N[2]; /* N and c_i in the leg's frame */
     const krhpr_lanes n_01 = g_e_1_0 * N[0] + g_e_1_1 * N[1] + g_e_1_2 * N[2];
     const krhpr_lanes n_02 = g_e_t_0 * N[0] + g_e_t_1 * N[1];
@@ -938,13 +926,13 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_transmission_lanes(
     const krhpr_lanes n_22 = g_e_t_0 * along[0] + g_e_t_1 * along[1];
     K_n[0] = n_02;
     K_n[1] = m_01 * n_00 + m_11 * n_01;
-    K_n[2] = m_02 * n_00 + m_12 * n_01;
+    K_n[2] = m_12 * n_01 - t2 * n_00;
     K_n[3] = n_12;
     K_n[4] = m_01 * n_10 + m_11 * n_11;
-    K_n[5] = m_02 * n_10 + m_12 * n_11;
+    K_n[5] = m_12 * n_11 - t2 * n_10;
     K_n[6] = n_22;
     K_n[7] = m_01 * n_20 + m_11 * n_21;
-    K_n[8] = m_02 * n_20 + m_12 * n_21;
+    K_n[8] = m_12 * n_21 - t2 * n_20;
     *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
@@ -1072,7 +1060,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_torques_lanes(
 }
 
 /* Force at the end point of the P(RR-RRR) sub-leg from those of its actuators: g = M_i^-T f.  Thesis:
- * (5.36).  (18 add, 33 multiply, 2 divide, 3 select) */
+ * (5.36).  (18 add, 31 multiply, 2 divide, 3 select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_end_force_lanes(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
     const krhpr_lanes_at u_2[2], const krhpr_lanes_at actuator_forces[3],
@@ -1086,24 +1074,24 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_end_force_lanes(
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
     const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
     const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
+    const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
     const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
     const krhpr_lanes g_k_15 = krhpr_of_leg(g->k[15], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_6 - u_2[0]; /* (1.15) */
-    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_6 - u_2[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
-    const krhpr_lanes w_2 = g_k_6 * v_2_0; /* A s_dot */
-    const krhpr_lanes w_2_a = g_k_6 * v_2_1;
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
+    const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
     const krhpr_lanes t1 = 1.0 / b_22;
     const krhpr_lanes t2 = 1.0 / b_33;
-    const krhpr_lanes g_l_0 = v_1_0 * actuator_forces[1] * t1 + actuator_forces[2] * (w_2 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
-    const krhpr_lanes g_l_1 = t1 * (v_1_1 * actuator_forces[1]) + t2 * (actuator_forces[2] * (w_2_a - t1 * (v_1_1 * b_32)));
-    const krhpr_lanes regularity_a = krhpr_lanes_min(krhpr_lanes_fabs(b_22 * g_k_14), krhpr_lanes_fabs(b_33 * g_k_15));
+    const krhpr_lanes g_l_0 = v_1_0 * actuator_forces[1] * t1 + actuator_forces[2] * (f_0 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
+    const krhpr_lanes g_l_1 = t1 * (v_1_1 * actuator_forces[1]) + t2 * (actuator_forces[2] * (f_1 - t1 * (v_1_1 * b_32)));
+    const krhpr_lanes regularity_a = krhpr_lanes_min(krhpr_lanes_fabs(b_22 * g_k_14), krhpr_lanes_fabs(g_k_6 * b_33 * g_k_15));
     end_force[0] = g_e_t_0 * actuator_forces[0] + g_e_1_0 * g_l_1 + g_e_x_0 * g_l_0;
     end_force[1] = g_e_t_1 * actuator_forces[0] + g_e_1_1 * g_l_1 + g_e_x_1 * g_l_0;
     end_force[2] = g_e_1_2 * g_l_1 + g_e_x_2 * g_l_0;

@@ -304,7 +304,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_posture(
     u_2[1] = g->l_2[i] * sine[1];
 }
 
-/* Jacobian M_i of the (RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (13 add, 15
+/* Jacobian M_i of the (RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 13
  * multiply, 1 divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_jacobian(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
@@ -314,18 +314,16 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_jacobian(
     const double v_1_1 = d[1] - u_1[1];
     const double v_2_0 = u_1[0] + v_1_0 - g->o_12[0][i] - u_2[0]; /* (1.15) */
     const double v_2_1 = u_1[1] + v_1_1 - g->o_12[1][i] - u_2[1];
-    const double t1 = u_1[0] * v_1_1;
-    const double t2 = u_1[1] * v_1_0;
-    const double b_22 = t1 - t2; /* v_1^T (e_2 x u_1) */
-    const double t3 = u_2[0] * v_2_1;
-    const double t4 = u_2[1] * v_2_0;
-    const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
+    const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
+    const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = 1.0 / delta;
-    const double m_00 = v_2_1 * b_22 * t5; /* A^-1 B in the leg's frame */
-    const double m_01 = t5 * (v_1_1 * (t4 - t3));
-    const double m_10 = t5 * (v_2_0 * (t2 - t1));
-    const double m_11 = t5 * (v_1_0 * b_33);
+    const double t1 = 1.0 / delta;
+    const double q = b_22 * t1;
+    const double q_a = b_33 * t1;
+    const double m_00 = v_2_1 * q; /* A^-1 B in the leg's frame */
+    const double m_01 = -v_1_1 * q_a;
+    const double m_10 = -v_2_0 * q;
+    const double m_11 = v_1_0 * q_a;
     M[0] = m_00;
     M[1] = m_01;
     M[2] = m_10;
@@ -334,7 +332,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_jacobian(
 }
 
 /* Rows of K: N M_i for the (RR-RRR) sub-leg, where the rows of N are the directions of the platform's
- * lines.  Thesis: (1.8), (1.28).  (15 add, 19 multiply, 1 divide, 1 select) */
+ * lines.  Thesis: (1.8), (1.28).  (13 add, 17 multiply, 1 divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_project(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double N[2], double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
@@ -343,20 +341,16 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_project(
     const double v_1_1 = d[1] - u_1[1];
     const double v_2_0 = u_1[0] + v_1_0 - g->o_12[0][i] - u_2[0]; /* (1.15) */
     const double v_2_1 = u_1[1] + v_1_1 - g->o_12[1][i] - u_2[1];
-    const double t1 = u_1[0] * v_1_1;
-    const double t2 = u_1[1] * v_1_0;
-    const double b_22 = t1 - t2; /* v_1^T (e_2 x u_1) */
-    const double t3 = u_2[0] * v_2_1;
-    const double t4 = u_2[1] * v_2_0;
-    const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
+    const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
+    const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = 1.0 / delta;
-    const double m_00 = v_2_1 * b_22 * t5; /* A^-1 B in the leg's frame */
-    const double m_01 = t5 * (v_1_1 * (t4 - t3));
-    const double m_10 = t5 * (v_2_0 * (t2 - t1));
-    const double m_11 = t5 * (v_1_0 * b_33);
-    K[0] = N[0] * m_00 + N[1] * m_10;
-    K[1] = N[0] * m_01 + N[1] * m_11;
+    const double t1 = 1.0 / delta;
+    const double q = b_22 * t1;
+    const double q_a = b_33 * t1;
+    const double m_00 = v_2_1 * q; /* A^-1 B in the leg's frame */
+    const double m_11 = v_1_0 * q_a;
+    K[0] = N[0] * m_00 - N[1] * (v_2_0 * q);
+    K[1] = N[1] * m_11 - N[0] * (v_1_1 * q_a);
     *regularity = fabs(delta * g->k[10][i]);
 }
 
@@ -475,7 +469,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_determinant(
 }
 
 /* Squares of M_i of the (RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide count by
- * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (20 add, 30 multiply, 1 divide, 1
+ * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (18 add, 28 multiply, 1 divide, 1
  * select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_gram(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
@@ -486,25 +480,23 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_gram(
     const double v_1_1 = d[1] - u_1[1];
     const double v_2_0 = u_1[0] + v_1_0 - g->o_12[0][i] - u_2[0]; /* (1.15) */
     const double v_2_1 = u_1[1] + v_1_1 - g->o_12[1][i] - u_2[1];
-    const double t1 = u_1[0] * v_1_1;
-    const double t2 = u_1[1] * v_1_0;
-    const double b_22 = t1 - t2; /* v_1^T (e_2 x u_1) */
-    const double t3 = u_2[0] * v_2_1;
-    const double t4 = u_2[1] * v_2_0;
-    const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
+    const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
+    const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = 1.0 / delta;
-    const double m_00 = v_2_1 * b_22 * t5; /* A^-1 B in the leg's frame */
-    const double m_01 = t5 * (v_1_1 * (t4 - t3));
-    const double m_10 = t5 * (v_2_0 * (t2 - t1));
-    const double m_11 = t5 * (v_1_0 * b_33);
-    const double g_00 = m_00 * m_00 + m_01 * m_01; /* M M^T */
-    const double g_01 = m_00 * m_10 + m_01 * m_11;
-    const double g_11 = m_10 * m_10 + m_11 * m_11;
-    const double k_00 = m_00 * N[0] + m_10 * N[1]; /* the leg's block of K */
-    const double k_01 = m_01 * N[0] + m_11 * N[1];
-    const double det_M = m_00 * m_11 - m_01 * m_10;
-    const double cofactors_01 = -g_01;
+    const double t1 = 1.0 / delta;
+    const double q = b_22 * t1;
+    const double q_a = b_33 * t1;
+    const double m_00 = v_2_1 * q; /* A^-1 B in the leg's frame */
+    const double c_10 = v_1_1 * q_a; /* cofactors of M */
+    const double c_01 = v_2_0 * q;
+    const double m_11 = v_1_0 * q_a; /* A^-1 B in the leg's frame */
+    const double g_00 = m_00 * m_00 + c_10 * c_10; /* M M^T */
+    const double cofactors_01 = m_00 * c_01 + c_10 * m_11;
+    const double g_01 = -cofactors_01; /* M M^T */
+    const double g_11 = c_01 * c_01 + m_11 * m_11;
+    const double k_00 = m_00 * N[0] - c_01 * N[1]; /* the leg's block of K */
+    const double k_01 = m_11 * N[1] - c_10 * N[0];
+    const double det_M = m_00 * m_11 - c_10 * c_01;
     gram[0] = g_00;
     gram[1] = g_01;
     gram[2] = g_01;
@@ -555,7 +547,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_points(
     points[9] = s[1];
 }
 
-/* Rows of K_n for the (RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (17 add, 23 multiply, 1
+/* Rows of K_n for the (RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (15 add, 21 multiply, 1
  * divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_transmission(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
@@ -566,22 +558,20 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_transmission(
     const double v_1_1 = d[1] - u_1[1];
     const double v_2_0 = u_1[0] + v_1_0 - g->o_12[0][i] - u_2[0]; /* (1.15) */
     const double v_2_1 = u_1[1] + v_1_1 - g->o_12[1][i] - u_2[1];
-    const double t1 = u_1[0] * v_1_1;
-    const double t2 = u_1[1] * v_1_0;
-    const double b_22 = t1 - t2; /* v_1^T (e_2 x u_1) */
-    const double t3 = u_2[0] * v_2_1;
-    const double t4 = u_2[1] * v_2_0;
-    const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
+    const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
+    const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = 1.0 / delta;
-    const double m_00 = v_2_1 * b_22 * t5; /* A^-1 B in the leg's frame */
-    const double m_01 = t5 * (v_1_1 * (t4 - t3));
-    const double m_10 = t5 * (v_2_0 * (t2 - t1));
-    const double m_11 = t5 * (v_1_0 * b_33);
-    K_n[0] = N[0] * m_00 + N[1] * m_10;
-    K_n[1] = N[0] * m_01 + N[1] * m_11;
-    K_n[2] = along[0] * m_00 + along[1] * m_10;
-    K_n[3] = along[0] * m_01 + along[1] * m_11;
+    const double t1 = 1.0 / delta;
+    const double q = b_22 * t1;
+    const double q_a = b_33 * t1;
+    const double m_00 = v_2_1 * q; /* A^-1 B in the leg's frame */
+    const double t2 = v_1_1 * q_a;
+    const double t3 = v_2_0 * q;
+    const double m_11 = v_1_0 * q_a; /* A^-1 B in the leg's frame */
+    K_n[0] = N[0] * m_00 - N[1] * t3;
+    K_n[1] = N[1] * m_11 - N[0] * t2;
+    K_n[2] = along[0] * m_00 - along[1] * t3;
+    K_n[3] = along[1] * m_11 - along[0] * t2;
     *regularity = fabs(delta * g->k[10][i]);
 }
 

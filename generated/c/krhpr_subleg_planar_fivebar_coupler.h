@@ -42,6 +42,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_prepare(
     const double k_6 = 1.0 - g->l_5[i] / g->l_6[i];
     const double k_0 = g->l_3[i] * g->l_3[i];
     const double t2 = g->l_6[i] - g->l_5[i];
+    const double k_2 = 1.0 / k_6;
     const double t3 = g->l_4[i] - g->l_6[i];
     const double t4 = g->l_4[i] + g->l_6[i];
     const double t5 = g->l_2[i] - g->l_3[i];
@@ -53,7 +54,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_prepare(
     g->o_12[1][i] = apart_1;
     g->k[0][i] = k_0;
     g->k[1][i] = t2 * t2;
-    g->k[2][i] = 1.0 / k_6;
+    g->k[2][i] = k_2;
     g->k[3][i] = t3 * t3;
     g->k[4][i] = t4 * t4;
     g->k[5][i] = g->l_4[i] * g->l_4[i] - g->l_6[i] * g->l_6[i];
@@ -63,7 +64,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_prepare(
     g->k[9][i] = g->l_2[i] * g->l_2[i] - k_0;
     g->k[10][i] = fabs(t5);
     g->k[11][i] = fabs(t3);
-    g->k[12][i] = 1.0 - k_6;
+    g->k[12][i] = k_2 - 1.0;
     g->k[13][i] = 1.0 / (g->l_3[i] * g->l_6[i]);
     g->k[14][i] = 1.0 / (g->l_4[i] * g->l_6[i]);
     g->k[15][i] = 1.0 / (g->l_2[i] * g->l_3[i]);
@@ -348,7 +349,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_posture(
     u_2[1] = g->l_2[i] * sine[1];
 }
 
-/* Jacobian M_i of the (RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (16 add, 25
+/* Jacobian M_i of the (RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (15 add, 22
  * multiply, 1 divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_jacobian(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
@@ -356,22 +357,18 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_jacobian(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[6][i];
-    const double v_2_0 = u_1[0] + t1 - g->o_12[0][i] - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[6][i];
-    const double v_2_1 = u_1[1] + t2 - g->o_12[1][i] - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const double t3 = u_2[0] * v_2_1;
-    const double t4 = u_2[1] * v_2_0;
-    const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
-    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[6][i] * b_22;
-    const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double m_00 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
-    const double m_01 = t6 * (v_1_1 * (t4 - t3));
-    const double m_10 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
-    const double m_11 = t6 * (v_1_0 * b_33);
+    const double f_0 = u_1[0] - g->o_12[0][i] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - g->o_12[1][i] - u_2[1];
+    const double b_32 = g->k[12][i] * (u_1[1] * f_0 - u_1[0] * f_1) - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 + g->k[2][i] * (u_2[0] * f_1 - u_2[1] * f_0) - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const double t1 = 1.0 / delta;
+    const double q = b_33 * t1;
+    const double m_00 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const double m_01 = -v_1_1 * q;
+    const double m_10 = t1 * (v_1_0 * b_32 - b_22 * f_0);
+    const double m_11 = v_1_0 * q;
     M[0] = m_00;
     M[1] = m_01;
     M[2] = m_10;
@@ -380,35 +377,30 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_jacobian(
 }
 
 /* Rows of K: N M_i for the (RR-RRR) sub-leg, where the rows of N are the directions of the platform's
- * lines.  Thesis: (1.8), (1.28).  (18 add, 29 multiply, 1 divide, 1 select) */
+ * lines.  Thesis: (1.8), (1.28).  (17 add, 26 multiply, 1 divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_project(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double N[2], double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[6][i];
-    const double v_2_0 = u_1[0] + t1 - g->o_12[0][i] - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[6][i];
-    const double v_2_1 = u_1[1] + t2 - g->o_12[1][i] - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const double t3 = u_2[0] * v_2_1;
-    const double t4 = u_2[1] * v_2_0;
-    const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
-    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[6][i] * b_22;
-    const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double m_00 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
-    const double m_01 = t6 * (v_1_1 * (t4 - t3));
-    const double m_10 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
-    const double m_11 = t6 * (v_1_0 * b_33);
+    const double f_0 = u_1[0] - g->o_12[0][i] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - g->o_12[1][i] - u_2[1];
+    const double b_32 = g->k[12][i] * (u_1[1] * f_0 - u_1[0] * f_1) - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 + g->k[2][i] * (u_2[0] * f_1 - u_2[1] * f_0) - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const double t1 = 1.0 / delta;
+    const double q = b_33 * t1;
+    const double m_00 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const double m_10 = t1 * (v_1_0 * b_32 - b_22 * f_0);
+    const double m_11 = v_1_0 * q;
     K[0] = N[0] * m_00 + N[1] * m_10;
-    K[1] = N[0] * m_01 + N[1] * m_11;
+    K[1] = N[1] * m_11 - N[0] * (v_1_1 * q);
     *regularity = fabs(delta * g->k[13][i]);
 }
 
-/* Velocity of the end point of the (RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (16 add, 25 multiply, 1
+/* Velocity of the end point of the (RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (16 add, 22 multiply, 1
  * divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_velocity(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
@@ -417,19 +409,17 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_velocity(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[6][i];
-    const double v_2_0 = u_1[0] + t1 - g->o_12[0][i] - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[6][i];
-    const double v_2_1 = u_1[1] + t2 - g->o_12[1][i] - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
-    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
+    const double f_0 = u_1[0] - g->o_12[0][i] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - g->o_12[1][i] - u_2[1];
+    const double b_32 = g->k[12][i] * (u_1[1] * f_0 - u_1[0] * f_1) - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 + g->k[2][i] * (u_2[0] * f_1 - u_2[1] * f_0) - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const double w_0 = b_22 * theta_dot[0]; /* B theta_dot */
     const double w_1 = b_32 * theta_dot[0] + b_33 * theta_dot[1];
-    const double t3 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double v_l_0 = (w_0 * (g->k[6][i] * v_2_1) - v_1_1 * w_1) * t3; /* velocity in the leg's frame */
-    const double v_l_1 = t3 * (v_1_0 * w_1 - w_0 * (g->k[6][i] * v_2_0));
+    const double t1 = 1.0 / delta;
+    const double v_l_0 = (f_1 * w_0 - v_1_1 * w_1) * t1; /* velocity in the leg's frame */
+    const double v_l_1 = t1 * (v_1_0 * w_1 - f_0 * w_0);
     s_dot[0] = v_l_0;
     s_dot[1] = v_l_1;
     *regularity = fabs(delta * g->k[13][i]);
@@ -444,7 +434,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_bias_angles(
 }
 
 /* Velocity of the end point of the (RR-RRR) sub-leg and the part of its acceleration that does not depend
- * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (45 add, 71 multiply, 1 divide, 1
+ * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (48 add, 73 multiply, 1 divide, 1
  * select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_bias(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double s[2],
@@ -459,42 +449,40 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_bias(
     const double u_2_1 = g->l_2[i] * sine[1];
     const double v_1_0 = d_0 - u_1_0; /* (1.14) */
     const double v_1_1 = d_1 - u_1_1;
-    const double t1 = v_1_0 * g->k[6][i];
-    const double v_2_0 = u_1_0 + t1 - g->o_12[0][i] - u_2_0; /* (1.15) */
-    const double t2 = v_1_1 * g->k[6][i];
-    const double v_2_1 = u_1_1 + t2 - g->o_12[1][i] - u_2_1; /* (1.15) */
     const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[12][i] * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
-    const double b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0; /* v_2^T (e_3 x u_2) */
-    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t3 = theta_dot[0] * (g->k[6][i] * b_22);
-    const double t4 = theta_dot[0] * b_32 + theta_dot[1] * b_33;
-    const double t5 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double s_dot_0 = (v_2_1 * t3 - v_1_1 * t4) * t5;
-    const double s_dot_1 = t5 * (v_1_0 * t4 - v_2_0 * t3);
-    const double t6 = g->l_4[i] * (theta_dot[0] * sine[0]);
-    const double t7 = g->l_4[i] * (theta_dot[0] * cosine[0]);
-    const double t8 = g->l_2[i] * (theta_dot[1] * sine[1]);
-    const double t9 = g->l_2[i] * (theta_dot[1] * cosine[1]);
-    const double t10 = s_dot_0 + t6;
-    const double t11 = s_dot_1 - t7;
-    const double t12 = g->k[6][i] * t10;
-    const double t13 = t8 + (t12 - t6);
-    const double t14 = g->k[6][i] * t11;
-    const double t15 = t7 + t14 - t9;
-    const double t16 = theta_dot[0] * (g->k[6][i] * (u_1_0 * t11 - v_1_1 * t6 - (v_1_0 * t7 + u_1_1 * t10)));
-    const double t17 = theta_dot[0] * (g->k[12][i] * (v_2_0 * t7 + u_1_1 * t13 - (u_1_0 * t15 - v_2_1 * t6)));
-    const double t18 = t17 + theta_dot[1] * (u_2_0 * t15 - v_2_1 * t8 - (v_2_0 * t9 + u_2_1 * t13));
-    const double t19 = v_2_1 * t12 + t1 * t15 - (t2 * t13 + v_2_0 * t14);
+    const double f_0 = u_1_0 - g->o_12[0][i] - u_2_0; /* from C to E */
+    const double f_1 = u_1_1 - g->o_12[1][i] - u_2_1;
+    const double b_32 = g->k[12][i] * (u_1_1 * f_0 - u_1_0 * f_1) - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2_0 * v_1_1 + g->k[2][i] * (u_2_0 * f_1 - u_2_1 * f_0) - u_2_1 * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const double t1 = theta_dot[0] * b_32 + theta_dot[1] * b_33;
+    const double t2 = 1.0 / delta;
+    const double s_dot_0 = (theta_dot[0] * (b_22 * f_1) - v_1_1 * t1) * t2;
+    const double s_dot_1 = t2 * (v_1_0 * t1 - theta_dot[0] * (b_22 * f_0));
+    const double t3 = g->l_4[i] * (theta_dot[0] * sine[0]);
+    const double t4 = g->l_4[i] * (theta_dot[0] * cosine[0]);
+    const double t5 = g->l_2[i] * (theta_dot[1] * sine[1]);
+    const double t6 = g->l_2[i] * (theta_dot[1] * cosine[1]);
+    const double t7 = s_dot_0 + t3;
+    const double t8 = s_dot_1 - t4;
+    const double t9 = u_1_0 * t8 - v_1_1 * t3 - (v_1_0 * t4 + u_1_1 * t7);
+    const double t10 = t5 - t3;
+    const double t11 = t4 - t6;
+    const double t12 = u_2_0 * t8 - v_1_1 * t5 + g->k[2][i] * (u_2_0 * t11 - f_1 * t5 - (f_0 * t6 + u_2_1 * t10));
+    const double t13 = f_1 * t7 + v_1_0 * t11 - (f_0 * t8 + v_1_1 * t10);
+    const double t14 = theta_dot[0] * (g->k[12][i] * (f_0 * t4 + u_1_1 * t10 - (u_1_0 * t11 - f_1 * t3)) - t9);
+    const double t15 = t14 + theta_dot[1] * (t12 - (v_1_0 * t6 + u_2_1 * t7));
+    const double t16 = theta_dot[0] * (f_1 * t9 + b_22 * t11) - (t1 * t8 + v_1_1 * t15) - s_dot_0 * t13;
+    const double bias_1 = t2 * (t1 * t7 + v_1_0 * t15 - theta_dot[0] * (f_0 * t9 + b_22 * t10) - s_dot_1 * t13);
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
-    bias[0] = t5 * (t3 * t15 + v_2_1 * t16 - (t4 * t11 + v_1_1 * t18) - s_dot_0 * t19);
-    bias[1] = t5 * (t4 * t10 + v_1_0 * t18 - (t3 * t13 + v_2_0 * t16) - s_dot_1 * t19);
+    bias[0] = t2 * t16;
+    bias[1] = bias_1;
     *regularity = fabs(delta * g->k[13][i]);
 }
 
 /* Actuated joint rates of the (RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
- * so it serves accelerations too.  Thesis: (1.9).  (14 add, 20 multiply, 2 divide, 3 select) */
+ * so it serves accelerations too.  Thesis: (1.9).  (15 add, 20 multiply, 2 divide, 3 select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_rates(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double s_dot[2], double *KRHPR_RESTRICT theta_dot,
@@ -502,40 +490,40 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_rates(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[6][i] - g->o_12[0][i] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[6][i] - g->o_12[1][i] - u_2[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
+    const double f_0 = u_1[0] - g->o_12[0][i] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - g->o_12[1][i] - u_2[1];
+    const double b_32 = g->k[12][i] * (u_1[1] * f_0 - u_1[0] * f_1) - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 + g->k[2][i] * (u_2[0] * f_1 - u_2[1] * f_0) - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
     const double w_0 = v_1_0 * s_dot[0] + v_1_1 * s_dot[1]; /* A s_dot */
-    const double w_1 = v_2_0 * (g->k[6][i] * s_dot[0]) + v_2_1 * (g->k[6][i] * s_dot[1]);
+    const double w_1 = f_0 * s_dot[0] + f_1 * s_dot[1];
     const double t1 = 1.0 / b_22;
     theta_dot[0] = w_0 * t1;
     theta_dot[1] = (w_1 - t1 * (b_32 * w_0)) / b_33;
-    *regularity = krhpr_min(fabs(b_22 * g->k[14][i]), fabs(b_33 * g->k[15][i]));
+    *regularity = krhpr_min(fabs(b_22 * g->k[14][i]), fabs(g->k[6][i] * b_33 * g->k[15][i]));
 }
 
 /* det M_i of the (RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.  (11 add,
- * 13 multiply, 1 divide) */
+ * 14 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_determinant(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[6][i] - g->o_12[0][i] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[6][i] - g->o_12[1][i] - u_2[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
-    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    *det_M = b_22 * b_33 / (g->k[6][i] * delta);
+    const double f_0 = u_1[0] - g->o_12[0][i] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - g->o_12[1][i] - u_2[1];
+    const double b_33 = u_2[0] * v_1_1 + g->k[2][i] * (u_2[0] * f_1 - u_2[1] * f_0) - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    *det_M = b_22 * b_33 / delta;
     factors[0] = b_22 * g->k[14][i];
-    factors[1] = b_33 * g->k[15][i];
+    factors[1] = g->k[6][i] * b_33 * g->k[15][i];
     factors[2] = delta * g->k[13][i];
 }
 
 /* Squares of M_i of the (RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide count by
- * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (23 add, 40 multiply, 1 divide, 1
+ * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (23 add, 37 multiply, 1 divide, 1
  * select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_gram(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
@@ -544,29 +532,27 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_gram(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[6][i];
-    const double v_2_0 = u_1[0] + t1 - g->o_12[0][i] - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[6][i];
-    const double v_2_1 = u_1[1] + t2 - g->o_12[1][i] - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const double t3 = u_2[0] * v_2_1;
-    const double t4 = u_2[1] * v_2_0;
-    const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
-    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[6][i] * b_22;
-    const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double m_00 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
-    const double m_01 = t6 * (v_1_1 * (t4 - t3));
-    const double m_10 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
-    const double m_11 = t6 * (v_1_0 * b_33);
-    const double g_00 = m_00 * m_00 + m_01 * m_01; /* M M^T */
-    const double g_01 = m_00 * m_10 + m_01 * m_11;
+    const double f_0 = u_1[0] - g->o_12[0][i] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - g->o_12[1][i] - u_2[1];
+    const double b_32 = g->k[12][i] * (u_1[1] * f_0 - u_1[0] * f_1) - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 + g->k[2][i] * (u_2[0] * f_1 - u_2[1] * f_0) - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const double t1 = 1.0 / delta;
+    const double q = b_33 * t1;
+    const double m_00 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const double c_10 = v_1_1 * q; /* cofactors of M */
+    const double m_10 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
+    const double m_11 = v_1_0 * q;
+    const double g_00 = m_00 * m_00 + c_10 * c_10; /* M M^T */
+    const double t2 = m_00 * m_10;
+    const double t3 = c_10 * m_11;
+    const double g_01 = t2 - t3; /* M M^T */
     const double g_11 = m_10 * m_10 + m_11 * m_11;
     const double k_00 = m_00 * N[0] + m_10 * N[1]; /* the leg's block of K */
-    const double k_01 = m_01 * N[0] + m_11 * N[1];
-    const double det_M = m_00 * m_11 - m_01 * m_10;
-    const double cofactors_01 = -g_01;
+    const double k_01 = m_11 * N[1] - c_10 * N[0];
+    const double det_M = c_10 * m_10 + m_00 * m_11;
+    const double cofactors_01 = t3 - t2;
     gram[0] = g_00;
     gram[1] = g_01;
     gram[2] = g_01;
@@ -621,7 +607,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_points(
     points[11] = s[1];
 }
 
-/* Rows of K_n for the (RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (20 add, 33 multiply, 1
+/* Rows of K_n for the (RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (19 add, 30 multiply, 1
  * divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_transmission(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
@@ -630,26 +616,22 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_transmission(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[6][i];
-    const double v_2_0 = u_1[0] + t1 - g->o_12[0][i] - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[6][i];
-    const double v_2_1 = u_1[1] + t2 - g->o_12[1][i] - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const double t3 = u_2[0] * v_2_1;
-    const double t4 = u_2[1] * v_2_0;
-    const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
-    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[6][i] * b_22;
-    const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double m_00 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
-    const double m_01 = t6 * (v_1_1 * (t4 - t3));
-    const double m_10 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
-    const double m_11 = t6 * (v_1_0 * b_33);
+    const double f_0 = u_1[0] - g->o_12[0][i] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - g->o_12[1][i] - u_2[1];
+    const double b_32 = g->k[12][i] * (u_1[1] * f_0 - u_1[0] * f_1) - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 + g->k[2][i] * (u_2[0] * f_1 - u_2[1] * f_0) - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const double t1 = 1.0 / delta;
+    const double q = b_33 * t1;
+    const double m_00 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const double t2 = v_1_1 * q;
+    const double m_10 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
+    const double m_11 = v_1_0 * q;
     K_n[0] = N[0] * m_00 + N[1] * m_10;
-    K_n[1] = N[0] * m_01 + N[1] * m_11;
+    K_n[1] = N[1] * m_11 - N[0] * t2;
     K_n[2] = along[0] * m_00 + along[1] * m_10;
-    K_n[3] = along[0] * m_01 + along[1] * m_11;
+    K_n[3] = along[1] * m_11 - along[0] * t2;
     *regularity = fabs(delta * g->k[13][i]);
 }
 
@@ -717,7 +699,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_torques(
 }
 
 /* Force at the end point of the (RR-RRR) sub-leg from those of its actuators: g = M_i^-T f.  Thesis:
- * (5.36).  (15 add, 25 multiply, 2 divide, 3 select) */
+ * (5.36).  (16 add, 25 multiply, 2 divide, 3 select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_end_force(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double actuator_forces[2], double *KRHPR_RESTRICT end_force,
@@ -725,20 +707,18 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_end_force(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[6][i] - g->o_12[0][i] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[6][i] - g->o_12[1][i] - u_2[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
-    const double w_1 = g->k[6][i] * v_2_0; /* A s_dot */
-    const double w_1_a = g->k[6][i] * v_2_1;
+    const double f_0 = u_1[0] - g->o_12[0][i] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - g->o_12[1][i] - u_2[1];
+    const double b_32 = g->k[12][i] * (u_1[1] * f_0 - u_1[0] * f_1) - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 + g->k[2][i] * (u_2[0] * f_1 - u_2[1] * f_0) - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
     const double t1 = 1.0 / b_22;
     const double t2 = 1.0 / b_33;
-    const double g_l_0 = v_1_0 * actuator_forces[0] * t1 + actuator_forces[1] * (w_1 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
-    const double g_l_1 = t1 * (v_1_1 * actuator_forces[0]) + t2 * (actuator_forces[1] * (w_1_a - t1 * (v_1_1 * b_32)));
+    const double g_l_0 = v_1_0 * actuator_forces[0] * t1 + actuator_forces[1] * (f_0 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
+    const double g_l_1 = t1 * (v_1_1 * actuator_forces[0]) + t2 * (actuator_forces[1] * (f_1 - t1 * (v_1_1 * b_32)));
     end_force[0] = g_l_0;
     end_force[1] = g_l_1;
-    *regularity = krhpr_min(fabs(b_22 * g->k[14][i]), fabs(b_33 * g->k[15][i]));
+    *regularity = krhpr_min(fabs(b_22 * g->k[14][i]), fabs(g->k[6][i] * b_33 * g->k[15][i]));
 }
 
 #endif

@@ -313,7 +313,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_posture_lanes(
     u_2[1] = g_l_2 * sine[1];
 }
 
-/* Jacobian M_i of the (RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (13 add, 15
+/* Jacobian M_i of the (RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 13
  * multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_jacobian_lanes(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes_at d[2],
@@ -327,18 +327,16 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_jacobian_lanes(
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes v_2_0 = u_1[0] + v_1_0 - g_o_12_0 - u_2[0]; /* (1.15) */
     const krhpr_lanes v_2_1 = u_1[1] + v_1_1 - g_o_12_1 - u_2[1];
-    const krhpr_lanes t1 = u_1[0] * v_1_1;
-    const krhpr_lanes t2 = u_1[1] * v_1_0;
-    const krhpr_lanes b_22 = t1 - t2; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes t3 = u_2[0] * v_2_1;
-    const krhpr_lanes t4 = u_2[1] * v_2_0;
-    const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
+    const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
+    const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t5 = 1.0 / delta;
-    const krhpr_lanes m_00 = v_2_1 * b_22 * t5; /* A^-1 B in the leg's frame */
-    const krhpr_lanes m_01 = t5 * (v_1_1 * (t4 - t3));
-    const krhpr_lanes m_10 = t5 * (v_2_0 * (t2 - t1));
-    const krhpr_lanes m_11 = t5 * (v_1_0 * b_33);
+    const krhpr_lanes t1 = 1.0 / delta;
+    const krhpr_lanes q = b_22 * t1;
+    const krhpr_lanes q_a = b_33 * t1;
+    const krhpr_lanes m_00 = v_2_1 * q; /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_01 = -v_1_1 * q_a;
+    const krhpr_lanes m_10 = -v_2_0 * q;
+    const krhpr_lanes m_11 = v_1_0 * q_a;
     M[0] = m_00;
     M[1] = m_01;
     M[2] = m_10;
@@ -347,7 +345,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_jacobian_lanes(
 }
 
 /* Rows of K: N M_i for the (RR-RRR) sub-leg, where the rows of N are the directions of the platform's
- * lines.  Thesis: (1.8), (1.28).  (15 add, 19 multiply, 1 divide, 1 select) */
+ * lines.  Thesis: (1.8), (1.28).  (13 add, 17 multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_project_lanes(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes_at d[2],
     const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2], const krhpr_lanes_at N[2],
@@ -360,20 +358,16 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_project_lanes(
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes v_2_0 = u_1[0] + v_1_0 - g_o_12_0 - u_2[0]; /* (1.15) */
     const krhpr_lanes v_2_1 = u_1[1] + v_1_1 - g_o_12_1 - u_2[1];
-    const krhpr_lanes t1 = u_1[0] * v_1_1;
-    const krhpr_lanes t2 = u_1[1] * v_1_0;
-    const krhpr_lanes b_22 = t1 - t2; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes t3 = u_2[0] * v_2_1;
-    const krhpr_lanes t4 = u_2[1] * v_2_0;
-    const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
+    const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
+    const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t5 = 1.0 / delta;
-    const krhpr_lanes m_00 = v_2_1 * b_22 * t5; /* A^-1 B in the leg's frame */
-    const krhpr_lanes m_01 = t5 * (v_1_1 * (t4 - t3));
-    const krhpr_lanes m_10 = t5 * (v_2_0 * (t2 - t1));
-    const krhpr_lanes m_11 = t5 * (v_1_0 * b_33);
-    K[0] = N[0] * m_00 + N[1] * m_10;
-    K[1] = N[0] * m_01 + N[1] * m_11;
+    const krhpr_lanes t1 = 1.0 / delta;
+    const krhpr_lanes q = b_22 * t1;
+    const krhpr_lanes q_a = b_33 * t1;
+    const krhpr_lanes m_00 = v_2_1 * q; /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_11 = v_1_0 * q_a;
+    K[0] = N[0] * m_00 - N[1] * (v_2_0 * q);
+    K[1] = N[1] * m_11 - N[0] * (v_1_1 * q_a);
     *regularity = krhpr_lanes_fabs(delta * g_k_10);
 }
 
@@ -515,7 +509,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_determinant_lanes(
 }
 
 /* Squares of M_i of the (RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide count by
- * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (20 add, 30 multiply, 1 divide, 1
+ * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (18 add, 28 multiply, 1 divide, 1
  * select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_gram_lanes(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes_at d[2],
@@ -531,25 +525,23 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_gram_lanes(
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes v_2_0 = u_1[0] + v_1_0 - g_o_12_0 - u_2[0]; /* (1.15) */
     const krhpr_lanes v_2_1 = u_1[1] + v_1_1 - g_o_12_1 - u_2[1];
-    const krhpr_lanes t1 = u_1[0] * v_1_1;
-    const krhpr_lanes t2 = u_1[1] * v_1_0;
-    const krhpr_lanes b_22 = t1 - t2; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes t3 = u_2[0] * v_2_1;
-    const krhpr_lanes t4 = u_2[1] * v_2_0;
-    const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
+    const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
+    const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t5 = 1.0 / delta;
-    const krhpr_lanes m_00 = v_2_1 * b_22 * t5; /* A^-1 B in the leg's frame */
-    const krhpr_lanes m_01 = t5 * (v_1_1 * (t4 - t3));
-    const krhpr_lanes m_10 = t5 * (v_2_0 * (t2 - t1));
-    const krhpr_lanes m_11 = t5 * (v_1_0 * b_33);
-    const krhpr_lanes g_00 = m_00 * m_00 + m_01 * m_01; /* M M^T */
-    const krhpr_lanes g_01 = m_00 * m_10 + m_01 * m_11;
-    const krhpr_lanes g_11 = m_10 * m_10 + m_11 * m_11;
-    const krhpr_lanes k_00 = m_00 * N[0] + m_10 * N[1]; /* the leg's block of K */
-    const krhpr_lanes k_01 = m_01 * N[0] + m_11 * N[1];
-    const krhpr_lanes det_M = m_00 * m_11 - m_01 * m_10;
-    const krhpr_lanes cofactors_01 = -g_01;
+    const krhpr_lanes t1 = 1.0 / delta;
+    const krhpr_lanes q = b_22 * t1;
+    const krhpr_lanes q_a = b_33 * t1;
+    const krhpr_lanes m_00 = v_2_1 * q; /* A^-1 B in the leg's frame */
+    const krhpr_lanes c_10 = v_1_1 * q_a; /* cofactors of M */
+    const krhpr_lanes c_01 = v_2_0 * q;
+    const krhpr_lanes m_11 = v_1_0 * q_a; /* A^-1 B in the leg's frame */
+    const krhpr_lanes g_00 = m_00 * m_00 + c_10 * c_10; /* M M^T */
+    const krhpr_lanes cofactors_01 = m_00 * c_01 + c_10 * m_11;
+    const krhpr_lanes g_01 = -cofactors_01; /* M M^T */
+    const krhpr_lanes g_11 = c_01 * c_01 + m_11 * m_11;
+    const krhpr_lanes k_00 = m_00 * N[0] - c_01 * N[1]; /* the leg's block of K */
+    const krhpr_lanes k_01 = m_11 * N[1] - c_10 * N[0];
+    const krhpr_lanes det_M = m_00 * m_11 - c_10 * c_01;
     gram[0] = g_00;
     gram[1] = g_01;
     gram[2] = g_01;
@@ -607,7 +599,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_points_lanes(
     points[9] = s[1];
 }
 
-/* Rows of K_n for the (RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (17 add, 23 multiply, 1
+/* Rows of K_n for the (RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (15 add, 21 multiply, 1
  * divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_transmission_lanes(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_lanes_at d[2],
@@ -622,22 +614,20 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_transmission_lanes(
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes v_2_0 = u_1[0] + v_1_0 - g_o_12_0 - u_2[0]; /* (1.15) */
     const krhpr_lanes v_2_1 = u_1[1] + v_1_1 - g_o_12_1 - u_2[1];
-    const krhpr_lanes t1 = u_1[0] * v_1_1;
-    const krhpr_lanes t2 = u_1[1] * v_1_0;
-    const krhpr_lanes b_22 = t1 - t2; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes t3 = u_2[0] * v_2_1;
-    const krhpr_lanes t4 = u_2[1] * v_2_0;
-    const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
+    const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
+    const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
     const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t5 = 1.0 / delta;
-    const krhpr_lanes m_00 = v_2_1 * b_22 * t5; /* A^-1 B in the leg's frame */
-    const krhpr_lanes m_01 = t5 * (v_1_1 * (t4 - t3));
-    const krhpr_lanes m_10 = t5 * (v_2_0 * (t2 - t1));
-    const krhpr_lanes m_11 = t5 * (v_1_0 * b_33);
-    K_n[0] = N[0] * m_00 + N[1] * m_10;
-    K_n[1] = N[0] * m_01 + N[1] * m_11;
-    K_n[2] = along[0] * m_00 + along[1] * m_10;
-    K_n[3] = along[0] * m_01 + along[1] * m_11;
+    const krhpr_lanes t1 = 1.0 / delta;
+    const krhpr_lanes q = b_22 * t1;
+    const krhpr_lanes q_a = b_33 * t1;
+    const krhpr_lanes m_00 = v_2_1 * q; /* A^-1 B in the leg's frame */
+    const krhpr_lanes t2 = v_1_1 * q_a;
+    const krhpr_lanes t3 = v_2_0 * q;
+    const krhpr_lanes m_11 = v_1_0 * q_a; /* A^-1 B in the leg's frame */
+    K_n[0] = N[0] * m_00 - N[1] * t3;
+    K_n[1] = N[1] * m_11 - N[0] * t2;
+    K_n[2] = along[0] * m_00 - along[1] * t3;
+    K_n[3] = along[1] * m_11 - along[0] * t2;
     *regularity = krhpr_lanes_fabs(delta * g_k_10);
 }
 

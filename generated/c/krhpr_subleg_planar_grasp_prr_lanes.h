@@ -212,7 +212,7 @@ KRHPR_INLINE void krhpr_subleg_planar_grasp_prr_posture_lanes(
     b[1] = g_e_2_0 * w_2_0 + g_e_2_1 * w_2_1;
 }
 
-/* Jacobian M_i of the 2-PRR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (1 add, 11 multiply, 1
+/* Jacobian M_i of the 2-PRR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (1 add, 9 multiply, 1
  * divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_grasp_prr_jacobian_lanes(
     const krhpr_subleg_planar_grasp_prr_geometry *g, int i, const krhpr_lanes_at w[4],
@@ -221,10 +221,12 @@ KRHPR_INLINE void krhpr_subleg_planar_grasp_prr_jacobian_lanes(
     const krhpr_lanes g_k_4 = krhpr_of_leg(g->k[4], i);
     const krhpr_lanes volume = w[0] * w[3] - w[1] * w[2]; /* det [w_1 ...] */
     const krhpr_lanes t1 = 1.0 / volume;
-    const krhpr_lanes m_00 = w[3] * b[0] * t1; /* A^-1 B in the leg's frame */
-    const krhpr_lanes m_01 = -t1 * (w[1] * b[1]);
-    const krhpr_lanes m_10 = -t1 * (w[2] * b[0]);
-    const krhpr_lanes m_11 = t1 * (w[0] * b[1]);
+    const krhpr_lanes q = b[0] * t1;
+    const krhpr_lanes q_a = b[1] * t1;
+    const krhpr_lanes m_00 = w[3] * q; /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_01 = -w[1] * q_a;
+    const krhpr_lanes m_10 = -w[2] * q;
+    const krhpr_lanes m_11 = w[0] * q_a;
     M[0] = m_00;
     M[1] = m_01;
     M[2] = m_10;

@@ -146,7 +146,7 @@ KRHPR_STATIC void krhpr_subleg_planar_grasp_rpr_posture(
     b[1] = theta[1];
 }
 
-/* Jacobian M_i of the 2-RPR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (1 add, 11 multiply, 1
+/* Jacobian M_i of the 2-RPR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (1 add, 9 multiply, 1
  * divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_planar_grasp_rpr_jacobian(
     const krhpr_subleg_planar_grasp_rpr_geometry *g, int i, const double w[4], const double b[2],
@@ -154,10 +154,12 @@ KRHPR_STATIC void krhpr_subleg_planar_grasp_rpr_jacobian(
 {
     const double volume = w[0] * w[3] - w[1] * w[2]; /* det [w_1 ...] */
     const double t1 = 1.0 / volume;
-    const double m_00 = w[3] * b[0] * t1; /* A^-1 B in the leg's frame */
-    const double m_01 = -t1 * (w[1] * b[1]);
-    const double m_10 = -t1 * (w[2] * b[0]);
-    const double m_11 = t1 * (w[0] * b[1]);
+    const double q = b[0] * t1;
+    const double q_a = b[1] * t1;
+    const double m_00 = w[3] * q; /* A^-1 B in the leg's frame */
+    const double m_01 = -w[1] * q_a;
+    const double m_10 = -w[2] * q;
+    const double m_11 = w[0] * q_a;
     M[0] = m_00;
     M[1] = m_01;
     M[2] = m_10;

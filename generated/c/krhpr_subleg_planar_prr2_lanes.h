@@ -265,8 +265,8 @@ KRHPR_INLINE void krhpr_subleg_planar_prr2_posture_lanes(
     b[1] = g_e_2_0 * w_2_0 + g_e_2_1 * w_2_1;
 }
 
-/* Jacobian M_i of the (2-PRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (1 add, 11 multiply,
- * 1 divide, 1 select) */
+/* Jacobian M_i of the (2-PRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (1 add, 9 multiply, 1
+ * divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_prr2_jacobian_lanes(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes_at w[4], const krhpr_lanes_at b[2],
     krhpr_lanes_at *KRHPR_RESTRICT M, krhpr_lanes_at *KRHPR_RESTRICT regularity)
@@ -274,10 +274,12 @@ KRHPR_INLINE void krhpr_subleg_planar_prr2_jacobian_lanes(
     const krhpr_lanes g_k_4 = krhpr_of_leg(g->k[4], i);
     const krhpr_lanes volume = w[0] * w[3] - w[1] * w[2]; /* det [w_1 ...] */
     const krhpr_lanes t1 = 1.0 / volume;
-    const krhpr_lanes m_00 = w[3] * b[0] * t1; /* A^-1 B in the leg's frame */
-    const krhpr_lanes m_01 = -t1 * (w[1] * b[1]);
-    const krhpr_lanes m_10 = -t1 * (w[2] * b[0]);
-    const krhpr_lanes m_11 = t1 * (w[0] * b[1]);
+    const krhpr_lanes q = b[0] * t1;
+    const krhpr_lanes q_a = b[1] * t1;
+    const krhpr_lanes m_00 = w[3] * q; /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_01 = -w[1] * q_a;
+    const krhpr_lanes m_10 = -w[2] * q;
+    const krhpr_lanes m_11 = w[0] * q_a;
     M[0] = m_00;
     M[1] = m_01;
     M[2] = m_10;
@@ -286,7 +288,7 @@ KRHPR_INLINE void krhpr_subleg_planar_prr2_jacobian_lanes(
 }
 
 /* Rows of K: N M_i for the (2-PRR) sub-leg, where the rows of N are the directions of the platform's lines.
- * Thesis: (1.8), (1.28).  (3 add, 15 multiply, 1 divide, 1 select) */
+ * Thesis: (1.8), (1.28).  (3 add, 13 multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_prr2_project_lanes(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes_at w[4], const krhpr_lanes_at b[2],
     const krhpr_lanes_at N[2], krhpr_lanes_at *KRHPR_RESTRICT K, krhpr_lanes_at *KRHPR_RESTRICT regularity)
@@ -294,10 +296,12 @@ KRHPR_INLINE void krhpr_subleg_planar_prr2_project_lanes(
     const krhpr_lanes g_k_4 = krhpr_of_leg(g->k[4], i);
     const krhpr_lanes volume = w[0] * w[3] - w[1] * w[2]; /* det [w_1 ...] */
     const krhpr_lanes t1 = 1.0 / volume;
-    const krhpr_lanes m_00 = w[3] * b[0] * t1; /* A^-1 B in the leg's frame */
-    const krhpr_lanes m_11 = t1 * (w[0] * b[1]);
-    K[0] = N[0] * m_00 - N[1] * (t1 * (w[2] * b[0]));
-    K[1] = N[1] * m_11 - N[0] * (t1 * (w[1] * b[1]));
+    const krhpr_lanes q = b[0] * t1;
+    const krhpr_lanes q_a = b[1] * t1;
+    const krhpr_lanes m_00 = w[3] * q; /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_11 = w[0] * q_a;
+    K[0] = N[0] * m_00 - N[1] * (w[2] * q);
+    K[1] = N[1] * m_11 - N[0] * (w[1] * q_a);
     *regularity = krhpr_lanes_fabs(volume * g_k_4);
 }
 
@@ -397,7 +401,7 @@ KRHPR_INLINE void krhpr_subleg_planar_prr2_determinant_lanes(
 }
 
 /* Squares of M_i of the (2-PRR) sub-leg, in its own frame, for the indices: actuators that slide count by
- * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (8 add, 30 multiply, 1 divide, 1
+ * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (8 add, 28 multiply, 1 divide, 1
  * select) */
 KRHPR_INLINE void krhpr_subleg_planar_prr2_gram_lanes(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes_at w[4], const krhpr_lanes_at b[2],
@@ -408,11 +412,13 @@ KRHPR_INLINE void krhpr_subleg_planar_prr2_gram_lanes(
     const krhpr_lanes g_k_4 = krhpr_of_leg(g->k[4], i);
     const krhpr_lanes volume = w[0] * w[3] - w[1] * w[2]; /* det [w_1 ...] */
     const krhpr_lanes t1 = 1.0 / volume;
-    const krhpr_lanes m_00 = w[3] * b[0] * t1; /* A^-1 B in the leg's frame */
-    const krhpr_lanes m_11 = t1 * (w[0] * b[1]);
+    const krhpr_lanes q = b[0] * t1;
+    const krhpr_lanes q_a = b[1] * t1;
+    const krhpr_lanes m_00 = w[3] * q; /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_11 = w[0] * q_a;
     const krhpr_lanes m_l_00 = m_00 * characteristic_length; /* slides over the length */
-    const krhpr_lanes c_10 = t1 * (w[1] * b[1]) * characteristic_length; /* cofactors of M */
-    const krhpr_lanes c_01 = t1 * (w[2] * b[0]) * characteristic_length;
+    const krhpr_lanes c_10 = w[1] * q_a * characteristic_length; /* cofactors of M */
+    const krhpr_lanes c_01 = w[2] * q * characteristic_length;
     const krhpr_lanes m_l_11 = m_11 * characteristic_length; /* slides over the length */
     const krhpr_lanes g_00 = m_l_00 * m_l_00 + c_10 * c_10; /* M M^T */
     const krhpr_lanes cofactors_01 = m_l_00 * c_01 + c_10 * m_l_11;
@@ -478,7 +484,7 @@ KRHPR_INLINE void krhpr_subleg_planar_prr2_points_lanes(
     points[9] = s[1];
 }
 
-/* Rows of K_n for the (2-PRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (5 add, 19 multiply, 1
+/* Rows of K_n for the (2-PRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (5 add, 17 multiply, 1
  * divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_prr2_transmission_lanes(
     const krhpr_subleg_planar_prr2_geometry *g, int i, const krhpr_lanes_at w[4], const krhpr_lanes_at b[2],
@@ -488,10 +494,12 @@ KRHPR_INLINE void krhpr_subleg_planar_prr2_transmission_lanes(
     const krhpr_lanes g_k_4 = krhpr_of_leg(g->k[4], i);
     const krhpr_lanes volume = w[0] * w[3] - w[1] * w[2]; /* det [w_1 ...] */
     const krhpr_lanes t1 = 1.0 / volume;
-    const krhpr_lanes m_00 = w[3] * b[0] * t1; /* A^-1 B in the leg's frame */
-    const krhpr_lanes t2 = t1 * (w[1] * b[1]);
-    const krhpr_lanes t3 = t1 * (w[2] * b[0]);
-    const krhpr_lanes m_11 = t1 * (w[0] * b[1]); /* A^-1 B in the leg's frame */
+    const krhpr_lanes q = b[0] * t1;
+    const krhpr_lanes q_a = b[1] * t1;
+    const krhpr_lanes m_00 = w[3] * q; /* A^-1 B in the leg's frame */
+    const krhpr_lanes t2 = w[1] * q_a;
+    const krhpr_lanes t3 = w[2] * q;
+    const krhpr_lanes m_11 = w[0] * q_a; /* A^-1 B in the leg's frame */
     K_n[0] = N[0] * m_00 - N[1] * t3;
     K_n[1] = N[1] * m_11 - N[0] * t2;
     K_n[2] = along[0] * m_00 - along[1] * t3;

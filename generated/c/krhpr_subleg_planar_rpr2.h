@@ -182,18 +182,20 @@ KRHPR_STATIC void krhpr_subleg_planar_rpr2_posture(
     b[1] = theta[1];
 }
 
-/* Jacobian M_i of the (2-RPR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (1 add, 11 multiply,
- * 1 divide, 1 select) */
+/* Jacobian M_i of the (2-RPR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (1 add, 9 multiply, 1
+ * divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_planar_rpr2_jacobian(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const double w[4], const double b[2],
     double *KRHPR_RESTRICT M, double *KRHPR_RESTRICT regularity)
 {
     const double volume = w[0] * w[3] - w[1] * w[2]; /* det [w_1 ...] */
     const double t1 = 1.0 / volume;
-    const double m_00 = w[3] * b[0] * t1; /* A^-1 B in the leg's frame */
-    const double m_01 = -t1 * (w[1] * b[1]);
-    const double m_10 = -t1 * (w[2] * b[0]);
-    const double m_11 = t1 * (w[0] * b[1]);
+    const double q = b[0] * t1;
+    const double q_a = b[1] * t1;
+    const double m_00 = w[3] * q; /* A^-1 B in the leg's frame */
+    const double m_01 = -w[1] * q_a;
+    const double m_10 = -w[2] * q;
+    const double m_11 = w[0] * q_a;
     M[0] = m_00;
     M[1] = m_01;
     M[2] = m_10;
@@ -202,17 +204,19 @@ KRHPR_STATIC void krhpr_subleg_planar_rpr2_jacobian(
 }
 
 /* Rows of K: N M_i for the (2-RPR) sub-leg, where the rows of N are the directions of the platform's lines.
- * Thesis: (1.8), (1.28).  (3 add, 15 multiply, 1 divide, 1 select) */
+ * Thesis: (1.8), (1.28).  (3 add, 13 multiply, 1 divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_planar_rpr2_project(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const double w[4], const double b[2],
     const double N[2], double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
 {
     const double volume = w[0] * w[3] - w[1] * w[2]; /* det [w_1 ...] */
     const double t1 = 1.0 / volume;
-    const double m_00 = w[3] * b[0] * t1; /* A^-1 B in the leg's frame */
-    const double m_11 = t1 * (w[0] * b[1]);
-    K[0] = N[0] * m_00 - N[1] * (t1 * (w[2] * b[0]));
-    K[1] = N[1] * m_11 - N[0] * (t1 * (w[1] * b[1]));
+    const double q = b[0] * t1;
+    const double q_a = b[1] * t1;
+    const double m_00 = w[3] * q; /* A^-1 B in the leg's frame */
+    const double m_11 = w[0] * q_a;
+    K[0] = N[0] * m_00 - N[1] * (w[2] * q);
+    K[1] = N[1] * m_11 - N[0] * (w[1] * q_a);
     *regularity = fabs(volume * g->k[2][i]);
 }
 
@@ -288,7 +292,7 @@ KRHPR_STATIC void krhpr_subleg_planar_rpr2_determinant(
 }
 
 /* Squares of M_i of the (2-RPR) sub-leg, in its own frame, for the indices: actuators that slide count by
- * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (8 add, 30 multiply, 1 divide, 1
+ * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (8 add, 28 multiply, 1 divide, 1
  * select) */
 KRHPR_STATIC void krhpr_subleg_planar_rpr2_gram(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const double w[4], const double b[2],
@@ -298,11 +302,13 @@ KRHPR_STATIC void krhpr_subleg_planar_rpr2_gram(
 {
     const double volume = w[0] * w[3] - w[1] * w[2]; /* det [w_1 ...] */
     const double t1 = 1.0 / volume;
-    const double m_00 = w[3] * b[0] * t1; /* A^-1 B in the leg's frame */
-    const double m_11 = t1 * (w[0] * b[1]);
+    const double q = b[0] * t1;
+    const double q_a = b[1] * t1;
+    const double m_00 = w[3] * q; /* A^-1 B in the leg's frame */
+    const double m_11 = w[0] * q_a;
     const double m_l_00 = m_00 * characteristic_length; /* slides over the length */
-    const double c_10 = t1 * (w[1] * b[1]) * characteristic_length; /* cofactors of M */
-    const double c_01 = t1 * (w[2] * b[0]) * characteristic_length;
+    const double c_10 = w[1] * q_a * characteristic_length; /* cofactors of M */
+    const double c_01 = w[2] * q * characteristic_length;
     const double m_l_11 = m_11 * characteristic_length; /* slides over the length */
     const double g_00 = m_l_00 * m_l_00 + c_10 * c_10; /* M M^T */
     const double cofactors_01 = m_l_00 * c_01 + c_10 * m_l_11;
@@ -354,7 +360,7 @@ KRHPR_STATIC void krhpr_subleg_planar_rpr2_points(
     points[5] = s[1];
 }
 
-/* Rows of K_n for the (2-RPR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (5 add, 19 multiply, 1
+/* Rows of K_n for the (2-RPR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (5 add, 17 multiply, 1
  * divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_planar_rpr2_transmission(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const double w[4], const double b[2],
@@ -362,10 +368,12 @@ KRHPR_STATIC void krhpr_subleg_planar_rpr2_transmission(
 {
     const double volume = w[0] * w[3] - w[1] * w[2]; /* det [w_1 ...] */
     const double t1 = 1.0 / volume;
-    const double m_00 = w[3] * b[0] * t1; /* A^-1 B in the leg's frame */
-    const double t2 = t1 * (w[1] * b[1]);
-    const double t3 = t1 * (w[2] * b[0]);
-    const double m_11 = t1 * (w[0] * b[1]); /* A^-1 B in the leg's frame */
+    const double q = b[0] * t1;
+    const double q_a = b[1] * t1;
+    const double m_00 = w[3] * q; /* A^-1 B in the leg's frame */
+    const double t2 = w[1] * q_a;
+    const double t3 = w[2] * q;
+    const double m_11 = w[0] * q_a; /* A^-1 B in the leg's frame */
     K_n[0] = N[0] * m_00 - N[1] * t3;
     K_n[1] = N[1] * m_11 - N[0] * t2;
     K_n[2] = along[0] * m_00 - along[1] * t3;

@@ -46,6 +46,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_prepare(krhpr_subleg_r_fivebar_geometry
     const double k_6 = 1.0 - g->l_5[i] / g->l_6[i];
     const double k_0 = g->l_3[i] * g->l_3[i];
     const double t6 = g->l_6[i] - g->l_5[i];
+    const double k_2 = 1.0 / k_6;
     const double t7 = g->l_4[i] - g->l_6[i];
     const double t8 = g->l_4[i] + g->l_6[i];
     const double t9 = g->l_2[i] - g->l_3[i];
@@ -65,7 +66,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_prepare(krhpr_subleg_r_fivebar_geometry
     g->e_t[2][i] = 0.0;
     g->k[0][i] = k_0;
     g->k[1][i] = t6 * t6;
-    g->k[2][i] = 1.0 / k_6;
+    g->k[2][i] = k_2;
     g->k[3][i] = t7 * t7;
     g->k[4][i] = t8 * t8;
     g->k[5][i] = g->l_4[i] * g->l_4[i] - g->l_6[i] * g->l_6[i];
@@ -75,7 +76,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_prepare(krhpr_subleg_r_fivebar_geometry
     g->k[9][i] = g->l_2[i] * g->l_2[i] - k_0;
     g->k[10][i] = fabs(t9);
     g->k[11][i] = fabs(t7);
-    g->k[12][i] = 1.0 - k_6;
+    g->k[12][i] = k_2 - 1.0;
     g->k[13][i] = 1.0 / (g->l_3[i] * g->l_6[i]);
     g->k[14][i] = 1.0 / t8;
     g->k[15][i] = 1.0 / (g->l_4[i] * g->l_6[i]);
@@ -466,7 +467,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_posture(
     u_2[1] = g->l_2[i] * sine[2];
 }
 
-/* Jacobian M_i of the R(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (20 add, 40
+/* Jacobian M_i of the R(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (18 add, 35
  * multiply, 1 divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_jacobian(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double e_2[3],
@@ -475,36 +476,33 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_jacobian(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[6][i];
-    const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[6][i];
-    const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const double t3 = u_2[0] * v_2_1;
-    const double t4 = u_2[1] * v_2_0;
-    const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
-    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[6][i] * b_22;
-    const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
-    const double m_02 = t6 * (v_1_1 * (t4 - t3));
-    const double m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
-    const double m_12 = t6 * (v_1_0 * b_33);
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
+    const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const double t1 = 1.0 / delta;
+    const double q = b_33 * t1;
+    const double m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const double t2 = v_1_1 * q;
+    const double m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
+    const double m_12 = v_1_0 * q;
     M[0] = -e_2[0] * d[0];
     M[1] = g->e_1[0][i] * m_11 + x[0] * m_01;
-    M[2] = g->e_1[0][i] * m_12 + x[0] * m_02;
+    M[2] = g->e_1[0][i] * m_12 - x[0] * t2;
     M[3] = -e_2[1] * d[0];
     M[4] = g->e_1[1][i] * m_11 + x[1] * m_01;
-    M[5] = g->e_1[1][i] * m_12 + x[1] * m_02;
+    M[5] = g->e_1[1][i] * m_12 - x[1] * t2;
     M[6] = -e_2[2] * d[0];
     M[7] = g->e_1[2][i] * m_11 + x[2] * m_01;
-    M[8] = g->e_1[2][i] * m_12 + x[2] * m_02;
+    M[8] = g->e_1[2][i] * m_12 - x[2] * t2;
     *regularity = fabs(delta * g->k[13][i]);
 }
 
 /* Rows of K: N M_i for the R(RR-RRR) sub-leg, where the rows of N are the directions of the platform's
- * lines.  Thesis: (1.8), (1.28).  (30 add, 53 multiply, 1 divide, 1 select) */
+ * lines.  Thesis: (1.8), (1.28).  (28 add, 48 multiply, 1 divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_project(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double e_2[3],
     const double d[2], const double u_1[2], const double u_2[2], const double N[6], double *KRHPR_RESTRICT K,
@@ -512,22 +510,19 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_project(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[6][i];
-    const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[6][i];
-    const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const double t3 = u_2[0] * v_2_1;
-    const double t4 = u_2[1] * v_2_0;
-    const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
-    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[6][i] * b_22;
-    const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
-    const double m_02 = t6 * (v_1_1 * (t4 - t3));
-    const double m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
-    const double m_12 = t6 * (v_1_0 * b_33);
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
+    const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const double t1 = 1.0 / delta;
+    const double q = b_33 * t1;
+    const double m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const double t2 = v_1_1 * q;
+    const double m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
+    const double m_12 = v_1_0 * q;
     const double n_00 = x[0] * N[0] + x[1] * N[1] + x[2] * N[2]; /* N in the leg's frame */
     const double n_01 = g->e_1[0][i] * N[0] + g->e_1[1][i] * N[1] + g->e_1[2][i] * N[2];
     const double n_02 = e_2[0] * N[0] + e_2[1] * N[1] + e_2[2] * N[2];
@@ -536,14 +531,14 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_project(
     const double n_12 = e_2[0] * N[3] + e_2[1] * N[4] + e_2[2] * N[5];
     K[0] = -d[0] * n_02;
     K[1] = m_01 * n_00 + m_11 * n_01;
-    K[2] = m_02 * n_00 + m_12 * n_01;
+    K[2] = m_12 * n_01 - t2 * n_00;
     K[3] = -d[0] * n_12;
     K[4] = m_01 * n_10 + m_11 * n_11;
-    K[5] = m_02 * n_10 + m_12 * n_11;
+    K[5] = m_12 * n_11 - t2 * n_10;
     *regularity = fabs(delta * g->k[13][i]);
 }
 
-/* Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (20 add, 35 multiply, 1
+/* Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (19 add, 30 multiply, 1
  * divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_velocity(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double e_2[3],
@@ -552,23 +547,22 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_velocity(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[6][i];
-    const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[6][i];
-    const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
-    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t3 = d[0] * theta_dot[0];
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
+    const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const double t1 = d[0] * theta_dot[0];
     const double w_1 = b_22 * theta_dot[1]; /* B theta_dot */
     const double w_2 = b_32 * theta_dot[1] + b_33 * theta_dot[2];
-    const double t4 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double v_l_0 = (w_1 * (g->k[6][i] * v_2_1) - v_1_1 * w_2) * t4; /* velocity in the leg's frame */
-    const double v_l_1 = t4 * (v_1_0 * w_2 - w_1 * (g->k[6][i] * v_2_0));
-    s_dot[0] = g->e_1[0][i] * v_l_1 - e_2[0] * t3 + x[0] * v_l_0;
-    s_dot[1] = g->e_1[1][i] * v_l_1 - e_2[1] * t3 + x[1] * v_l_0;
-    s_dot[2] = g->e_1[2][i] * v_l_1 - e_2[2] * t3 + x[2] * v_l_0;
+    const double t2 = 1.0 / delta;
+    const double v_l_0 = (f_1 * w_1 - v_1_1 * w_2) * t2; /* velocity in the leg's frame */
+    const double v_l_1 = t2 * (v_1_0 * w_2 - f_0 * w_1);
+    s_dot[0] = g->e_1[0][i] * v_l_1 - e_2[0] * t1 + x[0] * v_l_0;
+    s_dot[1] = g->e_1[1][i] * v_l_1 - e_2[1] * t1 + x[1] * v_l_0;
+    s_dot[2] = g->e_1[2][i] * v_l_1 - e_2[2] * t1 + x[2] * v_l_0;
     *regularity = fabs(delta * g->k[13][i]);
 }
 
@@ -581,7 +575,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_bias_angles(const double theta[3], doub
 }
 
 /* Velocity of the end point of the R(RR-RRR) sub-leg and the part of its acceleration that does not depend
- * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (85 add, 150 multiply, 1 divide, 1
+ * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (84 add, 146 multiply, 1 divide, 1
  * select) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_bias(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double s[3], const double theta_dot[3],
@@ -605,65 +599,61 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_bias(
     const double u_2_1 = g->l_2[i] * sine[2];
     const double v_1_0 = d_0 - u_1_0; /* (1.14) */
     const double v_1_1 = d_1 - u_1_1;
-    const double t1 = v_1_0 * g->k[6][i];
-    const double v_2_0 = u_1_0 + t1 - u_2_0; /* (1.15) */
-    const double t2 = v_1_1 * g->k[6][i];
-    const double v_2_1 = u_1_1 + t2 - u_2_1; /* (1.15) */
     const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[12][i] * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
-    const double b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0; /* v_2^T (e_3 x u_2) */
-    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t3 = theta_dot[1] * b_32 + theta_dot[2] * b_33;
-    const double t4 = theta_dot[1] * (g->k[6][i] * b_22);
-    const double t5 = v_1_0 * t3 - v_2_0 * t4;
-    const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double t7 = g->e_1[0][i] * t5 * t6;
-    const double t8 = v_2_1 * t4 - v_1_1 * t3;
-    const double t9 = t6 * (x_0 * t8);
-    const double s_dot_0 = t7 + t9 - theta_dot[0] * (e_2_0 * d_0);
-    const double t10 = t6 * (g->e_1[1][i] * t5);
-    const double t11 = t6 * (x_1 * t8);
-    const double s_dot_1 = t10 + t11 - theta_dot[0] * (e_2_1 * d_0);
-    const double t12 = t6 * (g->e_1[2][i] * t5);
-    const double t13 = t6 * (x_2 * t8);
-    const double s_dot_2 = t12 + t13 - theta_dot[0] * (e_2_2 * d_0);
-    const double t14 = theta_dot[0] * sine[0];
-    const double t15 = theta_dot[0] * cosine[0];
-    const double t16 = g->e_x[0][i] * t14 + g->e_t[0][i] * t15;
-    const double t17 = g->e_x[1][i] * t14 + g->e_t[1][i] * t15;
-    const double t18 = g->e_x[2][i] * t14;
-    const double t19 = x_0 * s_dot_0 - arm_0 * t16 + (x_1 * s_dot_1 - arm_1 * t17) + (x_2 * s_dot_2 - arm_2 * t18);
-    const double t20 = g->l_4[i] * (theta_dot[1] * sine[1]);
-    const double t21 = g->l_4[i] * (theta_dot[1] * cosine[1]);
-    const double t22 = g->l_2[i] * (theta_dot[2] * sine[2]);
-    const double t23 = g->l_2[i] * (theta_dot[2] * cosine[2]);
-    const double t24 = t19 + t20;
-    const double t25 = g->e_1[0][i] * s_dot_0 + g->e_1[1][i] * s_dot_1 + g->e_1[2][i] * s_dot_2 - t21;
-    const double t26 = g->k[6][i] * t24;
-    const double t27 = t22 + (t26 - t20);
-    const double t28 = g->k[6][i] * t25;
-    const double t29 = t21 + t28 - t23;
-    const double t30 = theta_dot[1] * (g->k[12][i] * (v_2_0 * t21 + u_1_1 * t27 - (u_1_0 * t29 - v_2_1 * t20)));
-    const double t31 = t30 + theta_dot[2] * (u_2_0 * t29 - v_2_1 * t22 - (v_2_0 * t23 + u_2_1 * t27));
-    const double t32 = theta_dot[1] * (g->k[6][i] * (u_1_0 * t25 - v_1_1 * t20 - (v_1_0 * t21 + u_1_1 * t24)));
-    const double t33 = t3 * t24 + v_1_0 * t31 - (t4 * t27 + v_2_0 * t32);
-    const double t34 = v_2_1 * t26 + t1 * t29 - (t2 * t27 + v_2_0 * t28);
-    const double t35 = t4 * t29 + v_2_1 * t32 - (t3 * t25 + v_1_1 * t31);
-    const double bias_0 = t6 * (g->e_1[0][i] * t33 - t7 * t34) + t6 * (x_0 * t35 - t8 * t16 - t9 * t34) - theta_dot[0] * (d_0 * (g->e_x[0][i] * t15 - g->e_t[0][i] * t14) + e_2_0 * t19);
-    const double t36 = t6 * (g->e_1[1][i] * t33 - t10 * t34) + t6 * (x_1 * t35 - t8 * t17 - t11 * t34);
-    const double bias_1 = t36 - theta_dot[0] * (d_0 * (g->e_x[1][i] * t15 - g->e_t[1][i] * t14) + e_2_1 * t19);
-    const double t37 = t6 * (g->e_1[2][i] * t33 - t12 * t34) + t6 * (x_2 * t35 - t8 * t18 - t13 * t34);
+    const double f_0 = u_1_0 - u_2_0; /* from C to E */
+    const double f_1 = u_1_1 - u_2_1;
+    const double u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0; /* f x u_1 */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2_0 * v_1_1 - u_12 * g->k[2][i] - u_2_1 * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const double t1 = theta_dot[1] * b_32 + theta_dot[2] * b_33;
+    const double t2 = v_1_0 * t1 - theta_dot[1] * (b_22 * f_0);
+    const double t3 = 1.0 / delta;
+    const double t4 = g->e_1[0][i] * t2 * t3;
+    const double t5 = theta_dot[1] * (b_22 * f_1) - v_1_1 * t1;
+    const double t6 = t3 * (x_0 * t5);
+    const double s_dot_0 = t4 + t6 - theta_dot[0] * (e_2_0 * d_0);
+    const double t7 = t3 * (g->e_1[1][i] * t2);
+    const double t8 = t3 * (x_1 * t5);
+    const double s_dot_1 = t7 + t8 - theta_dot[0] * (e_2_1 * d_0);
+    const double t9 = t3 * (g->e_1[2][i] * t2);
+    const double t10 = t3 * (x_2 * t5);
+    const double s_dot_2 = t9 + t10 - theta_dot[0] * (e_2_2 * d_0);
+    const double t11 = theta_dot[0] * sine[0];
+    const double t12 = theta_dot[0] * cosine[0];
+    const double t13 = g->e_x[0][i] * t11 + g->e_t[0][i] * t12;
+    const double t14 = g->e_x[1][i] * t11 + g->e_t[1][i] * t12;
+    const double t15 = g->e_x[2][i] * t11;
+    const double t16 = x_0 * s_dot_0 - arm_0 * t13 + (x_1 * s_dot_1 - arm_1 * t14) + (x_2 * s_dot_2 - arm_2 * t15);
+    const double t17 = g->l_4[i] * (theta_dot[1] * sine[1]);
+    const double t18 = g->l_4[i] * (theta_dot[1] * cosine[1]);
+    const double t19 = g->l_2[i] * (theta_dot[2] * sine[2]);
+    const double t20 = g->l_2[i] * (theta_dot[2] * cosine[2]);
+    const double t21 = t16 + t17;
+    const double t22 = g->e_1[0][i] * s_dot_0 + g->e_1[1][i] * s_dot_1 + g->e_1[2][i] * s_dot_2 - t18;
+    const double t23 = u_1_0 * t22 - v_1_1 * t17 - (v_1_0 * t18 + u_1_1 * t21);
+    const double t24 = t19 - t17;
+    const double t25 = t18 - t20;
+    const double t26 = u_1_0 * t20 - u_2_1 * t17 - (u_2_0 * t18 - u_1_1 * t19);
+    const double t27 = f_1 * t21 + v_1_0 * t25 - (f_0 * t22 + v_1_1 * t24);
+    const double t28 = theta_dot[2] * (u_2_0 * t22 - v_1_1 * t19 - g->k[2][i] * t26 - (v_1_0 * t20 + u_2_1 * t21));
+    const double t29 = theta_dot[1] * (g->k[12][i] * t26 - t23) + t28;
+    const double t30 = t1 * t21 + v_1_0 * t29 - theta_dot[1] * (f_0 * t23 + b_22 * t24);
+    const double t31 = theta_dot[1] * (f_1 * t23 + b_22 * t25) - (t1 * t22 + v_1_1 * t29);
+    const double bias_0 = t3 * (g->e_1[0][i] * t30 - t4 * t27) + t3 * (x_0 * t31 - t5 * t13 - t6 * t27) - theta_dot[0] * (d_0 * (g->e_x[0][i] * t12 - g->e_t[0][i] * t11) + e_2_0 * t16);
+    const double bias_1 = t3 * (g->e_1[1][i] * t30 - t7 * t27) + t3 * (x_1 * t31 - t5 * t14 - t8 * t27) - theta_dot[0] * (d_0 * (g->e_x[1][i] * t12 - g->e_t[1][i] * t11) + e_2_1 * t16);
+    const double bias_2 = t3 * (g->e_1[2][i] * t30 - t9 * t27) + t3 * (x_2 * t31 - t5 * t15 - t10 * t27) - theta_dot[0] * (d_0 * (g->e_x[2][i] * t12) + e_2_2 * t16);
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
     s_dot[2] = s_dot_2;
     bias[0] = bias_0;
     bias[1] = bias_1;
-    bias[2] = t37 - theta_dot[0] * (d_0 * (g->e_x[2][i] * t15) + e_2_2 * t19);
+    bias[2] = bias_2;
     *regularity = fabs(delta * g->k[13][i]);
 }
 
 /* Actuated joint rates of the R(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
- * so it serves accelerations too.  Thesis: (1.9).  (18 add, 30 multiply, 3 divide, 5 select) */
+ * so it serves accelerations too.  Thesis: (1.9).  (18 add, 28 multiply, 3 divide, 5 select) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_rates(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double e_2[3],
     const double d[2], const double u_1[2], const double u_2[2], const double s_dot[3],
@@ -671,18 +661,19 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_rates(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[6][i] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[6][i] - u_2[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
+    const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
     const double v_l_0 = x[0] * s_dot[0] + x[1] * s_dot[1] + x[2] * s_dot[2]; /* velocity in the leg's frame */
     const double v_l_1 = g->e_1[0][i] * s_dot[0] + g->e_1[1][i] * s_dot[1] + g->e_1[2][i] * s_dot[2];
     const double v_l_2 = e_2[0] * s_dot[0] + e_2[1] * s_dot[1] + e_2[2] * s_dot[2];
     const double w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1; /* A s_dot */
-    const double w_2 = v_l_0 * (g->k[6][i] * v_2_0) + v_l_1 * (g->k[6][i] * v_2_1);
+    const double w_2 = f_0 * v_l_0 + f_1 * v_l_1;
     const double t1 = 1.0 / b_22;
-    const double regularity_a = krhpr_min(krhpr_min(fabs(d[0] * g->k[14][i]), fabs(b_22 * g->k[15][i])), fabs(b_33 * g->k[16][i]));
+    const double regularity_a = krhpr_min(krhpr_min(fabs(d[0] * g->k[14][i]), fabs(b_22 * g->k[15][i])), fabs(g->k[6][i] * b_33 * g->k[16][i]));
     theta_dot[0] = -v_l_2 / d[0];
     theta_dot[1] = w_1 * t1;
     theta_dot[2] = (w_2 - t1 * (b_32 * w_1)) / b_33;
@@ -690,29 +681,30 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_rates(
 }
 
 /* det M_i of the R(RR-RRR) sub-leg and its dimensionless factors: shoulder, elbow, crank, rod.  Thesis:
- * 1.4.  (10 add, 15 multiply, 1 divide) */
+ * 1.4.  (10 add, 16 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_determinant(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[6][i] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[6][i] - u_2[1];
     const double t1 = u_1[0] * v_1_1;
     const double t2 = u_1[1] * v_1_0;
     const double b_22 = t1 - t2; /* v_1^T (e_2 x u_1) */
-    const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
-    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    *det_M = d[0] * (b_33 * (t2 - t1)) / (g->k[6][i] * delta);
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
+    const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    *det_M = d[0] * (b_33 * (t2 - t1)) / delta;
     factors[0] = d[0] * g->k[14][i];
     factors[1] = b_22 * g->k[15][i];
-    factors[2] = b_33 * g->k[16][i];
+    factors[2] = g->k[6][i] * b_33 * g->k[16][i];
     factors[3] = delta * g->k[13][i];
 }
 
 /* Squares of M_i of the R(RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide count by
- * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (44 add, 85 multiply, 1 divide, 1
+ * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (42 add, 80 multiply, 1 divide, 1
  * select) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_gram(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double e_2[3],
@@ -722,24 +714,21 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_gram(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[6][i];
-    const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[6][i];
-    const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const double t3 = u_2[0] * v_2_1;
-    const double t4 = u_2[1] * v_2_0;
-    const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
-    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[6][i] * b_22;
-    const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
-    const double m_02 = t6 * (v_1_1 * (t4 - t3));
-    const double m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
-    const double m_12 = t6 * (v_1_0 * b_33);
-    const double g_00 = m_01 * m_01 + m_02 * m_02; /* M M^T */
-    const double g_01 = m_01 * m_11 + m_02 * m_12;
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
+    const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const double t1 = 1.0 / delta;
+    const double q = b_33 * t1;
+    const double m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const double t2 = v_1_1 * q;
+    const double m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
+    const double m_12 = v_1_0 * q;
+    const double g_00 = m_01 * m_01 + t2 * t2; /* M M^T */
+    const double g_01 = m_01 * m_11 - t2 * m_12;
     const double g_11 = m_11 * m_11 + m_12 * m_12;
     const double g_22 = d[0] * d[0];
     const double n_00 = x[0] * N[0] + x[1] * N[1] + x[2] * N[2]; /* N in the leg's frame */
@@ -748,19 +737,19 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_gram(
     const double n_10 = x[0] * N[3] + x[1] * N[4] + x[2] * N[5];
     const double n_11 = g->e_1[0][i] * N[3] + g->e_1[1][i] * N[4] + g->e_1[2][i] * N[5];
     const double n_12 = e_2[0] * N[3] + e_2[1] * N[4] + e_2[2] * N[5];
-    const double t7 = d[0] * n_02;
+    const double t3 = d[0] * n_02;
     const double k_01 = m_01 * n_00 + m_11 * n_01; /* the leg's block of K */
-    const double k_02 = m_02 * n_00 + m_12 * n_01;
-    const double t8 = d[0] * n_12;
+    const double k_02 = m_12 * n_01 - t2 * n_00;
+    const double t4 = d[0] * n_12;
     const double k_11 = m_01 * n_10 + m_11 * n_11; /* the leg's block of K */
-    const double k_12 = m_02 * n_10 + m_12 * n_11;
-    const double t9 = d[0] * m_12;
+    const double k_12 = m_12 * n_11 - t2 * n_10;
+    const double t5 = d[0] * m_12;
     const double c_02 = d[0] * m_11; /* cofactors of M */
-    const double c_11 = d[0] * m_02;
-    const double t10 = d[0] * m_01;
-    const double c_20 = m_01 * m_12 - m_02 * m_11; /* cofactors of M */
-    const double det_M = m_02 * c_02 - m_01 * t9;
-    const double cofactors_01 = -(t9 * c_11 + c_02 * t10);
+    const double t6 = d[0] * t2;
+    const double t7 = d[0] * m_01;
+    const double c_20 = m_01 * m_12 + t2 * m_11; /* cofactors of M */
+    const double t8 = m_01 * t5 + t2 * c_02;
+    const double cofactors_01 = t5 * t6 - c_02 * t7;
     gram[0] = g_00;
     gram[1] = g_01;
     gram[2] = 0.0;
@@ -770,19 +759,19 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_gram(
     gram[6] = 0.0;
     gram[7] = 0.0;
     gram[8] = g_22;
-    cofactors[0] = t9 * t9 + c_02 * c_02;
+    cofactors[0] = t5 * t5 + c_02 * c_02;
     cofactors[1] = cofactors_01;
     cofactors[2] = 0.0;
     cofactors[3] = cofactors_01;
-    cofactors[4] = c_11 * c_11 + t10 * t10;
+    cofactors[4] = t6 * t6 + t7 * t7;
     cofactors[5] = 0.0;
     cofactors[6] = 0.0;
     cofactors[7] = 0.0;
     cofactors[8] = c_20 * c_20;
-    *square = det_M * det_M;
-    reach[0] = t7 * t7 + k_01 * k_01 + k_02 * k_02;
-    reach[1] = t7 * t8 + k_01 * k_11 + k_02 * k_12;
-    reach[2] = t8 * t8 + k_11 * k_11 + k_12 * k_12;
+    *square = t8 * t8;
+    reach[0] = t3 * t3 + k_01 * k_01 + k_02 * k_02;
+    reach[1] = t3 * t4 + k_01 * k_11 + k_02 * k_12;
+    reach[2] = t4 * t4 + k_11 * k_11 + k_12 * k_12;
     *regularity = fabs(delta * g->k[13][i]);
 }
 
@@ -848,7 +837,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_points(
     points[17] = s[2];
 }
 
-/* Rows of K_n for the R(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (38 add, 67 multiply,
+/* Rows of K_n for the R(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (36 add, 62 multiply,
  * 1 divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_transmission(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double e_2[3],
@@ -857,22 +846,19 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_transmission(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double t1 = v_1_0 * g->k[6][i];
-    const double v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const double t2 = v_1_1 * g->k[6][i];
-    const double v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const double t3 = u_2[0] * v_2_1;
-    const double t4 = u_2[1] * v_2_0;
-    const double b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
-    const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const double t5 = g->k[6][i] * b_22;
-    const double t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const double m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
-    const double m_02 = t6 * (v_1_1 * (t4 - t3));
-    const double m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
-    const double m_12 = t6 * (v_1_0 * b_33);
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
+    const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const double t1 = 1.0 / delta;
+    const double q = b_33 * t1;
+    const double m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const double t2 = v_1_1 * q;
+    const double m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
+    const double m_12 = v_1_0 * q;
     const double n_00 = x[0] * N[0] + x[1] * N[1] + x[2] * N[2]; /* N and c_i in the leg's frame */
     const double n_01 = g->e_1[0][i] * N[0] + g->e_1[1][i] * N[1] + g->e_1[2][i] * N[2];
     const double n_02 = e_2[0] * N[0] + e_2[1] * N[1] + e_2[2] * N[2];
@@ -884,13 +870,13 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_transmission(
     const double n_22 = e_2[0] * along[0] + e_2[1] * along[1] + e_2[2] * along[2];
     K_n[0] = -d[0] * n_02;
     K_n[1] = m_01 * n_00 + m_11 * n_01;
-    K_n[2] = m_02 * n_00 + m_12 * n_01;
+    K_n[2] = m_12 * n_01 - t2 * n_00;
     K_n[3] = -d[0] * n_12;
     K_n[4] = m_01 * n_10 + m_11 * n_11;
-    K_n[5] = m_02 * n_10 + m_12 * n_11;
+    K_n[5] = m_12 * n_11 - t2 * n_10;
     K_n[6] = -d[0] * n_22;
     K_n[7] = m_01 * n_20 + m_11 * n_21;
-    K_n[8] = m_02 * n_20 + m_12 * n_21;
+    K_n[8] = m_12 * n_21 - t2 * n_20;
     *regularity = fabs(delta * g->k[13][i]);
 }
 
@@ -1018,7 +1004,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_torques(
 }
 
 /* Force at the end point of the R(RR-RRR) sub-leg from those of its actuators: g = M_i^-T f.  Thesis:
- * (5.36).  (19 add, 35 multiply, 3 divide, 5 select) */
+ * (5.36).  (19 add, 33 multiply, 3 divide, 5 select) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_end_force(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double e_2[3],
     const double d[2], const double u_1[2], const double u_2[2], const double actuator_forces[3],
@@ -1026,19 +1012,18 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_end_force(
 {
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
-    const double v_2_0 = u_1[0] + v_1_0 * g->k[6][i] - u_2[0]; /* (1.15) */
-    const double v_2_1 = u_1[1] + v_1_1 * g->k[6][i] - u_2[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double b_32 = g->k[12][i] * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const double b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
-    const double w_2 = g->k[6][i] * v_2_0; /* A s_dot */
-    const double w_2_a = g->k[6][i] * v_2_1;
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
+    const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
     const double t1 = 1.0 / b_22;
     const double t2 = 1.0 / b_33;
-    const double g_l_0 = v_1_0 * actuator_forces[1] * t1 + actuator_forces[2] * (w_2 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
-    const double g_l_1 = t1 * (v_1_1 * actuator_forces[1]) + t2 * (actuator_forces[2] * (w_2_a - t1 * (v_1_1 * b_32)));
+    const double g_l_0 = v_1_0 * actuator_forces[1] * t1 + actuator_forces[2] * (f_0 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
+    const double g_l_1 = t1 * (v_1_1 * actuator_forces[1]) + t2 * (actuator_forces[2] * (f_1 - t1 * (v_1_1 * b_32)));
     const double t3 = actuator_forces[0] / d[0];
-    const double regularity_a = krhpr_min(krhpr_min(fabs(d[0] * g->k[14][i]), fabs(b_22 * g->k[15][i])), fabs(b_33 * g->k[16][i]));
+    const double regularity_a = krhpr_min(krhpr_min(fabs(d[0] * g->k[14][i]), fabs(b_22 * g->k[15][i])), fabs(g->k[6][i] * b_33 * g->k[16][i]));
     end_force[0] = g->e_1[0][i] * g_l_1 - e_2[0] * t3 + x[0] * g_l_0;
     end_force[1] = g->e_1[1][i] * g_l_1 - e_2[1] * t3 + x[1] * g_l_0;
     end_force[2] = g->e_1[2][i] * g_l_1 - e_2[2] * t3 + x[2] * g_l_0;

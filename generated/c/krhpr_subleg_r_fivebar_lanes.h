@@ -512,7 +512,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_posture_lanes(
     u_2[1] = g_l_2 * sine[2];
 }
 
-/* Jacobian M_i of the R(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (20 add, 40
+/* Jacobian M_i of the R(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (18 add, 35
  * multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_jacobian_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
@@ -522,41 +522,38 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_jacobian_lanes(
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
-    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes t1 = v_1_0 * g_k_6;
-    const krhpr_lanes v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_6;
-    const krhpr_lanes v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const krhpr_lanes t3 = u_2[0] * v_2_1;
-    const krhpr_lanes t4 = u_2[1] * v_2_0;
-    const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
-    const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t5 = g_k_6 * b_22;
-    const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const krhpr_lanes m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
-    const krhpr_lanes m_02 = t6 * (v_1_1 * (t4 - t3));
-    const krhpr_lanes m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
-    const krhpr_lanes m_12 = t6 * (v_1_0 * b_33);
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
+    const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes t1 = 1.0 / delta;
+    const krhpr_lanes q = b_33 * t1;
+    const krhpr_lanes m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const krhpr_lanes t2 = v_1_1 * q;
+    const krhpr_lanes m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_12 = v_1_0 * q;
     M[0] = -e_2[0] * d[0];
     M[1] = g_e_1_0 * m_11 + x[0] * m_01;
-    M[2] = g_e_1_0 * m_12 + x[0] * m_02;
+    M[2] = g_e_1_0 * m_12 - x[0] * t2;
     M[3] = -e_2[1] * d[0];
     M[4] = g_e_1_1 * m_11 + x[1] * m_01;
-    M[5] = g_e_1_1 * m_12 + x[1] * m_02;
+    M[5] = g_e_1_1 * m_12 - x[1] * t2;
     M[6] = -e_2[2] * d[0];
     M[7] = g_e_1_2 * m_11 + x[2] * m_01;
-    M[8] = g_e_1_2 * m_12 + x[2] * m_02;
+    M[8] = g_e_1_2 * m_12 - x[2] * t2;
     *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
 /* Rows of K: N M_i for the R(RR-RRR) sub-leg, where the rows of N are the directions of the platform's
- * lines.  Thesis: (1.8), (1.28).  (30 add, 53 multiply, 1 divide, 1 select) */
+ * lines.  Thesis: (1.8), (1.28).  (28 add, 48 multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_project_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
     const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2],
@@ -565,27 +562,24 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_project_lanes(
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
-    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes t1 = v_1_0 * g_k_6;
-    const krhpr_lanes v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_6;
-    const krhpr_lanes v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const krhpr_lanes t3 = u_2[0] * v_2_1;
-    const krhpr_lanes t4 = u_2[1] * v_2_0;
-    const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
-    const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t5 = g_k_6 * b_22;
-    const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const krhpr_lanes m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
-    const krhpr_lanes m_02 = t6 * (v_1_1 * (t4 - t3));
-    const krhpr_lanes m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
-    const krhpr_lanes m_12 = t6 * (v_1_0 * b_33);
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
+    const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes t1 = 1.0 / delta;
+    const krhpr_lanes q = b_33 * t1;
+    const krhpr_lanes m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const krhpr_lanes t2 = v_1_1 * q;
+    const krhpr_lanes m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_12 = v_1_0 * q;
     const krhpr_lanes n_00 = x[0] * N[0] + x[1] * N[1] + x[2] * N[2]; /* N in the leg's frame */
     const krhpr_lanes n_01 = g_e_1_0 * N[0] + g_e_1_1 * N[1] + g_e_1_2 * N[2];
     const krhpr_lanes n_02 = e_2[0] * N[0] + e_2[1] * N[1] + e_2[2] * N[2];
@@ -594,14 +588,14 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_project_lanes(
     const krhpr_lanes n_12 = e_2[0] * N[3] + e_2[1] * N[4] + e_2[2] * N[5];
     K[0] = -d[0] * n_02;
     K[1] = m_01 * n_00 + m_11 * n_01;
-    K[2] = m_02 * n_00 + m_12 * n_01;
+    K[2] = m_12 * n_01 - t2 * n_00;
     K[3] = -d[0] * n_12;
     K[4] = m_01 * n_10 + m_11 * n_11;
-    K[5] = m_02 * n_10 + m_12 * n_11;
+    K[5] = m_12 * n_11 - t2 * n_10;
     *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
-/* Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (20 add, 35 multiply, 1
+/* Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (19 add, 30 multiply, 1
  * divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_velocity_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
@@ -612,28 +606,27 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_velocity_lanes(
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
-    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes t1 = v_1_0 * g_k_6;
-    const krhpr_lanes v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_6;
-    const krhpr_lanes v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
-    const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t3 = d[0] * theta_dot[0];
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
+    const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes t1 = d[0] * theta_dot[0];
     const krhpr_lanes w_1 = b_22 * theta_dot[1]; /* B theta_dot */
     const krhpr_lanes w_2 = b_32 * theta_dot[1] + b_33 * theta_dot[2];
-    const krhpr_lanes t4 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const krhpr_lanes v_l_0 = (w_1 * (g_k_6 * v_2_1) - v_1_1 * w_2) * t4; /* velocity in the leg's frame */
-    const krhpr_lanes v_l_1 = t4 * (v_1_0 * w_2 - w_1 * (g_k_6 * v_2_0));
-    s_dot[0] = g_e_1_0 * v_l_1 - e_2[0] * t3 + x[0] * v_l_0;
-    s_dot[1] = g_e_1_1 * v_l_1 - e_2[1] * t3 + x[1] * v_l_0;
-    s_dot[2] = g_e_1_2 * v_l_1 - e_2[2] * t3 + x[2] * v_l_0;
+    const krhpr_lanes t2 = 1.0 / delta;
+    const krhpr_lanes v_l_0 = (f_1 * w_1 - v_1_1 * w_2) * t2; /* velocity in the leg's frame */
+    const krhpr_lanes v_l_1 = t2 * (v_1_0 * w_2 - f_0 * w_1);
+    s_dot[0] = g_e_1_0 * v_l_1 - e_2[0] * t1 + x[0] * v_l_0;
+    s_dot[1] = g_e_1_1 * v_l_1 - e_2[1] * t1 + x[1] * v_l_0;
+    s_dot[2] = g_e_1_2 * v_l_1 - e_2[2] * t1 + x[2] * v_l_0;
     *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
@@ -647,7 +640,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_bias_angles_lanes(
 }
 
 /* Velocity of the end point of the R(RR-RRR) sub-leg and the part of its acceleration that does not depend
- * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (85 add, 150 multiply, 1 divide, 1
+ * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (84 add, 146 multiply, 1 divide, 1
  * select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_bias_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at s[3],
@@ -668,7 +661,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_bias_lanes(
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
     const krhpr_lanes g_e_t_0 = krhpr_of_leg(g->e_t[0], i);
     const krhpr_lanes g_e_t_1 = krhpr_of_leg(g->e_t[1], i);
-    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
     const krhpr_lanes x_0 = g_e_x_0 * cosine[0] - g_e_t_0 * sine[0]; /* Rot(e_1, theta_1) e_x */
@@ -688,53 +681,50 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_bias_lanes(
     const krhpr_lanes u_2_1 = g_l_2 * sine[2];
     const krhpr_lanes v_1_0 = d_0 - u_1_0; /* (1.14) */
     const krhpr_lanes v_1_1 = d_1 - u_1_1;
-    const krhpr_lanes t1 = v_1_0 * g_k_6;
-    const krhpr_lanes v_2_0 = u_1_0 + t1 - u_2_0; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_6;
-    const krhpr_lanes v_2_1 = u_1_1 + t2 - u_2_1; /* (1.15) */
     const krhpr_lanes b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_12 * (u_1_1 * v_2_0 - u_1_0 * v_2_1); /* (1.13) */
-    const krhpr_lanes b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0; /* v_2^T (e_3 x u_2) */
-    const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t3 = theta_dot[1] * b_32 + theta_dot[2] * b_33;
-    const krhpr_lanes t4 = theta_dot[1] * (g_k_6 * b_22);
-    const krhpr_lanes t5 = v_1_0 * t3 - v_2_0 * t4;
-    const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const krhpr_lanes t7 = g_e_1_0 * t5 * t6;
-    const krhpr_lanes t8 = v_2_1 * t4 - v_1_1 * t3;
-    const krhpr_lanes t9 = t6 * (x_0 * t8);
-    const krhpr_lanes s_dot_0 = t7 + t9 - theta_dot[0] * (e_2_0 * d_0);
-    const krhpr_lanes t10 = t6 * (g_e_1_1 * t5);
-    const krhpr_lanes t11 = t6 * (x_1 * t8);
-    const krhpr_lanes s_dot_1 = t10 + t11 - theta_dot[0] * (e_2_1 * d_0);
-    const krhpr_lanes t12 = t6 * (g_e_1_2 * t5);
-    const krhpr_lanes t13 = t6 * (x_2 * t8);
-    const krhpr_lanes s_dot_2 = t12 + t13 - theta_dot[0] * (e_2_2 * d_0);
-    const krhpr_lanes t14 = theta_dot[0] * sine[0];
-    const krhpr_lanes t15 = theta_dot[0] * cosine[0];
-    const krhpr_lanes t16 = g_e_x_0 * t14 + g_e_t_0 * t15;
-    const krhpr_lanes t17 = g_e_x_1 * t14 + g_e_t_1 * t15;
-    const krhpr_lanes t18 = g_e_x_2 * t14;
-    const krhpr_lanes t19 = x_0 * s_dot_0 - arm_0 * t16 + (x_1 * s_dot_1 - arm_1 * t17) + (x_2 * s_dot_2 - arm_2 * t18);
-    const krhpr_lanes t20 = g_l_4 * (theta_dot[1] * sine[1]);
-    const krhpr_lanes t21 = g_l_4 * (theta_dot[1] * cosine[1]);
-    const krhpr_lanes t22 = g_l_2 * (theta_dot[2] * sine[2]);
-    const krhpr_lanes t23 = g_l_2 * (theta_dot[2] * cosine[2]);
-    const krhpr_lanes t24 = t19 + t20;
-    const krhpr_lanes t25 = g_e_1_0 * s_dot_0 + g_e_1_1 * s_dot_1 + g_e_1_2 * s_dot_2 - t21;
-    const krhpr_lanes t26 = g_k_6 * t24;
-    const krhpr_lanes t27 = t22 + (t26 - t20);
-    const krhpr_lanes t28 = g_k_6 * t25;
-    const krhpr_lanes t29 = t21 + t28 - t23;
-    const krhpr_lanes t30 = theta_dot[1] * (g_k_12 * (v_2_0 * t21 + u_1_1 * t27 - (u_1_0 * t29 - v_2_1 * t20)));
-    const krhpr_lanes t31 = t30 + theta_dot[2] * (u_2_0 * t29 - v_2_1 * t22 - (v_2_0 * t23 + u_2_1 * t27));
-    const krhpr_lanes t32 = theta_dot[1] * (g_k_6 * (u_1_0 * t25 - v_1_1 * t20 - (v_1_0 * t21 + u_1_1 * t24)));
-    const krhpr_lanes t33 = t3 * t24 + v_1_0 * t31 - (t4 * t27 + v_2_0 * t32);
-    const krhpr_lanes t34 = v_2_1 * t26 + t1 * t29 - (t2 * t27 + v_2_0 * t28);
-    const krhpr_lanes t35 = t4 * t29 + v_2_1 * t32 - (t3 * t25 + v_1_1 * t31);
-    const krhpr_lanes bias_0 = t6 * (g_e_1_0 * t33 - t7 * t34) + t6 * (x_0 * t35 - t8 * t16 - t9 * t34) - theta_dot[0] * (d_0 * (g_e_x_0 * t15 - g_e_t_0 * t14) + e_2_0 * t19);
-    const krhpr_lanes bias_1 = t6 * (g_e_1_1 * t33 - t10 * t34) + t6 * (x_1 * t35 - t8 * t17 - t11 * t34) - theta_dot[0] * (d_0 * (g_e_x_1 * t15 - g_e_t_1 * t14) + e_2_1 * t19);
-    const krhpr_lanes bias_2 = t6 * (g_e_1_2 * t33 - t12 * t34) + t6 * (x_2 * t35 - t8 * t18 - t13 * t34) - theta_dot[0] * (d_0 * (g_e_x_2 * t15) + e_2_2 * t19);
+    const krhpr_lanes f_0 = u_1_0 - u_2_0; /* from C to E */
+    const krhpr_lanes f_1 = u_1_1 - u_2_1;
+    const krhpr_lanes u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0; /* f x u_1 */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2_0 * v_1_1 - u_12 * g_k_2 - u_2_1 * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes t1 = theta_dot[1] * b_32 + theta_dot[2] * b_33;
+    const krhpr_lanes t2 = v_1_0 * t1 - theta_dot[1] * (b_22 * f_0);
+    const krhpr_lanes t3 = 1.0 / delta;
+    const krhpr_lanes t4 = g_e_1_0 * t2 * t3;
+    const krhpr_lanes t5 = theta_dot[1] * (b_22 * f_1) - v_1_1 * t1;
+    const krhpr_lanes t6 = t3 * (x_0 * t5);
+    const krhpr_lanes s_dot_0 = t4 + t6 - theta_dot[0] * (e_2_0 * d_0);
+    const krhpr_lanes t7 = t3 * (g_e_1_1 * t2);
+    const krhpr_lanes t8 = t3 * (x_1 * t5);
+    const krhpr_lanes s_dot_1 = t7 + t8 - theta_dot[0] * (e_2_1 * d_0);
+    const krhpr_lanes t9 = t3 * (g_e_1_2 * t2);
+    const krhpr_lanes t10 = t3 * (x_2 * t5);
+    const krhpr_lanes s_dot_2 = t9 + t10 - theta_dot[0] * (e_2_2 * d_0);
+    const krhpr_lanes t11 = theta_dot[0] * sine[0];
+    const krhpr_lanes t12 = theta_dot[0] * cosine[0];
+    const krhpr_lanes t13 = g_e_x_0 * t11 + g_e_t_0 * t12;
+    const krhpr_lanes t14 = g_e_x_1 * t11 + g_e_t_1 * t12;
+    const krhpr_lanes t15 = g_e_x_2 * t11;
+    const krhpr_lanes t16 = x_0 * s_dot_0 - arm_0 * t13 + (x_1 * s_dot_1 - arm_1 * t14) + (x_2 * s_dot_2 - arm_2 * t15);
+    const krhpr_lanes t17 = g_l_4 * (theta_dot[1] * sine[1]);
+    const krhpr_lanes t18 = g_l_4 * (theta_dot[1] * cosine[1]);
+    const krhpr_lanes t19 = g_l_2 * (theta_dot[2] * sine[2]);
+    const krhpr_lanes t20 = g_l_2 * (theta_dot[2] * cosine[2]);
+    const krhpr_lanes t21 = t16 + t17;
+    const krhpr_lanes t22 = g_e_1_0 * s_dot_0 + g_e_1_1 * s_dot_1 + g_e_1_2 * s_dot_2 - t18;
+    const krhpr_lanes t23 = u_1_0 * t22 - v_1_1 * t17 - (v_1_0 * t18 + u_1_1 * t21);
+    const krhpr_lanes t24 = t19 - t17;
+    const krhpr_lanes t25 = t18 - t20;
+    const krhpr_lanes t26 = u_1_0 * t20 - u_2_1 * t17 - (u_2_0 * t18 - u_1_1 * t19);
+    const krhpr_lanes t27 = f_1 * t21 + v_1_0 * t25 - (f_0 * t22 + v_1_1 * t24);
+    const krhpr_lanes t28 = theta_dot[2] * (u_2_0 * t22 - v_1_1 * t19 - g_k_2 * t26 - (v_1_0 * t20 + u_2_1 * t21));
+    const krhpr_lanes t29 = theta_dot[1] * (g_k_12 * t26 - t23) + t28;
+    const krhpr_lanes t30 = t1 * t21 + v_1_0 * t29 - theta_dot[1] * (f_0 * t23 + b_22 * t24);
+    const krhpr_lanes t31 = theta_dot[1] * (f_1 * t23 + b_22 * t25) - (t1 * t22 + v_1_1 * t29);
+    const krhpr_lanes bias_0 = t3 * (g_e_1_0 * t30 - t4 * t27) + t3 * (x_0 * t31 - t5 * t13 - t6 * t27) - theta_dot[0] * (d_0 * (g_e_x_0 * t12 - g_e_t_0 * t11) + e_2_0 * t16);
+    const krhpr_lanes bias_1 = t3 * (g_e_1_1 * t30 - t7 * t27) + t3 * (x_1 * t31 - t5 * t14 - t8 * t27) - theta_dot[0] * (d_0 * (g_e_x_1 * t12 - g_e_t_1 * t11) + e_2_1 * t16);
+    const krhpr_lanes bias_2 = t3 * (g_e_1_2 * t30 - t9 * t27) + t3 * (x_2 * t31 - t5 * t15 - t10 * t27) - theta_dot[0] * (d_0 * (g_e_x_2 * t12) + e_2_2 * t16);
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
     s_dot[2] = s_dot_2;
@@ -745,7 +735,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_bias_lanes(
 }
 
 /* Actuated joint rates of the R(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
- * so it serves accelerations too.  Thesis: (1.9).  (18 add, 30 multiply, 3 divide, 5 select) */
+ * so it serves accelerations too.  Thesis: (1.9).  (18 add, 28 multiply, 3 divide, 5 select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_rates_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
     const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2],
@@ -755,6 +745,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_rates_lanes(
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
+    const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
     const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
@@ -762,30 +753,32 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_rates_lanes(
     const krhpr_lanes g_k_16 = krhpr_of_leg(g->k[16], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_6 - u_2[0]; /* (1.15) */
-    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_6 - u_2[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
+    const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
     const krhpr_lanes v_l_0 = x[0] * s_dot[0] + x[1] * s_dot[1] + x[2] * s_dot[2]; /* velocity in the leg's frame */
     const krhpr_lanes v_l_1 = g_e_1_0 * s_dot[0] + g_e_1_1 * s_dot[1] + g_e_1_2 * s_dot[2];
     const krhpr_lanes v_l_2 = e_2[0] * s_dot[0] + e_2[1] * s_dot[1] + e_2[2] * s_dot[2];
     const krhpr_lanes w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1; /* A s_dot */
-    const krhpr_lanes w_2 = v_l_0 * (g_k_6 * v_2_0) + v_l_1 * (g_k_6 * v_2_1);
+    const krhpr_lanes w_2 = f_0 * v_l_0 + f_1 * v_l_1;
     const krhpr_lanes t1 = 1.0 / b_22;
     const krhpr_lanes t2 = krhpr_lanes_min(krhpr_lanes_fabs(d[0] * g_k_14), krhpr_lanes_fabs(b_22 * g_k_15));
     theta_dot[0] = -v_l_2 / d[0];
     theta_dot[1] = w_1 * t1;
     theta_dot[2] = (w_2 - t1 * (b_32 * w_1)) / b_33;
-    *regularity = krhpr_lanes_min(t2, krhpr_lanes_fabs(b_33 * g_k_16));
+    *regularity = krhpr_lanes_min(t2, krhpr_lanes_fabs(g_k_6 * b_33 * g_k_16));
 }
 
 /* det M_i of the R(RR-RRR) sub-leg and its dimensionless factors: shoulder, elbow, crank, rod.  Thesis:
- * 1.4.  (10 add, 15 multiply, 1 divide) */
+ * 1.4.  (10 add, 16 multiply, 1 divide) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_determinant_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
     const krhpr_lanes_at u_2[2], krhpr_lanes_at *KRHPR_RESTRICT det_M, krhpr_lanes_at *KRHPR_RESTRICT factors)
 {
+    const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
     const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
@@ -793,22 +786,23 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_determinant_lanes(
     const krhpr_lanes g_k_16 = krhpr_of_leg(g->k[16], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_6 - u_2[0]; /* (1.15) */
-    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_6 - u_2[1];
     const krhpr_lanes t1 = u_1[0] * v_1_1;
     const krhpr_lanes t2 = u_1[1] * v_1_0;
     const krhpr_lanes b_22 = t1 - t2; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
-    const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    *det_M = d[0] * (b_33 * (t2 - t1)) / (g_k_6 * delta);
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
+    const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    *det_M = d[0] * (b_33 * (t2 - t1)) / delta;
     factors[0] = d[0] * g_k_14;
     factors[1] = b_22 * g_k_15;
-    factors[2] = b_33 * g_k_16;
+    factors[2] = g_k_6 * b_33 * g_k_16;
     factors[3] = delta * g_k_13;
 }
 
 /* Squares of M_i of the R(RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide count by
- * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (44 add, 85 multiply, 1 divide, 1
+ * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (42 add, 80 multiply, 1 divide, 1
  * select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_gram_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
@@ -820,29 +814,26 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_gram_lanes(
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
-    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes t1 = v_1_0 * g_k_6;
-    const krhpr_lanes v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_6;
-    const krhpr_lanes v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const krhpr_lanes t3 = u_2[0] * v_2_1;
-    const krhpr_lanes t4 = u_2[1] * v_2_0;
-    const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
-    const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t5 = g_k_6 * b_22;
-    const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const krhpr_lanes m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
-    const krhpr_lanes m_02 = t6 * (v_1_1 * (t4 - t3));
-    const krhpr_lanes m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
-    const krhpr_lanes m_12 = t6 * (v_1_0 * b_33);
-    const krhpr_lanes g_00 = m_01 * m_01 + m_02 * m_02; /* M M^T */
-    const krhpr_lanes g_01 = m_01 * m_11 + m_02 * m_12;
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
+    const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes t1 = 1.0 / delta;
+    const krhpr_lanes q = b_33 * t1;
+    const krhpr_lanes m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const krhpr_lanes t2 = v_1_1 * q;
+    const krhpr_lanes m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_12 = v_1_0 * q;
+    const krhpr_lanes g_00 = m_01 * m_01 + t2 * t2; /* M M^T */
+    const krhpr_lanes g_01 = m_01 * m_11 - t2 * m_12;
     const krhpr_lanes g_11 = m_11 * m_11 + m_12 * m_12;
     const krhpr_lanes g_22 = d[0] * d[0];
     const krhpr_lanes n_00 = x[0] * N[0] + x[1] * N[1] + x[2] * N[2]; /* N in the leg's frame */
@@ -851,19 +842,19 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_gram_lanes(
     const krhpr_lanes n_10 = x[0] * N[3] + x[1] * N[4] + x[2] * N[5];
     const krhpr_lanes n_11 = g_e_1_0 * N[3] + g_e_1_1 * N[4] + g_e_1_2 * N[5];
     const krhpr_lanes n_12 = e_2[0] * N[3] + e_2[1] * N[4] + e_2[2] * N[5];
-    const krhpr_lanes t7 = d[0] * n_02;
+    const krhpr_lanes t3 = d[0] * n_02;
     const krhpr_lanes k_01 = m_01 * n_00 + m_11 * n_01; /* the leg's block of K */
-    const krhpr_lanes k_02 = m_02 * n_00 + m_12 * n_01;
-    const krhpr_lanes t8 = d[0] * n_12;
+    const krhpr_lanes k_02 = m_12 * n_01 - t2 * n_00;
+    const krhpr_lanes t4 = d[0] * n_12;
     const krhpr_lanes k_11 = m_01 * n_10 + m_11 * n_11; /* the leg's block of K */
-    const krhpr_lanes k_12 = m_02 * n_10 + m_12 * n_11;
-    const krhpr_lanes t9 = d[0] * m_12;
+    const krhpr_lanes k_12 = m_12 * n_11 - t2 * n_10;
+    const krhpr_lanes t5 = d[0] * m_12;
     const krhpr_lanes c_02 = d[0] * m_11; /* cofactors of M */
-    const krhpr_lanes c_11 = d[0] * m_02;
-    const krhpr_lanes t10 = d[0] * m_01;
-    const krhpr_lanes c_20 = m_01 * m_12 - m_02 * m_11; /* cofactors of M */
-    const krhpr_lanes det_M = m_02 * c_02 - m_01 * t9;
-    const krhpr_lanes cofactors_01 = -(t9 * c_11 + c_02 * t10);
+    const krhpr_lanes t6 = d[0] * t2;
+    const krhpr_lanes t7 = d[0] * m_01;
+    const krhpr_lanes c_20 = m_01 * m_12 + t2 * m_11; /* cofactors of M */
+    const krhpr_lanes t8 = m_01 * t5 + t2 * c_02;
+    const krhpr_lanes cofactors_01 = t5 * t6 - c_02 * t7;
     gram[0] = g_00;
     gram[1] = g_01;
     gram[2] = krhpr_all(0.0);
@@ -873,19 +864,19 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_gram_lanes(
     gram[6] = krhpr_all(0.0);
     gram[7] = krhpr_all(0.0);
     gram[8] = g_22;
-    cofactors[0] = t9 * t9 + c_02 * c_02;
+    cofactors[0] = t5 * t5 + c_02 * c_02;
     cofactors[1] = cofactors_01;
     cofactors[2] = krhpr_all(0.0);
     cofactors[3] = cofactors_01;
-    cofactors[4] = c_11 * c_11 + t10 * t10;
+    cofactors[4] = t6 * t6 + t7 * t7;
     cofactors[5] = krhpr_all(0.0);
     cofactors[6] = krhpr_all(0.0);
     cofactors[7] = krhpr_all(0.0);
     cofactors[8] = c_20 * c_20;
-    *square = det_M * det_M;
-    reach[0] = t7 * t7 + k_01 * k_01 + k_02 * k_02;
-    reach[1] = t7 * t8 + k_01 * k_11 + k_02 * k_12;
-    reach[2] = t8 * t8 + k_11 * k_11 + k_12 * k_12;
+    *square = t8 * t8;
+    reach[0] = t3 * t3 + k_01 * k_01 + k_02 * k_02;
+    reach[1] = t3 * t4 + k_01 * k_11 + k_02 * k_12;
+    reach[2] = t4 * t4 + k_11 * k_11 + k_12 * k_12;
     *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
@@ -968,7 +959,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_points_lanes(
     points[17] = s[2];
 }
 
-/* Rows of K_n for the R(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (38 add, 67 multiply,
+/* Rows of K_n for the R(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (36 add, 62 multiply,
  * 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_transmission_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
@@ -979,27 +970,24 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_transmission_lanes(
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
-    const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
+    const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_13 = krhpr_of_leg(g->k[13], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes t1 = v_1_0 * g_k_6;
-    const krhpr_lanes v_2_0 = u_1[0] + t1 - u_2[0]; /* (1.15) */
-    const krhpr_lanes t2 = v_1_1 * g_k_6;
-    const krhpr_lanes v_2_1 = u_1[1] + t2 - u_2[1]; /* (1.15) */
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const krhpr_lanes t3 = u_2[0] * v_2_1;
-    const krhpr_lanes t4 = u_2[1] * v_2_0;
-    const krhpr_lanes b_33 = t3 - t4; /* v_2^T (e_3 x u_2) */
-    const krhpr_lanes delta = v_1_0 * v_2_1 - v_1_1 * v_2_0; /* e_2^T (v_1 x v_2) */
-    const krhpr_lanes t5 = g_k_6 * b_22;
-    const krhpr_lanes t6 = 1.0 / (t1 * v_2_1 - v_2_0 * t2);
-    const krhpr_lanes m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6; /* A^-1 B in the leg's frame */
-    const krhpr_lanes m_02 = t6 * (v_1_1 * (t4 - t3));
-    const krhpr_lanes m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5);
-    const krhpr_lanes m_12 = t6 * (v_1_0 * b_33);
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
+    const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes t1 = 1.0 / delta;
+    const krhpr_lanes q = b_33 * t1;
+    const krhpr_lanes m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const krhpr_lanes t2 = v_1_1 * q;
+    const krhpr_lanes m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_12 = v_1_0 * q;
     const krhpr_lanes n_00 = x[0] * N[0] + x[1] * N[1] + x[2] * N[2]; /* N and c_i in the leg's frame */
     const krhpr_lanes n_01 = g_e_1_0 * N[0] + g_e_1_1 * N[1] + g_e_1_2 * N[2];
     const krhpr_lanes n_02 = e_2[0] * N[0] + e_2[1] * N[1] + e_2[2] * N[2];
@@ -1011,13 +999,13 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_transmission_lanes(
     const krhpr_lanes n_22 = e_2[0] * along[0] + e_2[1] * along[1] + e_2[2] * along[2];
     K_n[0] = -d[0] * n_02;
     K_n[1] = m_01 * n_00 + m_11 * n_01;
-    K_n[2] = m_02 * n_00 + m_12 * n_01;
+    K_n[2] = m_12 * n_01 - t2 * n_00;
     K_n[3] = -d[0] * n_12;
     K_n[4] = m_01 * n_10 + m_11 * n_11;
-    K_n[5] = m_02 * n_10 + m_12 * n_11;
+    K_n[5] = m_12 * n_11 - t2 * n_10;
     K_n[6] = -d[0] * n_22;
     K_n[7] = m_01 * n_20 + m_11 * n_21;
-    K_n[8] = m_02 * n_20 + m_12 * n_21;
+    K_n[8] = m_12 * n_21 - t2 * n_20;
     *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
@@ -1145,7 +1133,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_torques_lanes(
 }
 
 /* Force at the end point of the R(RR-RRR) sub-leg from those of its actuators: g = M_i^-T f.  Thesis:
- * (5.36).  (19 add, 35 multiply, 3 divide, 5 select) */
+ * (5.36).  (19 add, 33 multiply, 3 divide, 5 select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_end_force_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
     const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2],
@@ -1155,6 +1143,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_end_force_lanes(
     const krhpr_lanes g_e_1_0 = krhpr_of_leg(g->e_1[0], i);
     const krhpr_lanes g_e_1_1 = krhpr_of_leg(g->e_1[1], i);
     const krhpr_lanes g_e_1_2 = krhpr_of_leg(g->e_1[2], i);
+    const krhpr_lanes g_k_2 = krhpr_of_leg(g->k[2], i);
     const krhpr_lanes g_k_6 = krhpr_of_leg(g->k[6], i);
     const krhpr_lanes g_k_12 = krhpr_of_leg(g->k[12], i);
     const krhpr_lanes g_k_14 = krhpr_of_leg(g->k[14], i);
@@ -1162,23 +1151,22 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_end_force_lanes(
     const krhpr_lanes g_k_16 = krhpr_of_leg(g->k[16], i);
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
-    const krhpr_lanes v_2_0 = u_1[0] + v_1_0 * g_k_6 - u_2[0]; /* (1.15) */
-    const krhpr_lanes v_2_1 = u_1[1] + v_1_1 * g_k_6 - u_2[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * v_2_0 - u_1[0] * v_2_1); /* (1.13) */
-    const krhpr_lanes b_33 = u_2[0] * v_2_1 - u_2[1] * v_2_0; /* v_2^T (e_3 x u_2) */
-    const krhpr_lanes w_2 = g_k_6 * v_2_0; /* A s_dot */
-    const krhpr_lanes w_2_a = g_k_6 * v_2_1;
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
+    const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
     const krhpr_lanes t1 = 1.0 / b_22;
     const krhpr_lanes t2 = 1.0 / b_33;
-    const krhpr_lanes g_l_0 = v_1_0 * actuator_forces[1] * t1 + actuator_forces[2] * (w_2 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
-    const krhpr_lanes g_l_1 = t1 * (v_1_1 * actuator_forces[1]) + t2 * (actuator_forces[2] * (w_2_a - t1 * (v_1_1 * b_32)));
+    const krhpr_lanes g_l_0 = v_1_0 * actuator_forces[1] * t1 + actuator_forces[2] * (f_0 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
+    const krhpr_lanes g_l_1 = t1 * (v_1_1 * actuator_forces[1]) + t2 * (actuator_forces[2] * (f_1 - t1 * (v_1_1 * b_32)));
     const krhpr_lanes t3 = actuator_forces[0] / d[0];
     const krhpr_lanes t4 = krhpr_lanes_min(krhpr_lanes_fabs(d[0] * g_k_14), krhpr_lanes_fabs(b_22 * g_k_15));
     end_force[0] = g_e_1_0 * g_l_1 - e_2[0] * t3 + x[0] * g_l_0;
     end_force[1] = g_e_1_1 * g_l_1 - e_2[1] * t3 + x[1] * g_l_0;
     end_force[2] = g_e_1_2 * g_l_1 - e_2[2] * t3 + x[2] * g_l_0;
-    *regularity = krhpr_lanes_min(t4, krhpr_lanes_fabs(b_33 * g_k_16));
+    *regularity = krhpr_lanes_min(t4, krhpr_lanes_fabs(g_k_6 * b_33 * g_k_16));
 }
 
 #endif

@@ -302,7 +302,7 @@ def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
 
 
 def jacobian(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
-    """Jacobian M_i of the (RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (13 add, 15
+    """Jacobian M_i of the (RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (11 add, 13
     multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
@@ -311,18 +311,16 @@ def jacobian(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
     v_1_1 = d_1 - u_1_1
     v_2_0 = u_1_0 + v_1_0 - g.o_12[0] - u_2_0  # (1.15)
     v_2_1 = u_1_1 + v_1_1 - g.o_12[1] - u_2_1
-    t1 = u_1_0 * v_1_1
-    t2 = u_1_1 * v_1_0
-    b_22 = t1 - t2  # v_1^T (e_2 x u_1)
-    t3 = u_2_0 * v_2_1
-    t4 = u_2_1 * v_2_0
-    b_33 = t3 - t4  # v_2^T (e_3 x u_2)
+    b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
+    b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = 1 / delta
-    m_00 = v_2_1 * b_22 * t5  # A^-1 B in the leg's frame
-    m_01 = t5 * (v_1_1 * (t4 - t3))
-    m_10 = t5 * (v_2_0 * (t2 - t1))
-    m_11 = t5 * (v_1_0 * b_33)
+    t1 = 1 / delta
+    q = b_22 * t1
+    q_a = b_33 * t1
+    m_00 = v_2_1 * q  # A^-1 B in the leg's frame
+    m_01 = -v_1_1 * q_a
+    m_10 = -v_2_0 * q
+    m_11 = v_1_0 * q_a
     return (
         (  # M
             m_00,
@@ -338,7 +336,7 @@ def jacobian(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
 
 def project(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
     """Rows of K: N M_i for the (RR-RRR) sub-leg, where the rows of N are the directions of the
-    platform's lines.  Thesis: (1.8), (1.28).  (15 add, 19 multiply, 1 divide, 1 select)"""
+    platform's lines.  Thesis: (1.8), (1.28).  (13 add, 17 multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
     u_2_0, u_2_1 = u_2
@@ -347,22 +345,18 @@ def project(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
     v_1_1 = d_1 - u_1_1
     v_2_0 = u_1_0 + v_1_0 - g.o_12[0] - u_2_0  # (1.15)
     v_2_1 = u_1_1 + v_1_1 - g.o_12[1] - u_2_1
-    t1 = u_1_0 * v_1_1
-    t2 = u_1_1 * v_1_0
-    b_22 = t1 - t2  # v_1^T (e_2 x u_1)
-    t3 = u_2_0 * v_2_1
-    t4 = u_2_1 * v_2_0
-    b_33 = t3 - t4  # v_2^T (e_3 x u_2)
+    b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
+    b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = 1 / delta
-    m_00 = v_2_1 * b_22 * t5  # A^-1 B in the leg's frame
-    m_01 = t5 * (v_1_1 * (t4 - t3))
-    m_10 = t5 * (v_2_0 * (t2 - t1))
-    m_11 = t5 * (v_1_0 * b_33)
+    t1 = 1 / delta
+    q = b_22 * t1
+    q_a = b_33 * t1
+    m_00 = v_2_1 * q  # A^-1 B in the leg's frame
+    m_11 = v_1_0 * q_a
     return (
         (  # K
-            N_00 * m_00 + N_01 * m_10,
-            N_00 * m_01 + N_01 * m_11,
+            N_00 * m_00 - N_01 * (v_2_0 * q),
+            N_01 * m_11 - N_00 * (v_1_1 * q_a),
         ),
         (  # regularity
             ca.fabs(delta * g.k[10]),
@@ -509,7 +503,7 @@ def determinant(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
 
 def gram(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
     """Squares of M_i of the (RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide
-    count by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (20 add, 30
+    count by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (18 add, 28
     multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
@@ -519,25 +513,23 @@ def gram(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
     v_1_1 = d_1 - u_1_1
     v_2_0 = u_1_0 + v_1_0 - g.o_12[0] - u_2_0  # (1.15)
     v_2_1 = u_1_1 + v_1_1 - g.o_12[1] - u_2_1
-    t1 = u_1_0 * v_1_1
-    t2 = u_1_1 * v_1_0
-    b_22 = t1 - t2  # v_1^T (e_2 x u_1)
-    t3 = u_2_0 * v_2_1
-    t4 = u_2_1 * v_2_0
-    b_33 = t3 - t4  # v_2^T (e_3 x u_2)
+    b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
+    b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = 1 / delta
-    m_00 = v_2_1 * b_22 * t5  # A^-1 B in the leg's frame
-    m_01 = t5 * (v_1_1 * (t4 - t3))
-    m_10 = t5 * (v_2_0 * (t2 - t1))
-    m_11 = t5 * (v_1_0 * b_33)
-    g_00 = m_00 * m_00 + m_01 * m_01  # M M^T
-    g_01 = m_00 * m_10 + m_01 * m_11
-    g_11 = m_10 * m_10 + m_11 * m_11
-    k_00 = m_00 * N_00 + m_10 * N_01  # the leg's block of K
-    k_01 = m_01 * N_00 + m_11 * N_01
-    det_M = m_00 * m_11 - m_01 * m_10
-    cofactors_01 = -g_01
+    t1 = 1 / delta
+    q = b_22 * t1
+    q_a = b_33 * t1
+    m_00 = v_2_1 * q  # A^-1 B in the leg's frame
+    c_10 = v_1_1 * q_a  # cofactors of M
+    c_01 = v_2_0 * q
+    m_11 = v_1_0 * q_a  # A^-1 B in the leg's frame
+    g_00 = m_00 * m_00 + c_10 * c_10  # M M^T
+    cofactors_01 = m_00 * c_01 + c_10 * m_11
+    g_01 = -cofactors_01  # M M^T
+    g_11 = c_01 * c_01 + m_11 * m_11
+    k_00 = m_00 * N_00 - c_01 * N_01  # the leg's block of K
+    k_01 = m_11 * N_01 - c_10 * N_00
+    det_M = m_00 * m_11 - c_10 * c_01
     return (
         (  # gram
             g_00,
@@ -606,7 +598,7 @@ def points(g: Any, u_1: Any, u_2: Any, s: Any) -> tuple[Any, ...]:
 
 
 def transmission(g: Any, d: Any, u_1: Any, u_2: Any, N: Any, along: Any) -> tuple[Any, ...]:
-    """Rows of K_n for the (RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (17 add, 23
+    """Rows of K_n for the (RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (15 add, 21
     multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
@@ -617,24 +609,22 @@ def transmission(g: Any, d: Any, u_1: Any, u_2: Any, N: Any, along: Any) -> tupl
     v_1_1 = d_1 - u_1_1
     v_2_0 = u_1_0 + v_1_0 - g.o_12[0] - u_2_0  # (1.15)
     v_2_1 = u_1_1 + v_1_1 - g.o_12[1] - u_2_1
-    t1 = u_1_0 * v_1_1
-    t2 = u_1_1 * v_1_0
-    b_22 = t1 - t2  # v_1^T (e_2 x u_1)
-    t3 = u_2_0 * v_2_1
-    t4 = u_2_1 * v_2_0
-    b_33 = t3 - t4  # v_2^T (e_3 x u_2)
+    b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
+    b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
     delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = 1 / delta
-    m_00 = v_2_1 * b_22 * t5  # A^-1 B in the leg's frame
-    m_01 = t5 * (v_1_1 * (t4 - t3))
-    m_10 = t5 * (v_2_0 * (t2 - t1))
-    m_11 = t5 * (v_1_0 * b_33)
+    t1 = 1 / delta
+    q = b_22 * t1
+    q_a = b_33 * t1
+    m_00 = v_2_1 * q  # A^-1 B in the leg's frame
+    t2 = v_1_1 * q_a
+    t3 = v_2_0 * q
+    m_11 = v_1_0 * q_a  # A^-1 B in the leg's frame
     return (
         (  # K_n
-            N_00 * m_00 + N_01 * m_10,
-            N_00 * m_01 + N_01 * m_11,
-            along_0 * m_00 + along_1 * m_10,
-            along_0 * m_01 + along_1 * m_11,
+            N_00 * m_00 - N_01 * t3,
+            N_01 * m_11 - N_00 * t2,
+            along_0 * m_00 - along_1 * t3,
+            along_1 * m_11 - along_0 * t2,
         ),
         (  # regularity
             ca.fabs(delta * g.k[10]),

@@ -38,6 +38,7 @@ def prepare(fields: Any) -> SimpleNamespace:
     k_6 = 1 - l_5 / l_6
     k_0 = l_3 * l_3
     t2 = l_6 - l_5
+    k_2 = 1 / k_6
     t3 = l_4 - l_6
     t4 = l_4 + l_6
     t5 = l_2 - l_3
@@ -54,7 +55,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         l_6=fields["l_6"],
         o=(o_0, o_1,),
         o_12=(apart_0, apart_1,),
-        k=(k_0, t2 * t2, 1 / k_6, t3 * t3, t4 * t4, l_4 * l_4 - l_6 * l_6, k_6, t5 * t5, t6 * t6, l_2 * l_2 - k_0, ca.fabs(t5), ca.fabs(t3), 1 - k_6, 1 / (l_3 * l_6), 1 / (l_4 * l_6), 1 / (l_2 * l_3), k_16, 1 - l_5 * k_16, o_0 - t1, apart_1 + o_1,),
+        k=(k_0, t2 * t2, k_2, t3 * t3, t4 * t4, l_4 * l_4 - l_6 * l_6, k_6, t5 * t5, t6 * t6, l_2 * l_2 - k_0, ca.fabs(t5), ca.fabs(t3), k_2 - 1, 1 / (l_3 * l_6), 1 / (l_4 * l_6), 1 / (l_2 * l_3), k_16, 1 - l_5 * k_16, o_0 - t1, apart_1 + o_1,),
     )
 
 
@@ -335,29 +336,25 @@ def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
 
 
 def jacobian(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
-    """Jacobian M_i of the (RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (16 add, 25
+    """Jacobian M_i of the (RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (15 add, 22
     multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
     u_2_0, u_2_1 = u_2
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[6]
-    v_2_0 = u_1_0 + t1 - g.o_12[0] - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[6]
-    v_2_1 = u_1_1 + t2 - g.o_12[1] - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
-    t3 = u_2_0 * v_2_1
-    t4 = u_2_1 * v_2_0
-    b_33 = t3 - t4  # v_2^T (e_3 x u_2)
-    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = g.k[6] * b_22
-    t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
-    m_00 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
-    m_01 = t6 * (v_1_1 * (t4 - t3))
-    m_10 = t6 * (v_1_0 * b_32 - v_2_0 * t5)
-    m_11 = t6 * (v_1_0 * b_33)
+    f_0 = u_1_0 - g.o_12[0] - u_2_0  # from C to E
+    f_1 = u_1_1 - g.o_12[1] - u_2_1
+    b_32 = g.k[12] * (u_1_1 * f_0 - u_1_0 * f_1) - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0) - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
+    t1 = 1 / delta
+    q = b_33 * t1
+    m_00 = t1 * (b_22 * f_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
+    m_01 = -v_1_1 * q
+    m_10 = t1 * (v_1_0 * b_32 - b_22 * f_0)
+    m_11 = v_1_0 * q
     return (
         (  # M
             m_00,
@@ -373,33 +370,28 @@ def jacobian(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
 
 def project(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
     """Rows of K: N M_i for the (RR-RRR) sub-leg, where the rows of N are the directions of the
-    platform's lines.  Thesis: (1.8), (1.28).  (18 add, 29 multiply, 1 divide, 1 select)"""
+    platform's lines.  Thesis: (1.8), (1.28).  (17 add, 26 multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
     u_2_0, u_2_1 = u_2
     N_00, N_01 = N
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[6]
-    v_2_0 = u_1_0 + t1 - g.o_12[0] - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[6]
-    v_2_1 = u_1_1 + t2 - g.o_12[1] - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
-    t3 = u_2_0 * v_2_1
-    t4 = u_2_1 * v_2_0
-    b_33 = t3 - t4  # v_2^T (e_3 x u_2)
-    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = g.k[6] * b_22
-    t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
-    m_00 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
-    m_01 = t6 * (v_1_1 * (t4 - t3))
-    m_10 = t6 * (v_1_0 * b_32 - v_2_0 * t5)
-    m_11 = t6 * (v_1_0 * b_33)
+    f_0 = u_1_0 - g.o_12[0] - u_2_0  # from C to E
+    f_1 = u_1_1 - g.o_12[1] - u_2_1
+    b_32 = g.k[12] * (u_1_1 * f_0 - u_1_0 * f_1) - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0) - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
+    t1 = 1 / delta
+    q = b_33 * t1
+    m_00 = t1 * (b_22 * f_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
+    m_10 = t1 * (v_1_0 * b_32 - b_22 * f_0)
+    m_11 = v_1_0 * q
     return (
         (  # K
             N_00 * m_00 + N_01 * m_10,
-            N_00 * m_01 + N_01 * m_11,
+            N_01 * m_11 - N_00 * (v_1_1 * q),
         ),
         (  # regularity
             ca.fabs(delta * g.k[13]),
@@ -408,7 +400,7 @@ def project(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
 
 
 def velocity(g: Any, d: Any, u_1: Any, u_2: Any, theta_dot: Any) -> tuple[Any, ...]:
-    """Velocity of the end point of the (RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (16 add, 25
+    """Velocity of the end point of the (RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (16 add, 22
     multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
@@ -416,19 +408,17 @@ def velocity(g: Any, d: Any, u_1: Any, u_2: Any, theta_dot: Any) -> tuple[Any, .
     theta_dot_0, theta_dot_1 = theta_dot
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[6]
-    v_2_0 = u_1_0 + t1 - g.o_12[0] - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[6]
-    v_2_1 = u_1_1 + t2 - g.o_12[1] - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
-    b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
-    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - g.o_12[0] - u_2_0  # from C to E
+    f_1 = u_1_1 - g.o_12[1] - u_2_1
+    b_32 = g.k[12] * (u_1_1 * f_0 - u_1_0 * f_1) - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0) - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     w_0 = b_22 * theta_dot_0  # B theta_dot
     w_1 = b_32 * theta_dot_0 + b_33 * theta_dot_1
-    t3 = 1 / (t1 * v_2_1 - v_2_0 * t2)
-    v_l_0 = (w_0 * (g.k[6] * v_2_1) - v_1_1 * w_1) * t3  # velocity in the leg's frame
-    v_l_1 = t3 * (v_1_0 * w_1 - w_0 * (g.k[6] * v_2_0))
+    t1 = 1 / delta
+    v_l_0 = (f_1 * w_0 - v_1_1 * w_1) * t1  # velocity in the leg's frame
+    v_l_1 = t1 * (v_1_0 * w_1 - f_0 * w_0)
     return (
         (  # s_dot
             v_l_0,
@@ -442,7 +432,7 @@ def velocity(g: Any, d: Any, u_1: Any, u_2: Any, theta_dot: Any) -> tuple[Any, .
 
 def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     """Velocity of the end point of the (RR-RRR) sub-leg and the part of its acceleration that does not
-    depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (45 add, 71
+    depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (48 add, 73
     multiply, 1 divide, 2 sine cosine, 1 select)"""
     s_0, s_1 = s
     theta_0, theta_1 = theta
@@ -459,41 +449,39 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     u_2_1 = g.l_2 * t4
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t5 = v_1_0 * g.k[6]
-    v_2_0 = u_1_0 + t5 - g.o_12[0] - u_2_0  # (1.15)
-    t6 = v_1_1 * g.k[6]
-    v_2_1 = u_1_1 + t6 - g.o_12[1] - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
-    b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
-    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t7 = theta_dot_0 * (g.k[6] * b_22)
-    t8 = theta_dot_0 * b_32 + theta_dot_1 * b_33
-    t9 = 1 / (t5 * v_2_1 - v_2_0 * t6)
-    s_dot_0 = (v_2_1 * t7 - v_1_1 * t8) * t9
-    s_dot_1 = t9 * (v_1_0 * t8 - v_2_0 * t7)
-    t10 = g.l_4 * (theta_dot_0 * t2)
-    t11 = g.l_4 * (theta_dot_0 * t1)
-    t12 = g.l_2 * (theta_dot_1 * t4)
-    t13 = g.l_2 * (theta_dot_1 * t3)
-    t14 = s_dot_0 + t10
-    t15 = s_dot_1 - t11
-    t16 = g.k[6] * t14
-    t17 = t12 + (t16 - t10)
-    t18 = g.k[6] * t15
-    t19 = t11 + t18 - t13
-    t20 = theta_dot_0 * (g.k[6] * (u_1_0 * t15 - v_1_1 * t10 - (v_1_0 * t11 + u_1_1 * t14)))
-    t21 = theta_dot_0 * (g.k[12] * (v_2_0 * t11 + u_1_1 * t17 - (u_1_0 * t19 - v_2_1 * t10)))
-    t22 = t21 + theta_dot_1 * (u_2_0 * t19 - v_2_1 * t12 - (v_2_0 * t13 + u_2_1 * t17))
-    t23 = v_2_1 * t16 + t5 * t19 - (t6 * t17 + v_2_0 * t18)
+    f_0 = u_1_0 - g.o_12[0] - u_2_0  # from C to E
+    f_1 = u_1_1 - g.o_12[1] - u_2_1
+    b_32 = g.k[12] * (u_1_1 * f_0 - u_1_0 * f_1) - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0) - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
+    t5 = theta_dot_0 * b_32 + theta_dot_1 * b_33
+    t6 = 1 / delta
+    s_dot_0 = (theta_dot_0 * (b_22 * f_1) - v_1_1 * t5) * t6
+    s_dot_1 = t6 * (v_1_0 * t5 - theta_dot_0 * (b_22 * f_0))
+    t7 = g.l_4 * (theta_dot_0 * t2)
+    t8 = g.l_4 * (theta_dot_0 * t1)
+    t9 = g.l_2 * (theta_dot_1 * t4)
+    t10 = g.l_2 * (theta_dot_1 * t3)
+    t11 = s_dot_0 + t7
+    t12 = s_dot_1 - t8
+    t13 = u_1_0 * t12 - v_1_1 * t7 - (v_1_0 * t8 + u_1_1 * t11)
+    t14 = t9 - t7
+    t15 = t8 - t10
+    t16 = u_2_0 * t12 - v_1_1 * t9 + g.k[2] * (u_2_0 * t15 - f_1 * t9 - (f_0 * t10 + u_2_1 * t14))
+    t17 = f_1 * t11 + v_1_0 * t15 - (f_0 * t12 + v_1_1 * t14)
+    t18 = theta_dot_0 * (g.k[12] * (f_0 * t8 + u_1_1 * t14 - (u_1_0 * t15 - f_1 * t7)) - t13)
+    t19 = t18 + theta_dot_1 * (t16 - (v_1_0 * t10 + u_2_1 * t11))
+    t20 = theta_dot_0 * (f_1 * t13 + b_22 * t15) - (t5 * t12 + v_1_1 * t19) - s_dot_0 * t17
+    t21 = t5 * t11 + v_1_0 * t19 - theta_dot_0 * (f_0 * t13 + b_22 * t14) - s_dot_1 * t17
     return (
         (  # s_dot
             s_dot_0,
             s_dot_1,
         ),
         (  # bias
-            t9 * (t7 * t19 + v_2_1 * t20 - (t8 * t15 + v_1_1 * t22) - s_dot_0 * t23),
-            t9 * (t8 * t14 + v_1_0 * t22 - (t7 * t17 + v_2_0 * t20) - s_dot_1 * t23),
+            t6 * t20,
+            t6 * t21,
         ),
         (  # regularity
             ca.fabs(delta * g.k[13]),
@@ -503,7 +491,7 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
 
 def rates(g: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> tuple[Any, ...]:
     """Actuated joint rates of the (RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.
-    Linear, so it serves accelerations too.  Thesis: (1.9).  (14 add, 20 multiply, 2 divide, 3
+    Linear, so it serves accelerations too.  Thesis: (1.9).  (15 add, 20 multiply, 2 divide, 3
     select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
@@ -511,13 +499,13 @@ def rates(g: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> tuple[Any, ...]:
     s_dot_0, s_dot_1 = s_dot
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    v_2_0 = u_1_0 + v_1_0 * g.k[6] - g.o_12[0] - u_2_0  # (1.15)
-    v_2_1 = u_1_1 + v_1_1 * g.k[6] - g.o_12[1] - u_2_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
-    b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
+    f_0 = u_1_0 - g.o_12[0] - u_2_0  # from C to E
+    f_1 = u_1_1 - g.o_12[1] - u_2_1
+    b_32 = g.k[12] * (u_1_1 * f_0 - u_1_0 * f_1) - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0) - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
     w_0 = v_1_0 * s_dot_0 + v_1_1 * s_dot_1  # A s_dot
-    w_1 = v_2_0 * (g.k[6] * s_dot_0) + v_2_1 * (g.k[6] * s_dot_1)
+    w_1 = f_0 * s_dot_0 + f_1 * s_dot_1
     t1 = 1 / b_22
     return (
         (  # theta_dot
@@ -525,31 +513,31 @@ def rates(g: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> tuple[Any, ...]:
             (w_1 - t1 * (b_32 * w_0)) / b_33,
         ),
         (  # regularity
-            ca.fmin(ca.fabs(b_22 * g.k[14]), ca.fabs(b_33 * g.k[15])),
+            ca.fmin(ca.fabs(b_22 * g.k[14]), ca.fabs(g.k[6] * b_33 * g.k[15])),
         ),
     )
 
 
 def determinant(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
     """det M_i of the (RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.
-    (11 add, 13 multiply, 1 divide)"""
+    (11 add, 14 multiply, 1 divide)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
     u_2_0, u_2_1 = u_2
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    v_2_0 = u_1_0 + v_1_0 * g.k[6] - g.o_12[0] - u_2_0  # (1.15)
-    v_2_1 = u_1_1 + v_1_1 * g.k[6] - g.o_12[1] - u_2_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
-    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - g.o_12[0] - u_2_0  # from C to E
+    f_1 = u_1_1 - g.o_12[1] - u_2_1
+    b_33 = u_2_0 * v_1_1 + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0) - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     return (
         (  # det_M
-            b_22 * b_33 / (g.k[6] * delta),
+            b_22 * b_33 / delta,
         ),
         (  # factors
             b_22 * g.k[14],
-            b_33 * g.k[15],
+            g.k[6] * b_33 * g.k[15],
             delta * g.k[13],
         ),
     )
@@ -557,7 +545,7 @@ def determinant(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
 
 def gram(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
     """Squares of M_i of the (RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide
-    count by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (23 add, 40
+    count by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (23 add, 37
     multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
@@ -565,29 +553,27 @@ def gram(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
     N_00, N_01 = N
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[6]
-    v_2_0 = u_1_0 + t1 - g.o_12[0] - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[6]
-    v_2_1 = u_1_1 + t2 - g.o_12[1] - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
-    t3 = u_2_0 * v_2_1
-    t4 = u_2_1 * v_2_0
-    b_33 = t3 - t4  # v_2^T (e_3 x u_2)
-    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = g.k[6] * b_22
-    t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
-    m_00 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
-    m_01 = t6 * (v_1_1 * (t4 - t3))
-    m_10 = t6 * (v_1_0 * b_32 - v_2_0 * t5)
-    m_11 = t6 * (v_1_0 * b_33)
-    g_00 = m_00 * m_00 + m_01 * m_01  # M M^T
-    g_01 = m_00 * m_10 + m_01 * m_11
+    f_0 = u_1_0 - g.o_12[0] - u_2_0  # from C to E
+    f_1 = u_1_1 - g.o_12[1] - u_2_1
+    b_32 = g.k[12] * (u_1_1 * f_0 - u_1_0 * f_1) - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0) - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
+    t1 = 1 / delta
+    q = b_33 * t1
+    m_00 = t1 * (b_22 * f_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
+    c_10 = v_1_1 * q  # cofactors of M
+    m_10 = t1 * (v_1_0 * b_32 - b_22 * f_0)  # A^-1 B in the leg's frame
+    m_11 = v_1_0 * q
+    g_00 = m_00 * m_00 + c_10 * c_10  # M M^T
+    t2 = m_00 * m_10
+    t3 = c_10 * m_11
+    g_01 = t2 - t3  # M M^T
     g_11 = m_10 * m_10 + m_11 * m_11
     k_00 = m_00 * N_00 + m_10 * N_01  # the leg's block of K
-    k_01 = m_01 * N_00 + m_11 * N_01
-    det_M = m_00 * m_11 - m_01 * m_10
-    cofactors_01 = -g_01
+    k_01 = m_11 * N_01 - c_10 * N_00
+    det_M = c_10 * m_10 + m_00 * m_11
+    cofactors_01 = t3 - t2
     return (
         (  # gram
             g_00,
@@ -661,7 +647,7 @@ def points(g: Any, d: Any, u_1: Any, u_2: Any, s: Any) -> tuple[Any, ...]:
 
 
 def transmission(g: Any, d: Any, u_1: Any, u_2: Any, N: Any, along: Any) -> tuple[Any, ...]:
-    """Rows of K_n for the (RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (20 add, 33
+    """Rows of K_n for the (RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (19 add, 30
     multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
@@ -670,28 +656,24 @@ def transmission(g: Any, d: Any, u_1: Any, u_2: Any, N: Any, along: Any) -> tupl
     along_0, along_1 = along
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[6]
-    v_2_0 = u_1_0 + t1 - g.o_12[0] - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[6]
-    v_2_1 = u_1_1 + t2 - g.o_12[1] - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
-    t3 = u_2_0 * v_2_1
-    t4 = u_2_1 * v_2_0
-    b_33 = t3 - t4  # v_2^T (e_3 x u_2)
-    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = g.k[6] * b_22
-    t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
-    m_00 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
-    m_01 = t6 * (v_1_1 * (t4 - t3))
-    m_10 = t6 * (v_1_0 * b_32 - v_2_0 * t5)
-    m_11 = t6 * (v_1_0 * b_33)
+    f_0 = u_1_0 - g.o_12[0] - u_2_0  # from C to E
+    f_1 = u_1_1 - g.o_12[1] - u_2_1
+    b_32 = g.k[12] * (u_1_1 * f_0 - u_1_0 * f_1) - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0) - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
+    t1 = 1 / delta
+    q = b_33 * t1
+    m_00 = t1 * (b_22 * f_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
+    t2 = v_1_1 * q
+    m_10 = t1 * (v_1_0 * b_32 - b_22 * f_0)  # A^-1 B in the leg's frame
+    m_11 = v_1_0 * q
     return (
         (  # K_n
             N_00 * m_00 + N_01 * m_10,
-            N_00 * m_01 + N_01 * m_11,
+            N_01 * m_11 - N_00 * t2,
             along_0 * m_00 + along_1 * m_10,
-            along_0 * m_01 + along_1 * m_11,
+            along_1 * m_11 - along_0 * t2,
         ),
         (  # regularity
             ca.fabs(delta * g.k[13]),
@@ -769,30 +751,28 @@ def torques(K_n: Any, line_forces: Any, redundant_forces: Any) -> tuple[Any, ...
 
 def end_force(g: Any, d: Any, u_1: Any, u_2: Any, actuator_forces: Any) -> tuple[Any, ...]:
     """Force at the end point of the (RR-RRR) sub-leg from those of its actuators: g = M_i^-T f.
-    Thesis: (5.36).  (15 add, 25 multiply, 2 divide, 3 select)"""
+    Thesis: (5.36).  (16 add, 25 multiply, 2 divide, 3 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
     u_2_0, u_2_1 = u_2
     actuator_forces_0, actuator_forces_1 = actuator_forces
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    v_2_0 = u_1_0 + v_1_0 * g.k[6] - g.o_12[0] - u_2_0  # (1.15)
-    v_2_1 = u_1_1 + v_1_1 * g.k[6] - g.o_12[1] - u_2_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
-    b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
-    w_1 = g.k[6] * v_2_0  # A s_dot
-    w_1_a = g.k[6] * v_2_1
+    f_0 = u_1_0 - g.o_12[0] - u_2_0  # from C to E
+    f_1 = u_1_1 - g.o_12[1] - u_2_1
+    b_32 = g.k[12] * (u_1_1 * f_0 - u_1_0 * f_1) - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0) - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
     t1 = 1 / b_22
     t2 = 1 / b_33
-    g_l_0 = v_1_0 * actuator_forces_0 * t1 + actuator_forces_1 * (w_1 - t1 * (v_1_0 * b_32)) * t2  # in the leg's frame
-    g_l_1 = t1 * (v_1_1 * actuator_forces_0) + t2 * (actuator_forces_1 * (w_1_a - t1 * (v_1_1 * b_32)))
+    g_l_0 = v_1_0 * actuator_forces_0 * t1 + actuator_forces_1 * (f_0 - t1 * (v_1_0 * b_32)) * t2  # in the leg's frame
+    g_l_1 = t1 * (v_1_1 * actuator_forces_0) + t2 * (actuator_forces_1 * (f_1 - t1 * (v_1_1 * b_32)))
     return (
         (  # end_force
             g_l_0,
             g_l_1,
         ),
         (  # regularity
-            ca.fmin(ca.fabs(b_22 * g.k[14]), ca.fabs(b_33 * g.k[15])),
+            ca.fmin(ca.fabs(b_22 * g.k[14]), ca.fabs(g.k[6] * b_33 * g.k[15])),
         ),
     )

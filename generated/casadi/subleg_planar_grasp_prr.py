@@ -215,16 +215,18 @@ def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
 
 
 def jacobian(g: Any, w: Any, b: Any) -> tuple[Any, ...]:
-    """Jacobian M_i of the 2-PRR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (1 add, 11
+    """Jacobian M_i of the 2-PRR sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (1 add, 9
     multiply, 1 divide, 1 select)"""
     w_00, w_01, w_10, w_11 = w
     b_0, b_1 = b
     volume = w_00 * w_11 - w_01 * w_10  # det [w_1 ...]
     t1 = 1 / volume
-    m_00 = w_11 * b_0 * t1  # A^-1 B in the leg's frame
-    m_01 = -t1 * (w_01 * b_1)
-    m_10 = -t1 * (w_10 * b_0)
-    m_11 = t1 * (w_00 * b_1)
+    q = b_0 * t1
+    q_a = b_1 * t1
+    m_00 = w_11 * q  # A^-1 B in the leg's frame
+    m_01 = -w_01 * q_a
+    m_10 = -w_10 * q
+    m_11 = w_00 * q_a
     return (
         (  # M
             m_00,

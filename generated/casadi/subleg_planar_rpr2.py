@@ -205,16 +205,18 @@ def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
 
 
 def jacobian(g: Any, w: Any, b: Any) -> tuple[Any, ...]:
-    """Jacobian M_i of the (2-RPR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (1 add, 11
+    """Jacobian M_i of the (2-RPR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (1 add, 9
     multiply, 1 divide, 1 select)"""
     w_00, w_01, w_10, w_11 = w
     b_0, b_1 = b
     volume = w_00 * w_11 - w_01 * w_10  # det [w_1 ...]
     t1 = 1 / volume
-    m_00 = w_11 * b_0 * t1  # A^-1 B in the leg's frame
-    m_01 = -t1 * (w_01 * b_1)
-    m_10 = -t1 * (w_10 * b_0)
-    m_11 = t1 * (w_00 * b_1)
+    q = b_0 * t1
+    q_a = b_1 * t1
+    m_00 = w_11 * q  # A^-1 B in the leg's frame
+    m_01 = -w_01 * q_a
+    m_10 = -w_10 * q
+    m_11 = w_00 * q_a
     return (
         (  # M
             m_00,
@@ -230,18 +232,20 @@ def jacobian(g: Any, w: Any, b: Any) -> tuple[Any, ...]:
 
 def project(g: Any, w: Any, b: Any, N: Any) -> tuple[Any, ...]:
     """Rows of K: N M_i for the (2-RPR) sub-leg, where the rows of N are the directions of the
-    platform's lines.  Thesis: (1.8), (1.28).  (3 add, 15 multiply, 1 divide, 1 select)"""
+    platform's lines.  Thesis: (1.8), (1.28).  (3 add, 13 multiply, 1 divide, 1 select)"""
     w_00, w_01, w_10, w_11 = w
     b_0, b_1 = b
     N_00, N_01 = N
     volume = w_00 * w_11 - w_01 * w_10  # det [w_1 ...]
     t1 = 1 / volume
-    m_00 = w_11 * b_0 * t1  # A^-1 B in the leg's frame
-    m_11 = t1 * (w_00 * b_1)
+    q = b_0 * t1
+    q_a = b_1 * t1
+    m_00 = w_11 * q  # A^-1 B in the leg's frame
+    m_11 = w_00 * q_a
     return (
         (  # K
-            N_00 * m_00 - N_01 * (t1 * (w_10 * b_0)),
-            N_01 * m_11 - N_00 * (t1 * (w_01 * b_1)),
+            N_00 * m_00 - N_01 * (w_10 * q),
+            N_01 * m_11 - N_00 * (w_01 * q_a),
         ),
         (  # regularity
             ca.fabs(volume * g.k[2]),
@@ -346,7 +350,7 @@ def determinant(g: Any, w: Any, b: Any) -> tuple[Any, ...]:
 
 def gram(g: Any, w: Any, b: Any, characteristic_length: Any, N: Any) -> tuple[Any, ...]:
     """Squares of M_i of the (2-RPR) sub-leg, in its own frame, for the indices: actuators that slide
-    count by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (8 add, 30
+    count by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (8 add, 28
     multiply, 1 divide, 1 select)"""
     w_00, w_01, w_10, w_11 = w
     b_0, b_1 = b
@@ -354,11 +358,13 @@ def gram(g: Any, w: Any, b: Any, characteristic_length: Any, N: Any) -> tuple[An
     N_00, N_01 = N
     volume = w_00 * w_11 - w_01 * w_10  # det [w_1 ...]
     t1 = 1 / volume
-    m_00 = w_11 * b_0 * t1  # A^-1 B in the leg's frame
-    m_11 = t1 * (w_00 * b_1)
+    q = b_0 * t1
+    q_a = b_1 * t1
+    m_00 = w_11 * q  # A^-1 B in the leg's frame
+    m_11 = w_00 * q_a
     m_l_00 = m_00 * characteristic_length  # slides over the length
-    c_10 = t1 * (w_01 * b_1) * characteristic_length  # cofactors of M
-    c_01 = t1 * (w_10 * b_0) * characteristic_length
+    c_10 = w_01 * q_a * characteristic_length  # cofactors of M
+    c_01 = w_10 * q * characteristic_length
     m_l_11 = m_11 * characteristic_length  # slides over the length
     g_00 = m_l_00 * m_l_00 + c_10 * c_10  # M M^T
     cofactors_01 = m_l_00 * c_01 + c_10 * m_l_11
@@ -425,7 +431,7 @@ def points(g: Any, s: Any) -> tuple[Any, ...]:
 
 
 def transmission(g: Any, w: Any, b: Any, N: Any, along: Any) -> tuple[Any, ...]:
-    """Rows of K_n for the (2-RPR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (5 add, 19
+    """Rows of K_n for the (2-RPR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (5 add, 17
     multiply, 1 divide, 1 select)"""
     w_00, w_01, w_10, w_11 = w
     b_0, b_1 = b
@@ -433,10 +439,12 @@ def transmission(g: Any, w: Any, b: Any, N: Any, along: Any) -> tuple[Any, ...]:
     along_0, along_1 = along
     volume = w_00 * w_11 - w_01 * w_10  # det [w_1 ...]
     t1 = 1 / volume
-    m_00 = w_11 * b_0 * t1  # A^-1 B in the leg's frame
-    t2 = t1 * (w_01 * b_1)
-    t3 = t1 * (w_10 * b_0)
-    m_11 = t1 * (w_00 * b_1)  # A^-1 B in the leg's frame
+    q = b_0 * t1
+    q_a = b_1 * t1
+    m_00 = w_11 * q  # A^-1 B in the leg's frame
+    t2 = w_01 * q_a
+    t3 = w_10 * q
+    m_11 = w_00 * q_a  # A^-1 B in the leg's frame
     return (
         (  # K_n
             N_00 * m_00 - N_01 * t3,

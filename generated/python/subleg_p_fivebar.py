@@ -42,6 +42,7 @@ def prepare(fields: Any) -> SimpleNamespace:
     k_6 = 1 - l_5 / l_6
     k_0 = l_3 * l_3
     t6 = l_6 - l_5
+    k_2 = 1 / k_6
     t7 = l_4 - l_6
     t8 = l_4 + l_6
     t9 = l_2 - l_3
@@ -61,7 +62,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         e_x=(-e_t_1 * e_1_2, -e_r_1 * e_1_2, -(e_t_1 * t2 + e_r_1 * t3),),
         e_1=(-t2, -t3, e_1_2,),
         e_t=(-e_r_1, e_t_1, 0,),
-        k=(k_0, t6 * t6, 1 / k_6, t7 * t7, t8 * t8, l_4 * l_4 - l_6 * l_6, k_6, t9 * t9, t10 * t10, l_2 * l_2 - k_0, np.abs(t9), np.abs(t7), 1 - k_6, 1 / (l_3 * l_6), 1 / (l_4 * l_6), 1 / (l_2 * l_3), k_16, 1 - l_5 * k_16, t4 + c_0, t5 + c_1, 0,),
+        k=(k_0, t6 * t6, k_2, t7 * t7, t8 * t8, l_4 * l_4 - l_6 * l_6, k_6, t9 * t9, t10 * t10, l_2 * l_2 - k_0, np.abs(t9), np.abs(t7), k_2 - 1, 1 / (l_3 * l_6), 1 / (l_4 * l_6), 1 / (l_2 * l_3), k_16, 1 - l_5 * k_16, t4 + c_0, t5 + c_1, 0,),
     )
 
 
@@ -366,40 +367,37 @@ def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
 
 
 def jacobian(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
-    """Jacobian M_i of the P(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (20 add,
-    37 multiply, 1 divide, 1 select)"""
+    """Jacobian M_i of the P(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (18 add,
+    32 multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
     u_2_0, u_2_1 = u_2
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[6]
-    v_2_0 = u_1_0 + t1 - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[6]
-    v_2_1 = u_1_1 + t2 - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
-    t3 = u_2_0 * v_2_1
-    t4 = u_2_1 * v_2_0
-    b_33 = t3 - t4  # v_2^T (e_3 x u_2)
-    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = g.k[6] * b_22
-    t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
-    m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
-    m_02 = t6 * (v_1_1 * (t4 - t3))
-    m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5)
-    m_12 = t6 * (v_1_0 * b_33)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
+    u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
+    t1 = 1 / delta
+    q = b_33 * t1
+    m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
+    t2 = v_1_1 * q
+    m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0)  # A^-1 B in the leg's frame
+    m_12 = v_1_0 * q
     return (
         (  # M
             g.e_t[0],
             g.e_1[0] * m_11 + g.e_x[0] * m_01,
-            g.e_1[0] * m_12 + g.e_x[0] * m_02,
+            g.e_1[0] * m_12 - g.e_x[0] * t2,
             g.e_t[1],
             g.e_1[1] * m_11 + g.e_x[1] * m_01,
-            g.e_1[1] * m_12 + g.e_x[1] * m_02,
+            g.e_1[1] * m_12 - g.e_x[1] * t2,
             0,
             g.e_1[2] * m_11 + g.e_x[2] * m_01,
-            g.e_1[2] * m_12 + g.e_x[2] * m_02,
+            g.e_1[2] * m_12 - g.e_x[2] * t2,
         ),
         (  # regularity
             np.abs(delta * g.k[13]),
@@ -409,29 +407,26 @@ def jacobian(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
 
 def project(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
     """Rows of K: N M_i for the P(RR-RRR) sub-leg, where the rows of N are the directions of the
-    platform's lines.  Thesis: (1.8), (1.28).  (28 add, 49 multiply, 1 divide, 1 select)"""
+    platform's lines.  Thesis: (1.8), (1.28).  (26 add, 44 multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
     u_2_0, u_2_1 = u_2
     N_00, N_01, N_02, N_10, N_11, N_12 = N
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[6]
-    v_2_0 = u_1_0 + t1 - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[6]
-    v_2_1 = u_1_1 + t2 - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
-    t3 = u_2_0 * v_2_1
-    t4 = u_2_1 * v_2_0
-    b_33 = t3 - t4  # v_2^T (e_3 x u_2)
-    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = g.k[6] * b_22
-    t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
-    m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
-    m_02 = t6 * (v_1_1 * (t4 - t3))
-    m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5)
-    m_12 = t6 * (v_1_0 * b_33)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
+    u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
+    t1 = 1 / delta
+    q = b_33 * t1
+    m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
+    t2 = v_1_1 * q
+    m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0)  # A^-1 B in the leg's frame
+    m_12 = v_1_0 * q
     n_00 = g.e_x[0] * N_00 + g.e_x[1] * N_01 + g.e_x[2] * N_02  # N in the leg's frame
     n_01 = g.e_1[0] * N_00 + g.e_1[1] * N_01 + g.e_1[2] * N_02
     n_02 = g.e_t[0] * N_00 + g.e_t[1] * N_01
@@ -442,10 +437,10 @@ def project(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
         (  # K
             n_02,
             m_01 * n_00 + m_11 * n_01,
-            m_02 * n_00 + m_12 * n_01,
+            m_12 * n_01 - t2 * n_00,
             n_12,
             m_01 * n_10 + m_11 * n_11,
-            m_02 * n_10 + m_12 * n_11,
+            m_12 * n_11 - t2 * n_10,
         ),
         (  # regularity
             np.abs(delta * g.k[13]),
@@ -454,7 +449,7 @@ def project(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
 
 
 def velocity(g: Any, d: Any, u_1: Any, u_2: Any, theta_dot: Any) -> tuple[Any, ...]:
-    """Velocity of the end point of the P(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (19 add, 33
+    """Velocity of the end point of the P(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (18 add, 28
     multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
@@ -462,19 +457,18 @@ def velocity(g: Any, d: Any, u_1: Any, u_2: Any, theta_dot: Any) -> tuple[Any, .
     theta_dot_0, theta_dot_1, theta_dot_2 = theta_dot
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[6]
-    v_2_0 = u_1_0 + t1 - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[6]
-    v_2_1 = u_1_1 + t2 - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
-    b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
-    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
+    u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     w_1 = b_22 * theta_dot_1  # B theta_dot
     w_2 = b_32 * theta_dot_1 + b_33 * theta_dot_2
-    t3 = 1 / (t1 * v_2_1 - v_2_0 * t2)
-    v_l_0 = (w_1 * (g.k[6] * v_2_1) - v_1_1 * w_2) * t3  # velocity in the leg's frame
-    v_l_1 = t3 * (v_1_0 * w_2 - w_1 * (g.k[6] * v_2_0))
+    t1 = 1 / delta
+    v_l_0 = (f_1 * w_1 - v_1_1 * w_2) * t1  # velocity in the leg's frame
+    v_l_1 = t1 * (v_1_0 * w_2 - f_0 * w_1)
     return (
         (  # s_dot
             g.e_1[0] * v_l_1 + g.e_t[0] * theta_dot_0 + g.e_x[0] * v_l_0,
@@ -489,7 +483,7 @@ def velocity(g: Any, d: Any, u_1: Any, u_2: Any, theta_dot: Any) -> tuple[Any, .
 
 def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     """Velocity of the end point of the P(RR-RRR) sub-leg and the part of its acceleration that does
-    not depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (64 add, 109
+    not depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (63 add, 105
     multiply, 1 divide, 2 sine cosine, 1 select)"""
     s_0, s_1, s_2 = s
     _theta_0, theta_1, theta_2 = theta
@@ -509,44 +503,41 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     u_2_1 = g.l_2 * t4
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t5 = v_1_0 * g.k[6]
-    v_2_0 = u_1_0 + t5 - u_2_0  # (1.15)
-    t6 = v_1_1 * g.k[6]
-    v_2_1 = u_1_1 + t6 - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
-    b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
-    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t7 = theta_dot_1 * b_32 + theta_dot_2 * b_33
-    t8 = theta_dot_1 * (g.k[6] * b_22)
-    t9 = v_1_0 * t7 - v_2_0 * t8
-    t10 = 1 / (t5 * v_2_1 - v_2_0 * t6)
-    t11 = g.e_1[0] * t9 * t10
-    t12 = v_2_1 * t8 - v_1_1 * t7
-    t13 = t10 * (g.e_x[0] * t12)
-    s_dot_0 = g.e_t[0] * theta_dot_0 + t11 + t13
-    t14 = t10 * (g.e_1[1] * t9)
-    t15 = t10 * (g.e_x[1] * t12)
-    s_dot_1 = g.e_t[1] * theta_dot_0 + t14 + t15
-    t16 = t10 * (g.e_1[2] * t9)
-    t17 = t10 * (g.e_x[2] * t12)
-    s_dot_2 = t16 + t17
-    t18 = g.l_4 * (theta_dot_1 * t2)
-    t19 = g.l_4 * (theta_dot_1 * t1)
-    t20 = g.l_2 * (theta_dot_2 * t4)
-    t21 = g.l_2 * (theta_dot_2 * t3)
-    t22 = g.e_x[0] * s_dot_0 + g.e_x[1] * s_dot_1 + g.e_x[2] * s_dot_2 + t18
-    t23 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2 - t19
-    t24 = g.k[6] * t22
-    t25 = t20 + (t24 - t18)
-    t26 = g.k[6] * t23
-    t27 = t19 + t26 - t21
-    t28 = theta_dot_1 * (g.k[12] * (v_2_0 * t19 + u_1_1 * t25 - (u_1_0 * t27 - v_2_1 * t18)))
-    t29 = t28 + theta_dot_2 * (u_2_0 * t27 - v_2_1 * t20 - (v_2_0 * t21 + u_2_1 * t25))
-    t30 = theta_dot_1 * (g.k[6] * (u_1_0 * t23 - v_1_1 * t18 - (v_1_0 * t19 + u_1_1 * t22)))
-    t31 = t7 * t22 + v_1_0 * t29 - (t8 * t25 + v_2_0 * t30)
-    t32 = v_2_1 * t24 + t5 * t27 - (t6 * t25 + v_2_0 * t26)
-    t33 = t8 * t27 + v_2_1 * t30 - (t7 * t23 + v_1_1 * t29)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
+    u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
+    t5 = theta_dot_1 * b_32 + theta_dot_2 * b_33
+    t6 = v_1_0 * t5 - theta_dot_1 * (b_22 * f_0)
+    t7 = 1 / delta
+    t8 = g.e_1[0] * t6 * t7
+    t9 = theta_dot_1 * (b_22 * f_1) - v_1_1 * t5
+    t10 = t7 * (g.e_x[0] * t9)
+    s_dot_0 = g.e_t[0] * theta_dot_0 + t8 + t10
+    t11 = t7 * (g.e_1[1] * t6)
+    t12 = t7 * (g.e_x[1] * t9)
+    s_dot_1 = g.e_t[1] * theta_dot_0 + t11 + t12
+    t13 = t7 * (g.e_1[2] * t6)
+    t14 = t7 * (g.e_x[2] * t9)
+    s_dot_2 = t13 + t14
+    t15 = g.l_4 * (theta_dot_1 * t2)
+    t16 = g.l_4 * (theta_dot_1 * t1)
+    t17 = g.l_2 * (theta_dot_2 * t4)
+    t18 = g.l_2 * (theta_dot_2 * t3)
+    t19 = g.e_x[0] * s_dot_0 + g.e_x[1] * s_dot_1 + g.e_x[2] * s_dot_2 + t15
+    t20 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2 - t16
+    t21 = u_1_0 * t20 - v_1_1 * t15 - (v_1_0 * t16 + u_1_1 * t19)
+    t22 = t17 - t15
+    t23 = t16 - t18
+    t24 = u_1_0 * t18 - u_2_1 * t15 - (u_2_0 * t16 - u_1_1 * t17)
+    t25 = f_1 * t19 + v_1_0 * t23 - (f_0 * t20 + v_1_1 * t22)
+    t26 = theta_dot_2 * (u_2_0 * t20 - v_1_1 * t17 - g.k[2] * t24 - (v_1_0 * t18 + u_2_1 * t19))
+    t27 = theta_dot_1 * (g.k[12] * t24 - t21) + t26
+    t28 = t5 * t19 + v_1_0 * t27 - theta_dot_1 * (f_0 * t21 + b_22 * t22)
+    t29 = theta_dot_1 * (f_1 * t21 + b_22 * t23) - (t5 * t20 + v_1_1 * t27)
     return (
         (  # s_dot
             s_dot_0,
@@ -554,9 +545,9 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
             s_dot_2,
         ),
         (  # bias
-            t10 * (g.e_1[0] * t31 - t11 * t32) + t10 * (g.e_x[0] * t33 - t13 * t32),
-            t10 * (g.e_1[1] * t31 - t14 * t32) + t10 * (g.e_x[1] * t33 - t15 * t32),
-            t10 * (g.e_1[2] * t31 - t16 * t32) + t10 * (g.e_x[2] * t33 - t17 * t32),
+            t7 * (g.e_1[0] * t28 - t8 * t25) + t7 * (g.e_x[0] * t29 - t10 * t25),
+            t7 * (g.e_1[1] * t28 - t11 * t25) + t7 * (g.e_x[1] * t29 - t12 * t25),
+            t7 * (g.e_1[2] * t28 - t13 * t25) + t7 * (g.e_x[2] * t29 - t14 * t25),
         ),
         (  # regularity
             np.abs(delta * g.k[13]),
@@ -566,7 +557,7 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
 
 def rates(g: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> tuple[Any, ...]:
     """Actuated joint rates of the P(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.
-    Linear, so it serves accelerations too.  Thesis: (1.9).  (17 add, 28 multiply, 2 divide, 3
+    Linear, so it serves accelerations too.  Thesis: (1.9).  (17 add, 26 multiply, 2 divide, 3
     select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
@@ -574,16 +565,17 @@ def rates(g: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> tuple[Any, ...]:
     s_dot_0, s_dot_1, s_dot_2 = s_dot
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    v_2_0 = u_1_0 + v_1_0 * g.k[6] - u_2_0  # (1.15)
-    v_2_1 = u_1_1 + v_1_1 * g.k[6] - u_2_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
-    b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
+    u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
     v_l_0 = g.e_x[0] * s_dot_0 + g.e_x[1] * s_dot_1 + g.e_x[2] * s_dot_2  # velocity in the leg's frame
     v_l_1 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2
     v_l_2 = g.e_t[0] * s_dot_0 + g.e_t[1] * s_dot_1
     w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1  # A s_dot
-    w_2 = v_l_0 * (g.k[6] * v_2_0) + v_l_1 * (g.k[6] * v_2_1)
+    w_2 = f_0 * v_l_0 + f_1 * v_l_1
     t1 = 1 / b_22
     return (
         (  # theta_dot
@@ -592,31 +584,32 @@ def rates(g: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> tuple[Any, ...]:
             (w_2 - t1 * (b_32 * w_1)) / b_33,
         ),
         (  # regularity
-            np.fmin(np.abs(b_22 * g.k[14]), np.abs(b_33 * g.k[15])),
+            np.fmin(np.abs(b_22 * g.k[14]), np.abs(g.k[6] * b_33 * g.k[15])),
         ),
     )
 
 
 def determinant(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
     """det M_i of the P(RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.
-    (9 add, 13 multiply, 1 divide)"""
+    (9 add, 14 multiply, 1 divide)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
     u_2_0, u_2_1 = u_2
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    v_2_0 = u_1_0 + v_1_0 * g.k[6] - u_2_0  # (1.15)
-    v_2_1 = u_1_1 + v_1_1 * g.k[6] - u_2_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
-    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
+    u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     return (
         (  # det_M
-            b_22 * b_33 / (g.k[6] * delta),
+            b_22 * b_33 / delta,
         ),
         (  # factors
             b_22 * g.k[14],
-            b_33 * g.k[15],
+            g.k[6] * b_33 * g.k[15],
             delta * g.k[13],
         ),
     )
@@ -624,7 +617,7 @@ def determinant(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
 
 def gram(g: Any, d: Any, u_1: Any, u_2: Any, characteristic_length: Any, N: Any) -> tuple[Any, ...]:
     """Squares of M_i of the P(RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide
-    count by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (42 add, 83
+    count by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (40 add, 78
     multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
@@ -633,24 +626,21 @@ def gram(g: Any, d: Any, u_1: Any, u_2: Any, characteristic_length: Any, N: Any)
     N_00, N_01, N_02, N_10, N_11, N_12 = N
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[6]
-    v_2_0 = u_1_0 + t1 - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[6]
-    v_2_1 = u_1_1 + t2 - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
-    t3 = u_2_0 * v_2_1
-    t4 = u_2_1 * v_2_0
-    b_33 = t3 - t4  # v_2^T (e_3 x u_2)
-    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = g.k[6] * b_22
-    t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
-    m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
-    m_02 = t6 * (v_1_1 * (t4 - t3))
-    m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5)
-    m_12 = t6 * (v_1_0 * b_33)
-    g_00 = m_01 * m_01 + m_02 * m_02  # M M^T
-    g_01 = m_01 * m_11 + m_02 * m_12
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
+    u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
+    t1 = 1 / delta
+    q = b_33 * t1
+    m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
+    t2 = v_1_1 * q
+    m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0)  # A^-1 B in the leg's frame
+    m_12 = v_1_0 * q
+    g_00 = m_01 * m_01 + t2 * t2  # M M^T
+    g_01 = m_01 * m_11 - t2 * m_12
     g_11 = m_11 * m_11 + m_12 * m_12
     g_22 = characteristic_length * characteristic_length
     n_00 = g.e_x[0] * N_00 + g.e_x[1] * N_01 + g.e_x[2] * N_02  # N in the leg's frame
@@ -661,17 +651,17 @@ def gram(g: Any, d: Any, u_1: Any, u_2: Any, characteristic_length: Any, N: Any)
     n_12 = g.e_t[0] * N_10 + g.e_t[1] * N_11
     k_00 = characteristic_length * n_02  # the leg's block of K
     k_01 = m_01 * n_00 + m_11 * n_01
-    k_02 = m_02 * n_00 + m_12 * n_01
+    k_02 = m_12 * n_01 - t2 * n_00
     k_10 = characteristic_length * n_12
     k_11 = m_01 * n_10 + m_11 * n_11
-    k_12 = m_02 * n_10 + m_12 * n_11
+    k_12 = m_12 * n_11 - t2 * n_10
     c_01 = m_12 * characteristic_length  # cofactors of M
-    t7 = m_11 * characteristic_length
-    t8 = m_02 * characteristic_length
-    c_12 = m_01 * characteristic_length  # cofactors of M
-    c_20 = m_01 * m_12 - m_02 * m_11
-    det_M = m_01 * c_01 - m_02 * t7
-    cofactors_01 = -(c_01 * t8 + t7 * c_12)
+    t3 = m_11 * characteristic_length
+    c_11 = t2 * characteristic_length  # cofactors of M
+    c_12 = m_01 * characteristic_length
+    c_20 = m_01 * m_12 + t2 * m_11
+    det_M = m_01 * c_01 + t2 * t3
+    cofactors_01 = c_01 * c_11 - t3 * c_12
     return (
         (  # gram
             g_00,
@@ -685,11 +675,11 @@ def gram(g: Any, d: Any, u_1: Any, u_2: Any, characteristic_length: Any, N: Any)
             g_22,
         ),
         (  # cofactors
-            c_01 * c_01 + t7 * t7,
+            c_01 * c_01 + t3 * t3,
             cofactors_01,
             0,
             cofactors_01,
-            t8 * t8 + c_12 * c_12,
+            c_11 * c_11 + c_12 * c_12,
             0,
             0,
             0,
@@ -784,7 +774,7 @@ def points(g: Any, d: Any, u_1: Any, u_2: Any, s: Any) -> tuple[Any, ...]:
 
 
 def transmission(g: Any, d: Any, u_1: Any, u_2: Any, N: Any, along: Any) -> tuple[Any, ...]:
-    """Rows of K_n for the P(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (35 add, 61
+    """Rows of K_n for the P(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (33 add, 56
     multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
@@ -793,22 +783,19 @@ def transmission(g: Any, d: Any, u_1: Any, u_2: Any, N: Any, along: Any) -> tupl
     along_0, along_1, along_2 = along
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[6]
-    v_2_0 = u_1_0 + t1 - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[6]
-    v_2_1 = u_1_1 + t2 - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
-    t3 = u_2_0 * v_2_1
-    t4 = u_2_1 * v_2_0
-    b_33 = t3 - t4  # v_2^T (e_3 x u_2)
-    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = g.k[6] * b_22
-    t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
-    m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
-    m_02 = t6 * (v_1_1 * (t4 - t3))
-    m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5)
-    m_12 = t6 * (v_1_0 * b_33)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
+    u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
+    t1 = 1 / delta
+    q = b_33 * t1
+    m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
+    t2 = v_1_1 * q
+    m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0)  # A^-1 B in the leg's frame
+    m_12 = v_1_0 * q
     n_00 = g.e_x[0] * N_00 + g.e_x[1] * N_01 + g.e_x[2] * N_02  # N and c_i in the leg's frame
     n_01 = g.e_1[0] * N_00 + g.e_1[1] * N_01 + g.e_1[2] * N_02
     n_02 = g.e_t[0] * N_00 + g.e_t[1] * N_01
@@ -822,13 +809,13 @@ def transmission(g: Any, d: Any, u_1: Any, u_2: Any, N: Any, along: Any) -> tupl
         (  # K_n
             n_02,
             m_01 * n_00 + m_11 * n_01,
-            m_02 * n_00 + m_12 * n_01,
+            m_12 * n_01 - t2 * n_00,
             n_12,
             m_01 * n_10 + m_11 * n_11,
-            m_02 * n_10 + m_12 * n_11,
+            m_12 * n_11 - t2 * n_10,
             n_22,
             m_01 * n_20 + m_11 * n_21,
-            m_02 * n_20 + m_12 * n_21,
+            m_12 * n_21 - t2 * n_20,
         ),
         (  # regularity
             np.abs(delta * g.k[13]),
@@ -967,24 +954,23 @@ def torques(K_n: Any, line_forces: Any, redundant_forces: Any) -> tuple[Any, ...
 
 def end_force(g: Any, d: Any, u_1: Any, u_2: Any, actuator_forces: Any) -> tuple[Any, ...]:
     """Force at the end point of the P(RR-RRR) sub-leg from those of its actuators: g = M_i^-T f.
-    Thesis: (5.36).  (18 add, 33 multiply, 2 divide, 3 select)"""
+    Thesis: (5.36).  (18 add, 31 multiply, 2 divide, 3 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
     u_2_0, u_2_1 = u_2
     actuator_forces_0, actuator_forces_1, actuator_forces_2 = actuator_forces
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    v_2_0 = u_1_0 + v_1_0 * g.k[6] - u_2_0  # (1.15)
-    v_2_1 = u_1_1 + v_1_1 * g.k[6] - u_2_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
-    b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
-    w_2 = g.k[6] * v_2_0  # A s_dot
-    w_2_a = g.k[6] * v_2_1
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
+    u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
     t1 = 1 / b_22
     t2 = 1 / b_33
-    g_l_0 = v_1_0 * actuator_forces_1 * t1 + actuator_forces_2 * (w_2 - t1 * (v_1_0 * b_32)) * t2  # in the leg's frame
-    g_l_1 = t1 * (v_1_1 * actuator_forces_1) + t2 * (actuator_forces_2 * (w_2_a - t1 * (v_1_1 * b_32)))
+    g_l_0 = v_1_0 * actuator_forces_1 * t1 + actuator_forces_2 * (f_0 - t1 * (v_1_0 * b_32)) * t2  # in the leg's frame
+    g_l_1 = t1 * (v_1_1 * actuator_forces_1) + t2 * (actuator_forces_2 * (f_1 - t1 * (v_1_1 * b_32)))
     return (
         (  # end_force
             g.e_t[0] * actuator_forces_0 + g.e_1[0] * g_l_1 + g.e_x[0] * g_l_0,
@@ -992,6 +978,6 @@ def end_force(g: Any, d: Any, u_1: Any, u_2: Any, actuator_forces: Any) -> tuple
             g.e_1[2] * g_l_1 + g.e_x[2] * g_l_0,
         ),
         (  # regularity
-            np.fmin(np.abs(b_22 * g.k[14]), np.abs(b_33 * g.k[15])),
+            np.fmin(np.abs(b_22 * g.k[14]), np.abs(g.k[6] * b_33 * g.k[15])),
         ),
     )

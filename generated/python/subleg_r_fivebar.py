@@ -42,6 +42,7 @@ def prepare(fields: Any) -> SimpleNamespace:
     k_6 = 1 - l_5 / l_6
     k_0 = l_3 * l_3
     t6 = l_6 - l_5
+    k_2 = 1 / k_6
     t7 = l_4 - l_6
     t8 = l_4 + l_6
     t9 = l_2 - l_3
@@ -61,7 +62,7 @@ def prepare(fields: Any) -> SimpleNamespace:
         e_x=(-e_t_1 * e_1_2, -e_r_1 * e_1_2, -(e_t_1 * t2 + e_r_1 * t3),),
         e_1=(-t2, -t3, e_1_2,),
         e_t=(-e_r_1, e_t_1, 0,),
-        k=(k_0, t6 * t6, 1 / k_6, t7 * t7, t8 * t8, l_4 * l_4 - l_6 * l_6, k_6, t9 * t9, t10 * t10, l_2 * l_2 - k_0, np.abs(t9), np.abs(t7), 1 - k_6, 1 / (l_3 * l_6), 1 / t8, 1 / (l_4 * l_6), 1 / (l_2 * l_3), k_17, 1 - l_5 * k_17, t4 + c_0, t5 + c_1, 0,),
+        k=(k_0, t6 * t6, k_2, t7 * t7, t8 * t8, l_4 * l_4 - l_6 * l_6, k_6, t9 * t9, t10 * t10, l_2 * l_2 - k_0, np.abs(t9), np.abs(t7), k_2 - 1, 1 / (l_3 * l_6), 1 / t8, 1 / (l_4 * l_6), 1 / (l_2 * l_3), k_17, 1 - l_5 * k_17, t4 + c_0, t5 + c_1, 0,),
     )
 
 
@@ -461,8 +462,8 @@ def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
 
 
 def jacobian(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
-    """Jacobian M_i of the R(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (20 add,
-    40 multiply, 1 divide, 1 select)"""
+    """Jacobian M_i of the R(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (18 add,
+    35 multiply, 1 divide, 1 select)"""
     x_0, x_1, x_2 = x
     e_2_0, e_2_1, e_2_2 = e_2
     d_0, d_1 = d
@@ -470,33 +471,30 @@ def jacobian(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any,
     u_2_0, u_2_1 = u_2
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[6]
-    v_2_0 = u_1_0 + t1 - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[6]
-    v_2_1 = u_1_1 + t2 - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
-    t3 = u_2_0 * v_2_1
-    t4 = u_2_1 * v_2_0
-    b_33 = t3 - t4  # v_2^T (e_3 x u_2)
-    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = g.k[6] * b_22
-    t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
-    m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
-    m_02 = t6 * (v_1_1 * (t4 - t3))
-    m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5)
-    m_12 = t6 * (v_1_0 * b_33)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
+    u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
+    t1 = 1 / delta
+    q = b_33 * t1
+    m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
+    t2 = v_1_1 * q
+    m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0)  # A^-1 B in the leg's frame
+    m_12 = v_1_0 * q
     return (
         (  # M
             -e_2_0 * d_0,
             g.e_1[0] * m_11 + x_0 * m_01,
-            g.e_1[0] * m_12 + x_0 * m_02,
+            g.e_1[0] * m_12 - x_0 * t2,
             -e_2_1 * d_0,
             g.e_1[1] * m_11 + x_1 * m_01,
-            g.e_1[1] * m_12 + x_1 * m_02,
+            g.e_1[1] * m_12 - x_1 * t2,
             -e_2_2 * d_0,
             g.e_1[2] * m_11 + x_2 * m_01,
-            g.e_1[2] * m_12 + x_2 * m_02,
+            g.e_1[2] * m_12 - x_2 * t2,
         ),
         (  # regularity
             np.abs(delta * g.k[13]),
@@ -506,7 +504,7 @@ def jacobian(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any,
 
 def project(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
     """Rows of K: N M_i for the R(RR-RRR) sub-leg, where the rows of N are the directions of the
-    platform's lines.  Thesis: (1.8), (1.28).  (30 add, 53 multiply, 1 divide, 1 select)"""
+    platform's lines.  Thesis: (1.8), (1.28).  (28 add, 48 multiply, 1 divide, 1 select)"""
     x_0, x_1, x_2 = x
     e_2_0, e_2_1, e_2_2 = e_2
     d_0, d_1 = d
@@ -515,22 +513,19 @@ def project(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tup
     N_00, N_01, N_02, N_10, N_11, N_12 = N
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[6]
-    v_2_0 = u_1_0 + t1 - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[6]
-    v_2_1 = u_1_1 + t2 - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
-    t3 = u_2_0 * v_2_1
-    t4 = u_2_1 * v_2_0
-    b_33 = t3 - t4  # v_2^T (e_3 x u_2)
-    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = g.k[6] * b_22
-    t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
-    m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
-    m_02 = t6 * (v_1_1 * (t4 - t3))
-    m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5)
-    m_12 = t6 * (v_1_0 * b_33)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
+    u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
+    t1 = 1 / delta
+    q = b_33 * t1
+    m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
+    t2 = v_1_1 * q
+    m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0)  # A^-1 B in the leg's frame
+    m_12 = v_1_0 * q
     n_00 = x_0 * N_00 + x_1 * N_01 + x_2 * N_02  # N in the leg's frame
     n_01 = g.e_1[0] * N_00 + g.e_1[1] * N_01 + g.e_1[2] * N_02
     n_02 = e_2_0 * N_00 + e_2_1 * N_01 + e_2_2 * N_02
@@ -541,10 +536,10 @@ def project(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tup
         (  # K
             -d_0 * n_02,
             m_01 * n_00 + m_11 * n_01,
-            m_02 * n_00 + m_12 * n_01,
+            m_12 * n_01 - t2 * n_00,
             -d_0 * n_12,
             m_01 * n_10 + m_11 * n_11,
-            m_02 * n_10 + m_12 * n_11,
+            m_12 * n_11 - t2 * n_10,
         ),
         (  # regularity
             np.abs(delta * g.k[13]),
@@ -553,7 +548,7 @@ def project(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tup
 
 
 def velocity(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, theta_dot: Any) -> tuple[Any, ...]:
-    """Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (20 add, 35
+    """Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (19 add, 30
     multiply, 1 divide, 1 select)"""
     x_0, x_1, x_2 = x
     e_2_0, e_2_1, e_2_2 = e_2
@@ -563,25 +558,24 @@ def velocity(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, theta_dot: An
     theta_dot_0, theta_dot_1, theta_dot_2 = theta_dot
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[6]
-    v_2_0 = u_1_0 + t1 - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[6]
-    v_2_1 = u_1_1 + t2 - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
-    b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
-    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t3 = d_0 * theta_dot_0
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
+    u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
+    t1 = d_0 * theta_dot_0
     w_1 = b_22 * theta_dot_1  # B theta_dot
     w_2 = b_32 * theta_dot_1 + b_33 * theta_dot_2
-    t4 = 1 / (t1 * v_2_1 - v_2_0 * t2)
-    v_l_0 = (w_1 * (g.k[6] * v_2_1) - v_1_1 * w_2) * t4  # velocity in the leg's frame
-    v_l_1 = t4 * (v_1_0 * w_2 - w_1 * (g.k[6] * v_2_0))
+    t2 = 1 / delta
+    v_l_0 = (f_1 * w_1 - v_1_1 * w_2) * t2  # velocity in the leg's frame
+    v_l_1 = t2 * (v_1_0 * w_2 - f_0 * w_1)
     return (
         (  # s_dot
-            g.e_1[0] * v_l_1 - e_2_0 * t3 + x_0 * v_l_0,
-            g.e_1[1] * v_l_1 - e_2_1 * t3 + x_1 * v_l_0,
-            g.e_1[2] * v_l_1 - e_2_2 * t3 + x_2 * v_l_0,
+            g.e_1[0] * v_l_1 - e_2_0 * t1 + x_0 * v_l_0,
+            g.e_1[1] * v_l_1 - e_2_1 * t1 + x_1 * v_l_0,
+            g.e_1[2] * v_l_1 - e_2_2 * t1 + x_2 * v_l_0,
         ),
         (  # regularity
             np.abs(delta * g.k[13]),
@@ -591,7 +585,7 @@ def velocity(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, theta_dot: An
 
 def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     """Velocity of the end point of the R(RR-RRR) sub-leg and the part of its acceleration that does
-    not depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (85 add, 150
+    not depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (84 add, 146
     multiply, 1 divide, 3 sine cosine, 1 select)"""
     s_0, s_1, s_2 = s
     theta_0, theta_1, theta_2 = theta
@@ -619,53 +613,50 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     u_2_1 = g.l_2 * t4
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t5 = v_1_0 * g.k[6]
-    v_2_0 = u_1_0 + t5 - u_2_0  # (1.15)
-    t6 = v_1_1 * g.k[6]
-    v_2_1 = u_1_1 + t6 - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
-    b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
-    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t7 = theta_dot_1 * b_32 + theta_dot_2 * b_33
-    t8 = theta_dot_1 * (g.k[6] * b_22)
-    t9 = v_1_0 * t7 - v_2_0 * t8
-    t10 = 1 / (t5 * v_2_1 - v_2_0 * t6)
-    t11 = g.e_1[0] * t9 * t10
-    t12 = v_2_1 * t8 - v_1_1 * t7
-    t13 = t10 * (x_0 * t12)
-    s_dot_0 = t11 + t13 - theta_dot_0 * (e_2_0 * d_0)
-    t14 = t10 * (g.e_1[1] * t9)
-    t15 = t10 * (x_1 * t12)
-    s_dot_1 = t14 + t15 - theta_dot_0 * (e_2_1 * d_0)
-    t16 = t10 * (g.e_1[2] * t9)
-    t17 = t10 * (x_2 * t12)
-    s_dot_2 = t16 + t17 - theta_dot_0 * (e_2_2 * d_0)
-    t18 = theta_dot_0 * sin_1
-    t19 = theta_dot_0 * cos_1
-    t20 = g.e_x[0] * t18 + g.e_t[0] * t19
-    t21 = g.e_x[1] * t18 + g.e_t[1] * t19
-    t22 = g.e_x[2] * t18
-    t23 = x_0 * s_dot_0 - arm_0 * t20 + (x_1 * s_dot_1 - arm_1 * t21) + (x_2 * s_dot_2 - arm_2 * t22)
-    t24 = g.l_4 * (theta_dot_1 * t2)
-    t25 = g.l_4 * (theta_dot_1 * t1)
-    t26 = g.l_2 * (theta_dot_2 * t4)
-    t27 = g.l_2 * (theta_dot_2 * t3)
-    t28 = t23 + t24
-    t29 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2 - t25
-    t30 = g.k[6] * t28
-    t31 = t26 + (t30 - t24)
-    t32 = g.k[6] * t29
-    t33 = t25 + t32 - t27
-    t34 = theta_dot_1 * (g.k[12] * (v_2_0 * t25 + u_1_1 * t31 - (u_1_0 * t33 - v_2_1 * t24)))
-    t35 = t34 + theta_dot_2 * (u_2_0 * t33 - v_2_1 * t26 - (v_2_0 * t27 + u_2_1 * t31))
-    t36 = theta_dot_1 * (g.k[6] * (u_1_0 * t29 - v_1_1 * t24 - (v_1_0 * t25 + u_1_1 * t28)))
-    t37 = t7 * t28 + v_1_0 * t35 - (t8 * t31 + v_2_0 * t36)
-    t38 = v_2_1 * t30 + t5 * t33 - (t6 * t31 + v_2_0 * t32)
-    t39 = t8 * t33 + v_2_1 * t36 - (t7 * t29 + v_1_1 * t35)
-    bias_0 = t10 * (g.e_1[0] * t37 - t11 * t38) + t10 * (x_0 * t39 - t12 * t20 - t13 * t38) - theta_dot_0 * (d_0 * (g.e_x[0] * t19 - g.e_t[0] * t18) + e_2_0 * t23)
-    bias_1 = t10 * (g.e_1[1] * t37 - t14 * t38) + t10 * (x_1 * t39 - t12 * t21 - t15 * t38) - theta_dot_0 * (d_0 * (g.e_x[1] * t19 - g.e_t[1] * t18) + e_2_1 * t23)
-    bias_2 = t10 * (g.e_1[2] * t37 - t16 * t38) + t10 * (x_2 * t39 - t12 * t22 - t17 * t38) - theta_dot_0 * (d_0 * (g.e_x[2] * t19) + e_2_2 * t23)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
+    u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
+    t5 = theta_dot_1 * b_32 + theta_dot_2 * b_33
+    t6 = v_1_0 * t5 - theta_dot_1 * (b_22 * f_0)
+    t7 = 1 / delta
+    t8 = g.e_1[0] * t6 * t7
+    t9 = theta_dot_1 * (b_22 * f_1) - v_1_1 * t5
+    t10 = t7 * (x_0 * t9)
+    s_dot_0 = t8 + t10 - theta_dot_0 * (e_2_0 * d_0)
+    t11 = t7 * (g.e_1[1] * t6)
+    t12 = t7 * (x_1 * t9)
+    s_dot_1 = t11 + t12 - theta_dot_0 * (e_2_1 * d_0)
+    t13 = t7 * (g.e_1[2] * t6)
+    t14 = t7 * (x_2 * t9)
+    s_dot_2 = t13 + t14 - theta_dot_0 * (e_2_2 * d_0)
+    t15 = theta_dot_0 * sin_1
+    t16 = theta_dot_0 * cos_1
+    t17 = g.e_x[0] * t15 + g.e_t[0] * t16
+    t18 = g.e_x[1] * t15 + g.e_t[1] * t16
+    t19 = g.e_x[2] * t15
+    t20 = x_0 * s_dot_0 - arm_0 * t17 + (x_1 * s_dot_1 - arm_1 * t18) + (x_2 * s_dot_2 - arm_2 * t19)
+    t21 = g.l_4 * (theta_dot_1 * t2)
+    t22 = g.l_4 * (theta_dot_1 * t1)
+    t23 = g.l_2 * (theta_dot_2 * t4)
+    t24 = g.l_2 * (theta_dot_2 * t3)
+    t25 = t20 + t21
+    t26 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2 - t22
+    t27 = u_1_0 * t26 - v_1_1 * t21 - (v_1_0 * t22 + u_1_1 * t25)
+    t28 = t23 - t21
+    t29 = t22 - t24
+    t30 = u_1_0 * t24 - u_2_1 * t21 - (u_2_0 * t22 - u_1_1 * t23)
+    t31 = f_1 * t25 + v_1_0 * t29 - (f_0 * t26 + v_1_1 * t28)
+    t32 = theta_dot_2 * (u_2_0 * t26 - v_1_1 * t23 - g.k[2] * t30 - (v_1_0 * t24 + u_2_1 * t25))
+    t33 = theta_dot_1 * (g.k[12] * t30 - t27) + t32
+    t34 = t5 * t25 + v_1_0 * t33 - theta_dot_1 * (f_0 * t27 + b_22 * t28)
+    t35 = theta_dot_1 * (f_1 * t27 + b_22 * t29) - (t5 * t26 + v_1_1 * t33)
+    bias_0 = t7 * (g.e_1[0] * t34 - t8 * t31) + t7 * (x_0 * t35 - t9 * t17 - t10 * t31) - theta_dot_0 * (d_0 * (g.e_x[0] * t16 - g.e_t[0] * t15) + e_2_0 * t20)
+    bias_1 = t7 * (g.e_1[1] * t34 - t11 * t31) + t7 * (x_1 * t35 - t9 * t18 - t12 * t31) - theta_dot_0 * (d_0 * (g.e_x[1] * t16 - g.e_t[1] * t15) + e_2_1 * t20)
+    bias_2 = t7 * (g.e_1[2] * t34 - t13 * t31) + t7 * (x_2 * t35 - t9 * t19 - t14 * t31) - theta_dot_0 * (d_0 * (g.e_x[2] * t16) + e_2_2 * t20)
     return (
         (  # s_dot
             s_dot_0,
@@ -685,7 +676,7 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
 
 def rates(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> tuple[Any, ...]:
     """Actuated joint rates of the R(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.
-    Linear, so it serves accelerations too.  Thesis: (1.9).  (18 add, 30 multiply, 3 divide, 5
+    Linear, so it serves accelerations too.  Thesis: (1.9).  (18 add, 28 multiply, 3 divide, 5
     select)"""
     x_0, x_1, x_2 = x
     e_2_0, e_2_1, e_2_2 = e_2
@@ -695,18 +686,19 @@ def rates(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> t
     s_dot_0, s_dot_1, s_dot_2 = s_dot
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    v_2_0 = u_1_0 + v_1_0 * g.k[6] - u_2_0  # (1.15)
-    v_2_1 = u_1_1 + v_1_1 * g.k[6] - u_2_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
-    b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
+    u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
     v_l_0 = x_0 * s_dot_0 + x_1 * s_dot_1 + x_2 * s_dot_2  # velocity in the leg's frame
     v_l_1 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2
     v_l_2 = e_2_0 * s_dot_0 + e_2_1 * s_dot_1 + e_2_2 * s_dot_2
     w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1  # A s_dot
-    w_2 = v_l_0 * (g.k[6] * v_2_0) + v_l_1 * (g.k[6] * v_2_1)
+    w_2 = f_0 * v_l_0 + f_1 * v_l_1
     t1 = 1 / b_22
-    regularity_a = np.fmin(np.fmin(np.abs(d_0 * g.k[14]), np.abs(b_22 * g.k[15])), np.abs(b_33 * g.k[16]))
+    regularity_a = np.fmin(np.fmin(np.abs(d_0 * g.k[14]), np.abs(b_22 * g.k[15])), np.abs(g.k[6] * b_33 * g.k[16]))
     return (
         (  # theta_dot
             -v_l_2 / d_0,
@@ -721,27 +713,28 @@ def rates(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> t
 
 def determinant(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
     """det M_i of the R(RR-RRR) sub-leg and its dimensionless factors: shoulder, elbow, crank, rod.
-    Thesis: 1.4.  (10 add, 15 multiply, 1 divide)"""
+    Thesis: 1.4.  (10 add, 16 multiply, 1 divide)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
     u_2_0, u_2_1 = u_2
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    v_2_0 = u_1_0 + v_1_0 * g.k[6] - u_2_0  # (1.15)
-    v_2_1 = u_1_1 + v_1_1 * g.k[6] - u_2_1
     t1 = u_1_0 * v_1_1
     t2 = u_1_1 * v_1_0
     b_22 = t1 - t2  # v_1^T (e_2 x u_1)
-    b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
-    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
+    u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     return (
         (  # det_M
-            d_0 * (b_33 * (t2 - t1)) / (g.k[6] * delta),
+            d_0 * (b_33 * (t2 - t1)) / delta,
         ),
         (  # factors
             d_0 * g.k[14],
             b_22 * g.k[15],
-            b_33 * g.k[16],
+            g.k[6] * b_33 * g.k[16],
             delta * g.k[13],
         ),
     )
@@ -749,7 +742,7 @@ def determinant(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
 
 def gram(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
     """Squares of M_i of the R(RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide
-    count by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (44 add, 85
+    count by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (42 add, 80
     multiply, 1 divide, 1 select)"""
     x_0, x_1, x_2 = x
     e_2_0, e_2_1, e_2_2 = e_2
@@ -759,24 +752,21 @@ def gram(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[
     N_00, N_01, N_02, N_10, N_11, N_12 = N
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[6]
-    v_2_0 = u_1_0 + t1 - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[6]
-    v_2_1 = u_1_1 + t2 - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
-    t3 = u_2_0 * v_2_1
-    t4 = u_2_1 * v_2_0
-    b_33 = t3 - t4  # v_2^T (e_3 x u_2)
-    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = g.k[6] * b_22
-    t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
-    m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
-    m_02 = t6 * (v_1_1 * (t4 - t3))
-    m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5)
-    m_12 = t6 * (v_1_0 * b_33)
-    g_00 = m_01 * m_01 + m_02 * m_02  # M M^T
-    g_01 = m_01 * m_11 + m_02 * m_12
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
+    u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
+    t1 = 1 / delta
+    q = b_33 * t1
+    m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
+    t2 = v_1_1 * q
+    m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0)  # A^-1 B in the leg's frame
+    m_12 = v_1_0 * q
+    g_00 = m_01 * m_01 + t2 * t2  # M M^T
+    g_01 = m_01 * m_11 - t2 * m_12
     g_11 = m_11 * m_11 + m_12 * m_12
     g_22 = d_0 * d_0
     n_00 = x_0 * N_00 + x_1 * N_01 + x_2 * N_02  # N in the leg's frame
@@ -785,19 +775,19 @@ def gram(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[
     n_10 = x_0 * N_10 + x_1 * N_11 + x_2 * N_12
     n_11 = g.e_1[0] * N_10 + g.e_1[1] * N_11 + g.e_1[2] * N_12
     n_12 = e_2_0 * N_10 + e_2_1 * N_11 + e_2_2 * N_12
-    t7 = d_0 * n_02
+    t3 = d_0 * n_02
     k_01 = m_01 * n_00 + m_11 * n_01  # the leg's block of K
-    k_02 = m_02 * n_00 + m_12 * n_01
-    t8 = d_0 * n_12
+    k_02 = m_12 * n_01 - t2 * n_00
+    t4 = d_0 * n_12
     k_11 = m_01 * n_10 + m_11 * n_11  # the leg's block of K
-    k_12 = m_02 * n_10 + m_12 * n_11
-    t9 = d_0 * m_12
+    k_12 = m_12 * n_11 - t2 * n_10
+    t5 = d_0 * m_12
     c_02 = d_0 * m_11  # cofactors of M
-    c_11 = d_0 * m_02
-    t10 = d_0 * m_01
-    c_20 = m_01 * m_12 - m_02 * m_11  # cofactors of M
-    det_M = m_02 * c_02 - m_01 * t9
-    cofactors_01 = -(t9 * c_11 + c_02 * t10)
+    t6 = d_0 * t2
+    t7 = d_0 * m_01
+    c_20 = m_01 * m_12 + t2 * m_11  # cofactors of M
+    t8 = m_01 * t5 + t2 * c_02
+    cofactors_01 = t5 * t6 - c_02 * t7
     return (
         (  # gram
             g_00,
@@ -811,23 +801,23 @@ def gram(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[
             g_22,
         ),
         (  # cofactors
-            t9 * t9 + c_02 * c_02,
+            t5 * t5 + c_02 * c_02,
             cofactors_01,
             0,
             cofactors_01,
-            c_11 * c_11 + t10 * t10,
+            t6 * t6 + t7 * t7,
             0,
             0,
             0,
             c_20 * c_20,
         ),
         (  # square
-            det_M * det_M,
+            t8 * t8,
         ),
         (  # reach
-            t7 * t7 + k_01 * k_01 + k_02 * k_02,
-            t7 * t8 + k_01 * k_11 + k_02 * k_12,
-            t8 * t8 + k_11 * k_11 + k_12 * k_12,
+            t3 * t3 + k_01 * k_01 + k_02 * k_02,
+            t3 * t4 + k_01 * k_11 + k_02 * k_12,
+            t4 * t4 + k_11 * k_11 + k_12 * k_12,
         ),
         (  # regularity
             np.abs(delta * g.k[13]),
@@ -907,7 +897,7 @@ def points(g: Any, x: Any, d: Any, u_1: Any, u_2: Any, s: Any) -> tuple[Any, ...
 
 
 def transmission(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any, along: Any) -> tuple[Any, ...]:
-    """Rows of K_n for the R(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (38 add, 67
+    """Rows of K_n for the R(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (36 add, 62
     multiply, 1 divide, 1 select)"""
     x_0, x_1, x_2 = x
     e_2_0, e_2_1, e_2_2 = e_2
@@ -918,22 +908,19 @@ def transmission(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any, a
     along_0, along_1, along_2 = along
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    t1 = v_1_0 * g.k[6]
-    v_2_0 = u_1_0 + t1 - u_2_0  # (1.15)
-    t2 = v_1_1 * g.k[6]
-    v_2_1 = u_1_1 + t2 - u_2_1  # (1.15)
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
-    t3 = u_2_0 * v_2_1
-    t4 = u_2_1 * v_2_0
-    b_33 = t3 - t4  # v_2^T (e_3 x u_2)
-    delta = v_1_0 * v_2_1 - v_1_1 * v_2_0  # e_2^T (v_1 x v_2)
-    t5 = g.k[6] * b_22
-    t6 = 1 / (t1 * v_2_1 - v_2_0 * t2)
-    m_01 = (v_2_1 * t5 - v_1_1 * b_32) * t6  # A^-1 B in the leg's frame
-    m_02 = t6 * (v_1_1 * (t4 - t3))
-    m_11 = t6 * (v_1_0 * b_32 - v_2_0 * t5)
-    m_12 = t6 * (v_1_0 * b_33)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
+    u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
+    t1 = 1 / delta
+    q = b_33 * t1
+    m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
+    t2 = v_1_1 * q
+    m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0)  # A^-1 B in the leg's frame
+    m_12 = v_1_0 * q
     n_00 = x_0 * N_00 + x_1 * N_01 + x_2 * N_02  # N and c_i in the leg's frame
     n_01 = g.e_1[0] * N_00 + g.e_1[1] * N_01 + g.e_1[2] * N_02
     n_02 = e_2_0 * N_00 + e_2_1 * N_01 + e_2_2 * N_02
@@ -947,13 +934,13 @@ def transmission(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any, a
         (  # K_n
             -d_0 * n_02,
             m_01 * n_00 + m_11 * n_01,
-            m_02 * n_00 + m_12 * n_01,
+            m_12 * n_01 - t2 * n_00,
             -d_0 * n_12,
             m_01 * n_10 + m_11 * n_11,
-            m_02 * n_10 + m_12 * n_11,
+            m_12 * n_11 - t2 * n_10,
             -d_0 * n_22,
             m_01 * n_20 + m_11 * n_21,
-            m_02 * n_20 + m_12 * n_21,
+            m_12 * n_21 - t2 * n_20,
         ),
         (  # regularity
             np.abs(delta * g.k[13]),
@@ -1092,7 +1079,7 @@ def torques(K_n: Any, line_forces: Any, redundant_forces: Any) -> tuple[Any, ...
 
 def end_force(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, actuator_forces: Any) -> tuple[Any, ...]:
     """Force at the end point of the R(RR-RRR) sub-leg from those of its actuators: g = M_i^-T f.
-    Thesis: (5.36).  (19 add, 35 multiply, 3 divide, 5 select)"""
+    Thesis: (5.36).  (19 add, 33 multiply, 3 divide, 5 select)"""
     x_0, x_1, x_2 = x
     e_2_0, e_2_1, e_2_2 = e_2
     d_0, d_1 = d
@@ -1101,19 +1088,18 @@ def end_force(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, actuator_for
     actuator_forces_0, actuator_forces_1, actuator_forces_2 = actuator_forces
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
-    v_2_0 = u_1_0 + v_1_0 * g.k[6] - u_2_0  # (1.15)
-    v_2_1 = u_1_1 + v_1_1 * g.k[6] - u_2_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    b_32 = g.k[12] * (u_1_1 * v_2_0 - u_1_0 * v_2_1)  # (1.13)
-    b_33 = u_2_0 * v_2_1 - u_2_1 * v_2_0  # v_2^T (e_3 x u_2)
-    w_2 = g.k[6] * v_2_0  # A s_dot
-    w_2_a = g.k[6] * v_2_1
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
+    u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
     t1 = 1 / b_22
     t2 = 1 / b_33
-    g_l_0 = v_1_0 * actuator_forces_1 * t1 + actuator_forces_2 * (w_2 - t1 * (v_1_0 * b_32)) * t2  # in the leg's frame
-    g_l_1 = t1 * (v_1_1 * actuator_forces_1) + t2 * (actuator_forces_2 * (w_2_a - t1 * (v_1_1 * b_32)))
+    g_l_0 = v_1_0 * actuator_forces_1 * t1 + actuator_forces_2 * (f_0 - t1 * (v_1_0 * b_32)) * t2  # in the leg's frame
+    g_l_1 = t1 * (v_1_1 * actuator_forces_1) + t2 * (actuator_forces_2 * (f_1 - t1 * (v_1_1 * b_32)))
     t3 = actuator_forces_0 / d_0
-    regularity_a = np.fmin(np.fmin(np.abs(d_0 * g.k[14]), np.abs(b_22 * g.k[15])), np.abs(b_33 * g.k[16]))
+    regularity_a = np.fmin(np.fmin(np.abs(d_0 * g.k[14]), np.abs(b_22 * g.k[15])), np.abs(g.k[6] * b_33 * g.k[16]))
     return (
         (  # end_force
             g.e_1[0] * g_l_1 - e_2_0 * t3 + x_0 * g_l_0,

@@ -51,6 +51,21 @@ def test_two_coupled_rows_and_more_than_three() -> None:
         solve_structured(sp.ones(4, 4), sp.Matrix([1, 2, 3, 4]))
 
 
+@pytest.mark.parametrize("alone", [0, 1])
+def test_a_quotient_that_is_used_twice_gets_a_name(alone: int) -> None:
+    m, right = sp.Matrix([[2, 3], [5, 7]]), sp.Matrix([11, 0] if alone == 0 else [0, 11])
+    named: list[sp.Expr] = []
+
+    def name(quotient: sp.Expr) -> sp.Symbol:
+        named.append(quotient)
+        return sp.Symbol("q")
+
+    solution = solve_structured(m, right, name)
+    assert named == [sp.Rational(11, m.det())]
+    assert m * solution.subs("q", named[0]) == right
+    assert sum(entry.has(sp.Symbol("q")) for entry in solution) == 2
+
+
 def test_the_quarter_turn() -> None:
     assert E * sp.Matrix([1, 0]) == sp.Matrix([0, 1]) and -sp.eye(2) == E * E
     assert dot(sp.Matrix([Fraction(1, 2)]), sp.Matrix([2])) == 1

@@ -357,7 +357,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_posture_tangent(
 }
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
- * (38 add, 44 multiply, 1 divide) */
+ * (32 add, 38 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_jacobian_tangent(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT M)
@@ -366,47 +366,39 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_jacobian_tangent(
     const double v_1_1 = d[1].v - u_1[1].v;
     const double v_2_0 = u_1[0].v + v_1_0 - g->o_12[0][i] - u_2[0].v;
     const double v_2_1 = u_1[1].v + v_1_1 - g->o_12[1][i] - u_2[1].v;
-    const double t1 = u_1[0].v * v_1_1;
-    const double t2 = u_1[1].v * v_1_0;
-    const double b_22 = t1 - t2;
-    const double t3 = u_2[0].v * v_2_1;
-    const double t4 = u_2[1].v * v_2_0;
-    const double b_33 = t3 - t4;
+    const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
+    const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0;
-    const double h2 = v_2_1 * b_22;
     const double h1 = 1.0 / delta;
-    const double m_00 = h2 * h1;
-    const double h3 = t4 - t3;
-    const double h4 = v_1_1 * h3;
-    const double m_01 = h1 * h4;
-    const double h5 = t2 - t1;
-    const double h6 = v_2_0 * h5;
-    const double m_10 = h1 * h6;
-    const double h7 = v_1_0 * b_33;
-    const double m_11 = h1 * h7;
+    const double q = b_22 * h1;
+    const double q_a = b_33 * h1;
+    const double m_00 = v_2_1 * q;
+    const double m_01 = -v_1_1 * q_a;
+    const double m_10 = -v_2_0 * q;
+    const double m_11 = v_1_0 * q_a;
     M[0].v = m_00;
     M[1].v = m_01;
     M[2].v = m_10;
     M[3].v = m_11;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t5 = d[0].t[k] - u_1[0].t[k];
-        const double t6 = d[1].t[k] - u_1[1].t[k];
-        const double t7 = u_1[0].t[k] + t5 - u_2[0].t[k];
-        const double t8 = u_1[1].t[k] + t6 - u_2[1].t[k];
-        const double t9 = v_1_1 * u_1[0].t[k] + u_1[0].v * t6;
-        const double t10 = v_1_0 * u_1[1].t[k] + u_1[1].v * t5;
-        const double t11 = v_2_1 * u_2[0].t[k] + u_2[0].v * t8;
-        const double t12 = v_2_0 * u_2[1].t[k] + u_2[1].v * t7;
-        const double t13 = h1 * (h1 * (v_2_1 * t5 + v_1_0 * t8 - (v_2_0 * t6 + v_1_1 * t7)));
-        M[0].t[k] = h1 * (b_22 * t8 + v_2_1 * (t9 - t10)) - h2 * t13;
-        M[1].t[k] = h1 * (h3 * t6 + v_1_1 * (t12 - t11)) - h4 * t13;
-        M[2].t[k] = h1 * (h5 * t7 + v_2_0 * (t10 - t9)) - h6 * t13;
-        M[3].t[k] = h1 * (b_33 * t5 + v_1_0 * (t11 - t12)) - h7 * t13;
+        const double t1 = d[0].t[k] - u_1[0].t[k];
+        const double t2 = d[1].t[k] - u_1[1].t[k];
+        const double t3 = u_1[0].t[k] + t1 - u_2[0].t[k];
+        const double t4 = u_1[1].t[k] + t2 - u_2[1].t[k];
+        const double t5 = h1 * (h1 * (v_2_1 * t1 + v_1_0 * t4 - (v_2_0 * t2 + v_1_1 * t3)));
+        const double t6 = h1 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
+        const double t7 = t6 - b_22 * t5;
+        const double t8 = h1 * (v_2_1 * u_2[0].t[k] + u_2[0].v * t4 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t3));
+        const double t9 = t8 - b_33 * t5;
+        M[0].t[k] = q * t4 + v_2_1 * t7;
+        M[1].t[k] = -(q_a * t2 + v_1_1 * t9);
+        M[2].t[k] = -(q * t3 + v_2_0 * t7);
+        M[3].t[k] = q_a * t1 + v_1_0 * t9;
     }
 }
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
- * (46 add, 56 multiply, 1 divide) */
+ * (40 add, 50 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_project_tangent(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
@@ -415,41 +407,32 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_project_tangent(
     const double v_1_1 = d[1].v - u_1[1].v;
     const double v_2_0 = u_1[0].v + v_1_0 - g->o_12[0][i] - u_2[0].v;
     const double v_2_1 = u_1[1].v + v_1_1 - g->o_12[1][i] - u_2[1].v;
-    const double t1 = u_1[0].v * v_1_1;
-    const double t2 = u_1[1].v * v_1_0;
-    const double b_22 = t1 - t2;
-    const double t3 = u_2[0].v * v_2_1;
-    const double t4 = u_2[1].v * v_2_0;
-    const double b_33 = t3 - t4;
+    const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
+    const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0;
-    const double h2 = v_2_1 * b_22;
     const double h1 = 1.0 / delta;
-    const double m_00 = h2 * h1;
-    const double h3 = t4 - t3;
-    const double h4 = v_1_1 * h3;
-    const double m_01 = h1 * h4;
-    const double h5 = t2 - t1;
-    const double h6 = v_2_0 * h5;
-    const double m_10 = h1 * h6;
-    const double h7 = v_1_0 * b_33;
-    const double m_11 = h1 * h7;
-    K[0].v = N[0].v * m_00 + N[1].v * m_10;
-    K[1].v = N[0].v * m_01 + N[1].v * m_11;
+    const double q = b_22 * h1;
+    const double q_a = b_33 * h1;
+    const double m_00 = v_2_1 * q;
+    const double h3 = v_1_1 * q_a;
+    const double h2 = v_2_0 * q;
+    const double m_11 = v_1_0 * q_a;
+    K[0].v = N[0].v * m_00 - N[1].v * h2;
+    K[1].v = N[1].v * m_11 - N[0].v * h3;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t5 = d[0].t[k] - u_1[0].t[k];
-        const double t6 = d[1].t[k] - u_1[1].t[k];
-        const double t7 = u_1[0].t[k] + t5 - u_2[0].t[k];
-        const double t8 = u_1[1].t[k] + t6 - u_2[1].t[k];
-        const double t9 = v_1_1 * u_1[0].t[k] + u_1[0].v * t6;
-        const double t10 = v_1_0 * u_1[1].t[k] + u_1[1].v * t5;
-        const double t11 = v_2_1 * u_2[0].t[k] + u_2[0].v * t8;
-        const double t12 = v_2_0 * u_2[1].t[k] + u_2[1].v * t7;
-        const double t13 = h1 * (h1 * (v_2_1 * t5 + v_1_0 * t8 - (v_2_0 * t6 + v_1_1 * t7)));
-        const double t14 = m_00 * N[0].t[k] + N[0].v * (h1 * (b_22 * t8 + v_2_1 * (t9 - t10)) - h2 * t13) + (m_10 * N[1].t[k] + N[1].v * (h1 * (h5 * t7 + v_2_0 * (t10 - t9)) - h6 * t13));
-        const double t15 = m_11 * N[1].t[k] + N[1].v * (h1 * (b_33 * t5 + v_1_0 * (t11 - t12)) - h7 * t13);
-        const double t16 = m_01 * N[0].t[k] + N[0].v * (h1 * (h3 * t6 + v_1_1 * (t12 - t11)) - h4 * t13) + t15;
-        K[0].t[k] = t14;
-        K[1].t[k] = t16;
+        const double t1 = d[0].t[k] - u_1[0].t[k];
+        const double t2 = d[1].t[k] - u_1[1].t[k];
+        const double t3 = u_1[0].t[k] + t1 - u_2[0].t[k];
+        const double t4 = u_1[1].t[k] + t2 - u_2[1].t[k];
+        const double t5 = h1 * (h1 * (v_2_1 * t1 + v_1_0 * t4 - (v_2_0 * t2 + v_1_1 * t3)));
+        const double t6 = h1 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
+        const double t7 = t6 - b_22 * t5;
+        const double t8 = h1 * (v_2_1 * u_2[0].t[k] + u_2[0].v * t4 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t3));
+        const double t9 = t8 - b_33 * t5;
+        const double t10 = m_00 * N[0].t[k] + N[0].v * (q * t4 + v_2_1 * t7) - (h2 * N[1].t[k] + N[1].v * (q * t3 + v_2_0 * t7));
+        const double t11 = m_11 * N[1].t[k] + N[1].v * (q_a * t1 + v_1_0 * t9) - (h3 * N[0].t[k] + N[0].v * (q_a * t2 + v_1_1 * t9));
+        K[0].t[k] = t10;
+        K[1].t[k] = t11;
     }
 }
 
@@ -645,8 +628,8 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_determinant_tangent(
     }
 }
 
-/* `gram` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.  (67 add,
- * 82 multiply, 1 divide) */
+/* `gram` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.  (61 add,
+ * 76 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_gram_tangent(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT gram,
@@ -656,31 +639,23 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_gram_tangent(
     const double v_1_1 = d[1].v - u_1[1].v;
     const double v_2_0 = u_1[0].v + v_1_0 - g->o_12[0][i] - u_2[0].v;
     const double v_2_1 = u_1[1].v + v_1_1 - g->o_12[1][i] - u_2[1].v;
-    const double t1 = u_1[0].v * v_1_1;
-    const double t2 = u_1[1].v * v_1_0;
-    const double b_22 = t1 - t2;
-    const double t3 = u_2[0].v * v_2_1;
-    const double t4 = u_2[1].v * v_2_0;
-    const double b_33 = t3 - t4;
+    const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
+    const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0;
-    const double h2 = v_2_1 * b_22;
     const double h1 = 1.0 / delta;
-    const double m_00 = h2 * h1;
-    const double h3 = t4 - t3;
-    const double h4 = v_1_1 * h3;
-    const double m_01 = h1 * h4;
-    const double h5 = t2 - t1;
-    const double h6 = v_2_0 * h5;
-    const double m_10 = h1 * h6;
-    const double h7 = v_1_0 * b_33;
-    const double m_11 = h1 * h7;
-    const double g_00 = m_00 * m_00 + m_01 * m_01;
-    const double g_01 = m_00 * m_10 + m_01 * m_11;
-    const double g_11 = m_10 * m_10 + m_11 * m_11;
-    const double k_00 = m_00 * N[0].v + m_10 * N[1].v;
-    const double k_01 = m_01 * N[0].v + m_11 * N[1].v;
-    const double det_M = m_00 * m_11 - m_01 * m_10;
-    const double cofactors_01 = -g_01;
+    const double q = b_22 * h1;
+    const double q_a = b_33 * h1;
+    const double m_00 = v_2_1 * q;
+    const double c_10 = v_1_1 * q_a;
+    const double c_01 = v_2_0 * q;
+    const double m_11 = v_1_0 * q_a;
+    const double g_00 = m_00 * m_00 + c_10 * c_10;
+    const double cofactors_01 = m_00 * c_01 + c_10 * m_11;
+    const double g_01 = -cofactors_01;
+    const double g_11 = c_01 * c_01 + m_11 * m_11;
+    const double k_00 = m_00 * N[0].v - c_01 * N[1].v;
+    const double k_01 = m_11 * N[1].v - c_10 * N[0].v;
+    const double det_M = m_00 * m_11 - c_10 * c_01;
     gram[0].v = g_00;
     gram[1].v = g_01;
     gram[2].v = g_01;
@@ -692,40 +667,40 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_gram_tangent(
     square[0].v = det_M * det_M;
     reach[0].v = k_00 * k_00 + k_01 * k_01;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t5 = d[0].t[k] - u_1[0].t[k];
-        const double t6 = d[1].t[k] - u_1[1].t[k];
-        const double t7 = u_1[0].t[k] + t5 - u_2[0].t[k];
-        const double t8 = u_1[1].t[k] + t6 - u_2[1].t[k];
-        const double t9 = v_1_1 * u_1[0].t[k] + u_1[0].v * t6;
-        const double t10 = v_1_0 * u_1[1].t[k] + u_1[1].v * t5;
-        const double t11 = v_2_1 * u_2[0].t[k] + u_2[0].v * t8;
-        const double t12 = v_2_0 * u_2[1].t[k] + u_2[1].v * t7;
-        const double t13 = h1 * (h1 * (v_2_1 * t5 + v_1_0 * t8 - (v_2_0 * t6 + v_1_1 * t7)));
-        const double t14 = h1 * (b_22 * t8 + v_2_1 * (t9 - t10)) - h2 * t13;
-        const double t15 = h1 * (h3 * t6 + v_1_1 * (t12 - t11)) - h4 * t13;
-        const double t16 = h1 * (h5 * t7 + v_2_0 * (t10 - t9)) - h6 * t13;
-        const double t17 = h1 * (b_33 * t5 + v_1_0 * (t11 - t12)) - h7 * t13;
-        const double t18 = m_00 * t14;
-        const double t19 = m_01 * t15;
-        const double t20 = t18 + t18 + (t19 + t19);
-        const double t21 = m_10 * t14 + m_00 * t16 + (m_11 * t15 + m_01 * t17);
-        const double t22 = m_10 * t16;
-        const double t23 = m_11 * t17;
-        const double t24 = t22 + t22 + (t23 + t23);
-        const double t25 = -t21;
-        const double t26 = det_M * (m_11 * t14 + m_00 * t17 - (m_10 * t15 + m_01 * t16));
-        const double t27 = k_00 * (N[0].v * t14 + m_00 * N[0].t[k] + (N[1].v * t16 + m_10 * N[1].t[k]));
-        const double t28 = k_01 * (N[0].v * t15 + m_01 * N[0].t[k] + (N[1].v * t17 + m_11 * N[1].t[k]));
-        gram[0].t[k] = t20;
-        gram[1].t[k] = t21;
-        gram[2].t[k] = t21;
-        gram[3].t[k] = t24;
-        cofactors[0].t[k] = t24;
-        cofactors[1].t[k] = t25;
-        cofactors[2].t[k] = t25;
-        cofactors[3].t[k] = t20;
-        square[0].t[k] = t26 + t26;
-        reach[0].t[k] = t27 + t27 + (t28 + t28);
+        const double t1 = d[0].t[k] - u_1[0].t[k];
+        const double t2 = d[1].t[k] - u_1[1].t[k];
+        const double t3 = u_1[0].t[k] + t1 - u_2[0].t[k];
+        const double t4 = u_1[1].t[k] + t2 - u_2[1].t[k];
+        const double t5 = h1 * (h1 * (v_2_1 * t1 + v_1_0 * t4 - (v_2_0 * t2 + v_1_1 * t3)));
+        const double t6 = h1 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
+        const double t7 = t6 - b_22 * t5;
+        const double t8 = h1 * (v_2_1 * u_2[0].t[k] + u_2[0].v * t4 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t3));
+        const double t9 = t8 - b_33 * t5;
+        const double t10 = q * t4 + v_2_1 * t7;
+        const double t11 = q_a * t2 + v_1_1 * t9;
+        const double t12 = q * t3 + v_2_0 * t7;
+        const double t13 = q_a * t1 + v_1_0 * t9;
+        const double t14 = m_00 * t10;
+        const double t15 = c_10 * t11;
+        const double t16 = t14 + t14 + (t15 + t15);
+        const double t17 = c_01 * t10 + m_00 * t12 + (m_11 * t11 + c_10 * t13);
+        const double t18 = -t17;
+        const double t19 = c_01 * t12;
+        const double t20 = m_11 * t13;
+        const double t21 = t19 + t19 + (t20 + t20);
+        const double t22 = det_M * (m_11 * t10 + m_00 * t13 - (c_01 * t11 + c_10 * t12));
+        const double t23 = k_00 * (N[0].v * t10 + m_00 * N[0].t[k] - (N[1].v * t12 + c_01 * N[1].t[k]));
+        const double t24 = k_01 * (N[1].v * t13 + m_11 * N[1].t[k] - (N[0].v * t11 + c_10 * N[0].t[k]));
+        gram[0].t[k] = t16;
+        gram[1].t[k] = t18;
+        gram[2].t[k] = t18;
+        gram[3].t[k] = t21;
+        cofactors[0].t[k] = t21;
+        cofactors[1].t[k] = t17;
+        cofactors[2].t[k] = t17;
+        cofactors[3].t[k] = t16;
+        square[0].t[k] = t22 + t22;
+        reach[0].t[k] = t23 + t23 + (t24 + t24);
     }
 }
 
@@ -801,7 +776,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_points_tangent(
 }
 
 /* `transmission` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.57),
- * (5.59).  (54 add, 68 multiply, 1 divide) */
+ * (5.59).  (48 add, 62 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_transmission_tangent(
     const krhpr_subleg_planar_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *N, const krhpr_dual *along, krhpr_dual *KRHPR_RESTRICT K_n)
@@ -810,48 +785,40 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_transmission_tangent(
     const double v_1_1 = d[1].v - u_1[1].v;
     const double v_2_0 = u_1[0].v + v_1_0 - g->o_12[0][i] - u_2[0].v;
     const double v_2_1 = u_1[1].v + v_1_1 - g->o_12[1][i] - u_2[1].v;
-    const double t1 = u_1[0].v * v_1_1;
-    const double t2 = u_1[1].v * v_1_0;
-    const double b_22 = t1 - t2;
-    const double t3 = u_2[0].v * v_2_1;
-    const double t4 = u_2[1].v * v_2_0;
-    const double b_33 = t3 - t4;
+    const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
+    const double b_33 = u_2[0].v * v_2_1 - u_2[1].v * v_2_0;
     const double delta = v_1_0 * v_2_1 - v_1_1 * v_2_0;
-    const double h2 = v_2_1 * b_22;
     const double h1 = 1.0 / delta;
-    const double m_00 = h2 * h1;
-    const double h3 = t4 - t3;
-    const double h4 = v_1_1 * h3;
-    const double m_01 = h1 * h4;
-    const double h5 = t2 - t1;
-    const double h6 = v_2_0 * h5;
-    const double m_10 = h1 * h6;
-    const double h7 = v_1_0 * b_33;
-    const double m_11 = h1 * h7;
-    K_n[0].v = N[0].v * m_00 + N[1].v * m_10;
-    K_n[1].v = N[0].v * m_01 + N[1].v * m_11;
-    K_n[2].v = along[0].v * m_00 + along[1].v * m_10;
-    K_n[3].v = along[0].v * m_01 + along[1].v * m_11;
+    const double q = b_22 * h1;
+    const double q_a = b_33 * h1;
+    const double m_00 = v_2_1 * q;
+    const double h3 = v_1_1 * q_a;
+    const double h2 = v_2_0 * q;
+    const double m_11 = v_1_0 * q_a;
+    K_n[0].v = N[0].v * m_00 - N[1].v * h2;
+    K_n[1].v = N[1].v * m_11 - N[0].v * h3;
+    K_n[2].v = along[0].v * m_00 - along[1].v * h2;
+    K_n[3].v = along[1].v * m_11 - along[0].v * h3;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t5 = d[0].t[k] - u_1[0].t[k];
-        const double t6 = d[1].t[k] - u_1[1].t[k];
-        const double t7 = u_1[0].t[k] + t5 - u_2[0].t[k];
-        const double t8 = u_1[1].t[k] + t6 - u_2[1].t[k];
-        const double t9 = v_1_1 * u_1[0].t[k] + u_1[0].v * t6;
-        const double t10 = v_1_0 * u_1[1].t[k] + u_1[1].v * t5;
-        const double t11 = v_2_1 * u_2[0].t[k] + u_2[0].v * t8;
-        const double t12 = v_2_0 * u_2[1].t[k] + u_2[1].v * t7;
-        const double t13 = h1 * (h1 * (v_2_1 * t5 + v_1_0 * t8 - (v_2_0 * t6 + v_1_1 * t7)));
-        const double t14 = h1 * (b_22 * t8 + v_2_1 * (t9 - t10)) - h2 * t13;
-        const double t15 = h1 * (h3 * t6 + v_1_1 * (t12 - t11)) - h4 * t13;
-        const double t16 = h1 * (h5 * t7 + v_2_0 * (t10 - t9)) - h6 * t13;
-        const double t17 = h1 * (b_33 * t5 + v_1_0 * (t11 - t12)) - h7 * t13;
-        const double t18 = m_00 * along[0].t[k] + along[0].v * t14 + (m_10 * along[1].t[k] + along[1].v * t16);
-        const double t19 = m_01 * along[0].t[k] + along[0].v * t15 + (m_11 * along[1].t[k] + along[1].v * t17);
-        K_n[0].t[k] = m_00 * N[0].t[k] + N[0].v * t14 + (m_10 * N[1].t[k] + N[1].v * t16);
-        K_n[1].t[k] = m_01 * N[0].t[k] + N[0].v * t15 + (m_11 * N[1].t[k] + N[1].v * t17);
-        K_n[2].t[k] = t18;
-        K_n[3].t[k] = t19;
+        const double t1 = d[0].t[k] - u_1[0].t[k];
+        const double t2 = d[1].t[k] - u_1[1].t[k];
+        const double t3 = u_1[0].t[k] + t1 - u_2[0].t[k];
+        const double t4 = u_1[1].t[k] + t2 - u_2[1].t[k];
+        const double t5 = h1 * (h1 * (v_2_1 * t1 + v_1_0 * t4 - (v_2_0 * t2 + v_1_1 * t3)));
+        const double t6 = h1 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
+        const double t7 = t6 - b_22 * t5;
+        const double t8 = h1 * (v_2_1 * u_2[0].t[k] + u_2[0].v * t4 - (v_2_0 * u_2[1].t[k] + u_2[1].v * t3));
+        const double t9 = t8 - b_33 * t5;
+        const double t10 = q * t4 + v_2_1 * t7;
+        const double t11 = q_a * t2 + v_1_1 * t9;
+        const double t12 = q * t3 + v_2_0 * t7;
+        const double t13 = q_a * t1 + v_1_0 * t9;
+        const double t14 = m_00 * along[0].t[k] + along[0].v * t10 - (h2 * along[1].t[k] + along[1].v * t12);
+        const double t15 = m_11 * along[1].t[k] + along[1].v * t13 - (h3 * along[0].t[k] + along[0].v * t11);
+        K_n[0].t[k] = m_00 * N[0].t[k] + N[0].v * t10 - (h2 * N[1].t[k] + N[1].v * t12);
+        K_n[1].t[k] = m_11 * N[1].t[k] + N[1].v * t13 - (h3 * N[0].t[k] + N[0].v * t11);
+        K_n[2].t[k] = t14;
+        K_n[3].t[k] = t15;
     }
 }
 

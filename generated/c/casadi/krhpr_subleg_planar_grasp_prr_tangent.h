@@ -230,7 +230,7 @@ KRHPR_STATIC void krhpr_subleg_planar_grasp_prr_posture_tangent(
 }
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
- * (12 add, 32 multiply, 1 divide) */
+ * (10 add, 26 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_planar_grasp_prr_jacobian_tangent(
     const krhpr_subleg_planar_grasp_prr_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     krhpr_dual *KRHPR_RESTRICT M)
@@ -238,15 +238,13 @@ KRHPR_STATIC void krhpr_subleg_planar_grasp_prr_jacobian_tangent(
     (void)(g);
     (void)(i);
     const double volume = w[0].v * w[3].v - w[1].v * w[2].v;
-    const double h2 = w[3].v * b[0].v;
     const double h1 = 1.0 / volume;
-    const double m_00 = h2 * h1;
-    const double h3 = w[1].v * b[1].v;
-    const double m_01 = -h1 * h3;
-    const double h4 = w[2].v * b[0].v;
-    const double m_10 = -h1 * h4;
-    const double h5 = w[0].v * b[1].v;
-    const double m_11 = h1 * h5;
+    const double q = b[0].v * h1;
+    const double q_a = b[1].v * h1;
+    const double m_00 = w[3].v * q;
+    const double m_01 = -w[1].v * q_a;
+    const double m_10 = -w[2].v * q;
+    const double m_11 = w[0].v * q_a;
     M[0].v = m_00;
     M[1].v = m_01;
     M[2].v = m_10;
@@ -254,10 +252,12 @@ KRHPR_STATIC void krhpr_subleg_planar_grasp_prr_jacobian_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = w[3].v * w[0].t[k] + w[0].v * w[3].t[k] - (w[2].v * w[1].t[k] + w[1].v * w[2].t[k]);
         const double t2 = h1 * (h1 * t1);
-        M[0].t[k] = h1 * (b[0].v * w[3].t[k] + w[3].v * b[0].t[k]) - h2 * t2;
-        M[1].t[k] = h3 * t2 - h1 * (b[1].v * w[1].t[k] + w[1].v * b[1].t[k]);
-        M[2].t[k] = h4 * t2 - h1 * (b[0].v * w[2].t[k] + w[2].v * b[0].t[k]);
-        M[3].t[k] = h1 * (b[1].v * w[0].t[k] + w[0].v * b[1].t[k]) - h5 * t2;
+        const double t3 = h1 * b[0].t[k] - b[0].v * t2;
+        const double t4 = h1 * b[1].t[k] - b[1].v * t2;
+        M[0].t[k] = q * w[3].t[k] + w[3].v * t3;
+        M[1].t[k] = -(q_a * w[1].t[k] + w[1].v * t4);
+        M[2].t[k] = -(q * w[2].t[k] + w[2].v * t3);
+        M[3].t[k] = q_a * w[0].t[k] + w[0].v * t4;
     }
 }
 

@@ -238,7 +238,7 @@ KRHPR_STATIC void krhpr_subleg_planar_rpr2_posture_tangent(
 }
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
- * (12 add, 32 multiply, 1 divide) */
+ * (10 add, 26 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_planar_rpr2_jacobian_tangent(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     krhpr_dual *KRHPR_RESTRICT M)
@@ -246,15 +246,13 @@ KRHPR_STATIC void krhpr_subleg_planar_rpr2_jacobian_tangent(
     (void)(g);
     (void)(i);
     const double volume = w[0].v * w[3].v - w[1].v * w[2].v;
-    const double h2 = w[3].v * b[0].v;
     const double h1 = 1.0 / volume;
-    const double m_00 = h2 * h1;
-    const double h3 = w[1].v * b[1].v;
-    const double m_01 = -h1 * h3;
-    const double h4 = w[2].v * b[0].v;
-    const double m_10 = -h1 * h4;
-    const double h5 = w[0].v * b[1].v;
-    const double m_11 = h1 * h5;
+    const double q = b[0].v * h1;
+    const double q_a = b[1].v * h1;
+    const double m_00 = w[3].v * q;
+    const double m_01 = -w[1].v * q_a;
+    const double m_10 = -w[2].v * q;
+    const double m_11 = w[0].v * q_a;
     M[0].v = m_00;
     M[1].v = m_01;
     M[2].v = m_10;
@@ -262,15 +260,17 @@ KRHPR_STATIC void krhpr_subleg_planar_rpr2_jacobian_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = w[3].v * w[0].t[k] + w[0].v * w[3].t[k] - (w[2].v * w[1].t[k] + w[1].v * w[2].t[k]);
         const double t2 = h1 * (h1 * t1);
-        M[0].t[k] = h1 * (b[0].v * w[3].t[k] + w[3].v * b[0].t[k]) - h2 * t2;
-        M[1].t[k] = h3 * t2 - h1 * (b[1].v * w[1].t[k] + w[1].v * b[1].t[k]);
-        M[2].t[k] = h4 * t2 - h1 * (b[0].v * w[2].t[k] + w[2].v * b[0].t[k]);
-        M[3].t[k] = h1 * (b[1].v * w[0].t[k] + w[0].v * b[1].t[k]) - h5 * t2;
+        const double t3 = h1 * b[0].t[k] - b[0].v * t2;
+        const double t4 = h1 * b[1].t[k] - b[1].v * t2;
+        M[0].t[k] = q * w[3].t[k] + w[3].v * t3;
+        M[1].t[k] = -(q_a * w[1].t[k] + w[1].v * t4);
+        M[2].t[k] = -(q * w[2].t[k] + w[2].v * t3);
+        M[3].t[k] = q_a * w[0].t[k] + w[0].v * t4;
     }
 }
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
- * (20 add, 44 multiply, 1 divide) */
+ * (18 add, 38 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_planar_rpr2_project_tangent(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
@@ -278,26 +278,24 @@ KRHPR_STATIC void krhpr_subleg_planar_rpr2_project_tangent(
     (void)(g);
     (void)(i);
     const double volume = w[0].v * w[3].v - w[1].v * w[2].v;
-    const double h2 = w[3].v * b[0].v;
     const double h1 = 1.0 / volume;
-    const double m_00 = h2 * h1;
-    const double h3 = w[1].v * b[1].v;
-    const double h7 = h1 * h3;
-    const double h4 = w[2].v * b[0].v;
-    const double h6 = h1 * h4;
-    const double h5 = w[0].v * b[1].v;
-    const double m_11 = h1 * h5;
-    K[0].v = N[0].v * m_00 - N[1].v * h6;
-    K[1].v = N[1].v * m_11 - N[0].v * h7;
+    const double q = b[0].v * h1;
+    const double q_a = b[1].v * h1;
+    const double m_00 = w[3].v * q;
+    const double h3 = w[1].v * q_a;
+    const double h2 = w[2].v * q;
+    const double m_11 = w[0].v * q_a;
+    K[0].v = N[0].v * m_00 - N[1].v * h2;
+    K[1].v = N[1].v * m_11 - N[0].v * h3;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = w[3].v * w[0].t[k] + w[0].v * w[3].t[k] - (w[2].v * w[1].t[k] + w[1].v * w[2].t[k]);
         const double t2 = h1 * (h1 * t1);
-        const double t3 = m_00 * N[0].t[k] + N[0].v * (h1 * (b[0].v * w[3].t[k] + w[3].v * b[0].t[k]) - h2 * t2);
-        const double t4 = h6 * N[1].t[k] + N[1].v * (h1 * (b[0].v * w[2].t[k] + w[2].v * b[0].t[k]) - h4 * t2);
-        const double t5 = h7 * N[0].t[k] + N[0].v * (h1 * (b[1].v * w[1].t[k] + w[1].v * b[1].t[k]) - h3 * t2);
-        const double t6 = m_11 * N[1].t[k] + N[1].v * (h1 * (b[1].v * w[0].t[k] + w[0].v * b[1].t[k]) - h5 * t2);
-        K[0].t[k] = t3 - t4;
-        K[1].t[k] = t6 - t5;
+        const double t3 = h1 * b[0].t[k] - b[0].v * t2;
+        const double t4 = h1 * b[1].t[k] - b[1].v * t2;
+        const double t5 = m_00 * N[0].t[k] + N[0].v * (q * w[3].t[k] + w[3].v * t3) - (h2 * N[1].t[k] + N[1].v * (q * w[2].t[k] + w[2].v * t3));
+        const double t6 = m_11 * N[1].t[k] + N[1].v * (q_a * w[0].t[k] + w[0].v * t4) - (h3 * N[0].t[k] + N[0].v * (q_a * w[1].t[k] + w[1].v * t4));
+        K[0].t[k] = t5;
+        K[1].t[k] = t6;
     }
 }
 
@@ -427,8 +425,8 @@ KRHPR_STATIC void krhpr_subleg_planar_rpr2_determinant_tangent(
     }
 }
 
-/* `gram` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.  (45 add,
- * 82 multiply, 1 divide) */
+/* `gram` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.  (43 add,
+ * 76 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_planar_rpr2_gram_tangent(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *characteristic_length, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT gram,
@@ -437,18 +435,16 @@ KRHPR_STATIC void krhpr_subleg_planar_rpr2_gram_tangent(
     (void)(g);
     (void)(i);
     const double volume = w[0].v * w[3].v - w[1].v * w[2].v;
-    const double h2 = w[3].v * b[0].v;
     const double h1 = 1.0 / volume;
-    const double m_00 = h2 * h1;
-    const double h3 = w[1].v * b[1].v;
-    const double h6 = h1 * h3;
-    const double h4 = w[2].v * b[0].v;
-    const double h7 = h1 * h4;
-    const double h5 = w[0].v * b[1].v;
-    const double m_11 = h1 * h5;
+    const double q = b[0].v * h1;
+    const double q_a = b[1].v * h1;
+    const double m_00 = w[3].v * q;
+    const double h2 = w[1].v * q_a;
+    const double h3 = w[2].v * q;
+    const double m_11 = w[0].v * q_a;
     const double m_l_00 = m_00 * characteristic_length[0].v;
-    const double c_10 = h6 * characteristic_length[0].v;
-    const double c_01 = h7 * characteristic_length[0].v;
+    const double c_10 = h2 * characteristic_length[0].v;
+    const double c_01 = h3 * characteristic_length[0].v;
     const double m_l_11 = m_11 * characteristic_length[0].v;
     const double g_00 = m_l_00 * m_l_00 + c_10 * c_10;
     const double cofactors_01 = m_l_00 * c_01 + c_10 * m_l_11;
@@ -470,35 +466,33 @@ KRHPR_STATIC void krhpr_subleg_planar_rpr2_gram_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = w[3].v * w[0].t[k] + w[0].v * w[3].t[k] - (w[2].v * w[1].t[k] + w[1].v * w[2].t[k]);
         const double t2 = h1 * (h1 * t1);
-        const double t3 = characteristic_length[0].v * (h1 * (b[0].v * w[3].t[k] + w[3].v * b[0].t[k]) - h2 * t2);
-        const double t4 = t3 + m_00 * characteristic_length[0].t[k];
-        const double t5 = characteristic_length[0].v * (h1 * (b[1].v * w[1].t[k] + w[1].v * b[1].t[k]) - h3 * t2);
-        const double t6 = t5 + h6 * characteristic_length[0].t[k];
-        const double t7 = characteristic_length[0].v * (h1 * (b[0].v * w[2].t[k] + w[2].v * b[0].t[k]) - h4 * t2);
-        const double t8 = t7 + h7 * characteristic_length[0].t[k];
-        const double t9 = characteristic_length[0].v * (h1 * (b[1].v * w[0].t[k] + w[0].v * b[1].t[k]) - h5 * t2);
-        const double t10 = t9 + m_11 * characteristic_length[0].t[k];
-        const double t11 = m_l_00 * t4;
-        const double t12 = c_10 * t6;
-        const double t13 = t11 + t11 + (t12 + t12);
-        const double t14 = c_01 * t4 + m_l_00 * t8 + (m_l_11 * t6 + c_10 * t10);
-        const double t15 = -t14;
-        const double t16 = c_01 * t8;
-        const double t17 = m_l_11 * t10;
-        const double t18 = t16 + t16 + (t17 + t17);
-        const double t19 = det_M * (m_l_11 * t4 + m_l_00 * t10 - (c_01 * t6 + c_10 * t8));
-        const double t20 = k_00 * (N[0].v * t4 + m_l_00 * N[0].t[k] - (N[1].v * t8 + c_01 * N[1].t[k]));
-        const double t21 = k_01 * (N[1].v * t10 + m_l_11 * N[1].t[k] - (N[0].v * t6 + c_10 * N[0].t[k]));
-        gram[0].t[k] = t13;
-        gram[1].t[k] = t15;
-        gram[2].t[k] = t15;
-        gram[3].t[k] = t18;
-        cofactors[0].t[k] = t18;
-        cofactors[1].t[k] = t14;
-        cofactors[2].t[k] = t14;
-        cofactors[3].t[k] = t13;
-        square[0].t[k] = t19 + t19;
-        reach[0].t[k] = t20 + t20 + (t21 + t21);
+        const double t3 = h1 * b[0].t[k] - b[0].v * t2;
+        const double t4 = h1 * b[1].t[k] - b[1].v * t2;
+        const double t5 = characteristic_length[0].v * (q * w[3].t[k] + w[3].v * t3) + m_00 * characteristic_length[0].t[k];
+        const double t6 = characteristic_length[0].v * (q_a * w[1].t[k] + w[1].v * t4) + h2 * characteristic_length[0].t[k];
+        const double t7 = characteristic_length[0].v * (q * w[2].t[k] + w[2].v * t3) + h3 * characteristic_length[0].t[k];
+        const double t8 = characteristic_length[0].v * (q_a * w[0].t[k] + w[0].v * t4) + m_11 * characteristic_length[0].t[k];
+        const double t9 = m_l_00 * t5;
+        const double t10 = c_10 * t6;
+        const double t11 = t9 + t9 + (t10 + t10);
+        const double t12 = c_01 * t5 + m_l_00 * t7 + (m_l_11 * t6 + c_10 * t8);
+        const double t13 = -t12;
+        const double t14 = c_01 * t7;
+        const double t15 = m_l_11 * t8;
+        const double t16 = t14 + t14 + (t15 + t15);
+        const double t17 = det_M * (m_l_11 * t5 + m_l_00 * t8 - (c_01 * t6 + c_10 * t7));
+        const double t18 = k_00 * (N[0].v * t5 + m_l_00 * N[0].t[k] - (N[1].v * t7 + c_01 * N[1].t[k]));
+        const double t19 = k_01 * (N[1].v * t8 + m_l_11 * N[1].t[k] - (N[0].v * t6 + c_10 * N[0].t[k]));
+        gram[0].t[k] = t11;
+        gram[1].t[k] = t13;
+        gram[2].t[k] = t13;
+        gram[3].t[k] = t16;
+        cofactors[0].t[k] = t16;
+        cofactors[1].t[k] = t12;
+        cofactors[2].t[k] = t12;
+        cofactors[3].t[k] = t11;
+        square[0].t[k] = t17 + t17;
+        reach[0].t[k] = t18 + t18 + (t19 + t19);
     }
 }
 
@@ -561,7 +555,7 @@ KRHPR_STATIC void krhpr_subleg_planar_rpr2_points_tangent(
 }
 
 /* `transmission` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.57),
- * (5.59).  (28 add, 56 multiply, 1 divide) */
+ * (5.59).  (26 add, 50 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_planar_rpr2_transmission_tangent(
     const krhpr_subleg_planar_rpr2_geometry *g, int i, const krhpr_dual *w, const krhpr_dual *b,
     const krhpr_dual *N, const krhpr_dual *along, krhpr_dual *KRHPR_RESTRICT K_n)
@@ -569,32 +563,32 @@ KRHPR_STATIC void krhpr_subleg_planar_rpr2_transmission_tangent(
     (void)(g);
     (void)(i);
     const double volume = w[0].v * w[3].v - w[1].v * w[2].v;
-    const double h2 = w[3].v * b[0].v;
     const double h1 = 1.0 / volume;
-    const double m_00 = h2 * h1;
-    const double h3 = w[1].v * b[1].v;
-    const double h7 = h1 * h3;
-    const double h4 = w[2].v * b[0].v;
-    const double h6 = h1 * h4;
-    const double h5 = w[0].v * b[1].v;
-    const double m_11 = h1 * h5;
-    K_n[0].v = N[0].v * m_00 - N[1].v * h6;
-    K_n[1].v = N[1].v * m_11 - N[0].v * h7;
-    K_n[2].v = along[0].v * m_00 - along[1].v * h6;
-    K_n[3].v = along[1].v * m_11 - along[0].v * h7;
+    const double q = b[0].v * h1;
+    const double q_a = b[1].v * h1;
+    const double m_00 = w[3].v * q;
+    const double h3 = w[1].v * q_a;
+    const double h2 = w[2].v * q;
+    const double m_11 = w[0].v * q_a;
+    K_n[0].v = N[0].v * m_00 - N[1].v * h2;
+    K_n[1].v = N[1].v * m_11 - N[0].v * h3;
+    K_n[2].v = along[0].v * m_00 - along[1].v * h2;
+    K_n[3].v = along[1].v * m_11 - along[0].v * h3;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = w[3].v * w[0].t[k] + w[0].v * w[3].t[k] - (w[2].v * w[1].t[k] + w[1].v * w[2].t[k]);
         const double t2 = h1 * (h1 * t1);
-        const double t3 = h1 * (b[0].v * w[3].t[k] + w[3].v * b[0].t[k]) - h2 * t2;
-        const double t4 = h1 * (b[1].v * w[1].t[k] + w[1].v * b[1].t[k]) - h3 * t2;
-        const double t5 = h1 * (b[0].v * w[2].t[k] + w[2].v * b[0].t[k]) - h4 * t2;
-        const double t6 = h1 * (b[1].v * w[0].t[k] + w[0].v * b[1].t[k]) - h5 * t2;
-        const double t7 = m_00 * along[0].t[k] + along[0].v * t3 - (h6 * along[1].t[k] + along[1].v * t5);
-        const double t8 = m_11 * along[1].t[k] + along[1].v * t6 - (h7 * along[0].t[k] + along[0].v * t4);
-        K_n[0].t[k] = m_00 * N[0].t[k] + N[0].v * t3 - (h6 * N[1].t[k] + N[1].v * t5);
-        K_n[1].t[k] = m_11 * N[1].t[k] + N[1].v * t6 - (h7 * N[0].t[k] + N[0].v * t4);
-        K_n[2].t[k] = t7;
-        K_n[3].t[k] = t8;
+        const double t3 = h1 * b[0].t[k] - b[0].v * t2;
+        const double t4 = h1 * b[1].t[k] - b[1].v * t2;
+        const double t5 = q * w[3].t[k] + w[3].v * t3;
+        const double t6 = q_a * w[1].t[k] + w[1].v * t4;
+        const double t7 = q * w[2].t[k] + w[2].v * t3;
+        const double t8 = q_a * w[0].t[k] + w[0].v * t4;
+        const double t9 = m_00 * along[0].t[k] + along[0].v * t5 - (h2 * along[1].t[k] + along[1].v * t7);
+        const double t10 = m_11 * along[1].t[k] + along[1].v * t8 - (h3 * along[0].t[k] + along[0].v * t6);
+        K_n[0].t[k] = m_00 * N[0].t[k] + N[0].v * t5 - (h2 * N[1].t[k] + N[1].v * t7);
+        K_n[1].t[k] = m_11 * N[1].t[k] + N[1].v * t8 - (h3 * N[0].t[k] + N[0].v * t6);
+        K_n[2].t[k] = t9;
+        K_n[3].t[k] = t10;
     }
 }
 
