@@ -9,10 +9,19 @@ Floats = NDArray[np.float64]
 LANES = 8
 LAYOUTS = ("aos", "soa", "blocked8")
 """Arrays of structures, structures of arrays, blocks of eight poses."""
+LINE = 64
+"""Bytes in a line of the cache."""
+
+
+def room(size: int) -> Floats:
+    """`size` zeros from a line of the cache on, so that no time hangs on where an array happens to lie."""
+    whole = np.zeros(size + LINE // 8)
+    first = -whole.ctypes.data % LINE // 8
+    return whole[first : first + size]
 
 
 def pack(array: Floats, layout: str) -> Floats:
-    """(n, ...) to a flat array in ``layout``."""
+    """(n, ...) to a flat array in ``layout``, from a line of the cache on."""
     flat: Floats = array.reshape(len(array), -1)
     if layout == "soa":
         flat = flat.T
@@ -20,7 +29,9 @@ def pack(array: Floats, layout: str) -> Floats:
         flat = flat.reshape(-1, LANES, flat.shape[1]).transpose(0, 2, 1)
     elif layout != "aos":
         raise ValueError(f"unknown layout {layout!r}")
-    return np.ascontiguousarray(flat).reshape(-1)
+    packed = room(flat.size)
+    packed[:] = flat.reshape(-1)
+    return packed
 
 
 def unpack(flat: Floats, n: int, shape: tuple[int, ...], layout: str) -> Floats:

@@ -12,15 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.build import Built
-from benchmarks.layouts import LAYOUTS, pack, unpack
+from benchmarks.layouts import LAYOUTS, pack, room, unpack
 from benchmarks.samples import draw, evaluate
 from benchmarks.workloads import Workload
 
 Floats = NDArray[np.float64]
 TOLERANCE = 1e-12
 POOL = 32
-STREAMED = 320 * POOL
-"""Poses of a batch that no near cache holds; the pool's, over and over."""
+STREAMED = 321 * POOL
+"""Poses of a batch that no near cache holds; the pool's, over and over. No multiple of 512: all numbers of a
+pose in a structure of arrays would meet in one set of the cache."""
 CHUNK_NS = 100_000.0  # processor time of one sample
 LOOPS = ("throughput", "latency", "batch")
 """The harness' loops: the modes, but for streaming, which is its batch with more poses."""
@@ -93,10 +94,10 @@ class Bench:
         self.inputs = draw(workload, pool)
         self.expected = evaluate(workload, self.inputs)
         self.packed = {layout: [pack(x, layout) for x in self.inputs] for layout in LAYOUTS}
-        self.outputs = [np.empty(pool * array.size) for array in workload.outputs]
+        self.outputs = [room(pool * array.size) for array in workload.outputs]
         many = [np.concatenate([x] * (STREAMED // pool)) for x in self.inputs]
         self.streamed = {layout: [pack(x, layout) for x in many] for layout in LAYOUTS}
-        self.streamed_outputs = [np.zeros(STREAMED * array.size) for array in workload.outputs]
+        self.streamed_outputs = [room(STREAMED * array.size) for array in workload.outputs]
 
     def poses(self, mode: str) -> int:
         """How many a call of that mode computes."""
