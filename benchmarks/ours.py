@@ -27,7 +27,8 @@ from benchmarks.workloads import Workload
 from krhpr.backend import compile_robot
 from krhpr.codegen.bake import baked_geometry
 from krhpr.codegen.build import Parts, build
-from krhpr.codegen.composition import Call, RobotCode, RobotFunction, Stage
+from krhpr.codegen.composition import Call, RobotFunction, Stage
+from krhpr.codegen.robot_code import RobotCode
 from krhpr.codegen.targets.c import CTarget
 from krhpr.codegen.targets.c_batch import goes_side_by_side
 from krhpr.derivations.catalogue import catalogue

@@ -14,10 +14,10 @@ from krhpr.codegen.composition import (
     Repeat,
     RobotFunction,
     Stage,
-    Status,
     Step,
 )
 from krhpr.codegen.kernel import Frame, Layout, Port, Unit
+from krhpr.codegen.status import Status
 from krhpr.derivations.platforms.encoders import (
     MISMATCHES,
     TOLERANCE,

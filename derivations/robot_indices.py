@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from krhpr.codegen.composition import SINGULAR_TOLERANCE, Call, Guard, Relation, RobotFunction, Stage, Status
+from krhpr.codegen.composition import SINGULAR_TOLERANCE, Call, Guard, Relation, RobotFunction, Stage
 from krhpr.codegen.kernel import Frame, Port, Unit
+from krhpr.codegen.status import Status
 from krhpr.derivations.robot_functions import FunctionsOf
 
 

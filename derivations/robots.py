@@ -10,15 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from krhpr.codegen.composition import (
-    Call,
-    Guard,
-    Relation,
-    RobotFunction,
-    Stage,
-    Status,
-)
+from krhpr.codegen.composition import Call, Guard, Relation, RobotFunction, Stage
 from krhpr.codegen.kernel import Frame, Layout, Port, Unit
+from krhpr.codegen.status import Status
 from krhpr.derivations.platforms.base import Platform
 from krhpr.derivations.robot_forward import ForwardFunctions
 from krhpr.derivations.robot_gripper import GripperFunctions

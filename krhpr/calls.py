@@ -1,4 +1,4 @@
-"""What every robot has: its description, and how its functions are called and their answers returned."""
+"""How the functions of a robot are called, and their answers returned."""
 
 from __future__ import annotations
 
@@ -6,12 +6,13 @@ from collections import namedtuple
 from collections.abc import Mapping, Sequence
 from functools import cached_property, partial
 from types import ModuleType
-from typing import Any, ClassVar, NamedTuple, TypedDict, Unpack
+from typing import Any, ClassVar, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from krhpr.backend import Backend, BackendName, make_backend
+from krhpr.branches import Branches
 from krhpr.casadi_functions import CasadiFunctions
 from krhpr.defaults import NUMBERS, SIGNS
 from krhpr.errors import (
@@ -23,28 +24,15 @@ from krhpr.errors import (
     NoGrasp,
     Singular,
     Unassembled,
-    UnknownBranch,
     Unreachable,
 )
-from krhpr.generated.python.runtime import LEGS, Geometry, Port, Signature, Status
+from krhpr.generated.python.runtime import Geometry, Port, Signature, Status
 from krhpr.limits import Limits
 from krhpr.native import Bound
 from krhpr.threads import in_threads
 
 ROTATION_TOLERANCE = 1e-6
 """Largest element of |Q^T Q - I| that passes for a rotation matrix."""
-
-Branch = str | Sequence[str] | ArrayLike
-"""A working or assembly mode: its label, a label for each leg, or signs of shape (..., 3, signs)."""
-
-
-class Home(NamedTuple):
-    """A pose with its redundant coordinates, in the order in which functions take them."""
-
-    p: tuple[float, ...]
-    orientation: Any
-    """Q, or phi for a planar robot."""
-    redundant: tuple[float, float, float]
 
 
 class Options(TypedDict, total=False):
@@ -108,7 +96,7 @@ MEANINGS = {
 }
 
 
-class Calls:
+class Calls(Branches):
     """A generated module with a geometry and a backend, and its functions by name."""
 
     _advice: ClassVar[Mapping[Status, tuple[type[InBatch], str]]] = WITHOUT_ANSWER
@@ -124,138 +112,8 @@ class Calls:
         limits: Limits | None = None,
         home: tuple[Sequence[float], Sequence[float]] | None = None,
     ) -> None:
-        self._module = module
+        super().__init__(module, geometry, name=name, limits=limits, home=home)
         self._backend_name = backend
-        self.name: str = self.identifier if name is None else name
-        """What it is called: the name in its robot file, else the catalogue's identifier."""
-        self.limits: Limits = Limits() if limits is None else limits
-        """Limits of joints and links that its robot file gives; nothing is held to them by itself."""
-        self._own_home = home
-        self.geometry: Geometry = module.DEFAULT_GEOMETRY if geometry is None else geometry
-
-    # -- what it is -----------------------------------------------------------------------------------------
-
-    @property
-    def identifier(self) -> str:
-        """The catalogue's name, `spatial_rrr_a`."""
-        return str(self._module.IDENTIFIER)
-
-    @property
-    def notation(self) -> str:
-        """The thesis' notation, `3-RRRSR`."""
-        return str(self._module.NOTATION)
-
-    @property
-    def title(self) -> str:
-        """What it is, in a few words."""
-        return str(self._module.TITLE)
-
-    @property
-    def legs(self) -> int:
-        """How many legs it has: three, or the two sub-legs of a grasping robot."""
-        return int(getattr(self._module, "LEGS", LEGS))
-
-    @property
-    def planar(self) -> bool:
-        """Whether it moves in the plane (p, phi) or in space (p, Q)."""
-        return self.identifier.startswith("planar")
-
-    @property
-    def home(self) -> Home:
-        """Its home pose: `robot.inverse(*robot.home)`.
-
-        That of its robot file, else the catalogue's, which is chosen for the default sizes.
-        """
-        p, redundant = self._own_home or (self._module.HOME_P, self._module.HOME_REDUNDANT)
-        first, second, third = redundant
-        return Home(tuple(p), 0.0 if self.planar else np.eye(3), (first, second, third))
-
-    @property
-    def degrees_of_freedom(self) -> tuple[int, int]:
-        """Those of the platform, and the redundant ones: (6, 3)."""
-        freedom = dict(self.documentation["freedom"])
-        return int(freedom["platform"]), int(freedom["redundancy"])
-
-    @property
-    def modes(self) -> tuple[str, ...]:
-        """Labels of the working modes, in the order of `inverse_all`."""
-        return tuple(self._module.MODES)
-
-    @property
-    def default_mode(self) -> str:
-        """The working mode that `inverse` uses unless another is given."""
-        return str(self._module.DEFAULT_MODE)
-
-    @property
-    def assemblies(self) -> tuple[str, ...]:
-        """Labels of the sub-legs' assembly modes (empty for serial sub-legs)."""
-        return tuple(self._module.ASSEMBLIES)
-
-    @property
-    def links(self) -> tuple[tuple[str, str, str, str], ...]:
-        """The straight links of a leg: name, kind, and the two points of `link_points` that each joins."""
-        return self._module.LINKS  # type: ignore[no-any-return]
-
-    @property
-    def link_pairs(self) -> tuple[tuple[int, int, int, int], ...]:
-        """The ends of every two links that no joint joins, in the order of `clearances`: points by number,
-        those of `link_points` leg by leg, then where redundant links meet the platform; empty for planar
-        robots.
-        """
-        return getattr(self._module, "LINK_PAIRS", ())
-
-    @property
-    def redundant_link(self) -> str:
-        """The field with the length of the redundant link from S_i to its attachment; empty where they
-        coincide.
-        """
-        return str(self._module.REDUNDANT_LINK)
-
-    @property
-    def functions(self) -> tuple[str, ...]:
-        """Names of all functions."""
-        return tuple(self._module.SIGNATURES)
-
-    @property
-    def documentation(self) -> Mapping[str, tuple[tuple[str, str], ...]]:
-        """Geometry, joints, modes, singular factors, margins, sections of the thesis: names with their
-        meanings.
-        """
-        return self._module.DOCUMENTATION  # type: ignore[no-any-return]
-
-    @property
-    def angular(self) -> tuple[bool, ...]:
-        """Whether each actuator of a leg turns; the others slide."""
-        return tuple(self._module.ANGULAR)
-
-    def signature(self, function: str) -> Signature:
-        """Arguments and results of a function: names, shapes, units, frames, meanings."""
-        if function not in self._module.SIGNATURES:
-            raise self._unknown(function)
-        return self._module.SIGNATURES[function]  # type: ignore[no-any-return]
-
-    @property
-    def redundant_legs(self) -> bool:
-        """Whether its sub-legs have a swivel: one more actuator than their end point has coordinates."""
-        return "swivel" in self.functions
-
-    def mode_signs(self, mode: Branch | None = None) -> np.ndarray[Any, Any]:
-        """Signs (..., 3, signs) of a working mode given as `inverse` takes it; the default one unless
-        given.
-        """
-        return self._signs(mode, self._module.MODES, self._module.DEFAULT_MODE, "a working mode")
-
-    def assembly_signs(self, assembly: Branch | None = None) -> np.ndarray[Any, Any]:
-        """Signs (..., 3, signs) of an assembly mode given as `subleg_forward` takes it; the default one
-        unless given.
-        """
-        if not self.assemblies:
-            raise UnknownBranch(
-                f"{self.identifier}: no assembly modes of its sub-legs are told apart by signs"
-            )
-        return self._signs(
-            assembly, self._module.ASSEMBLIES, self._module.DEFAULT_ASSEMBLY, "an assembly mode"
-        )
 
     @property
     def backend(self) -> BackendName:
@@ -266,12 +124,6 @@ class Calls:
     def casadi(self) -> CasadiFunctions:
         """The kernels as casadi.Function, with this geometry: `robot.casadi.twist`."""
         return CasadiFunctions(self.identifier, self.geometry)
-
-    def __repr__(self) -> str:
-        own = "" if self.name == self.identifier else f"{self.name}, "
-        return f"<Robot {own}{self.identifier} {self.notation}: {self.title}>"
-
-    # -- how a call is made ---------------------------------------------------------------------------------
 
     def call(self, function: str, *inputs: ArrayLike, **options: Unpack[Options]) -> Any:
         """Any function by name, with its inputs in the order of `signature(function)`."""
@@ -316,11 +168,6 @@ class Calls:
             numbers = NUMBERS[name]
             return numbers if len(numbers) > 1 else numbers[0]
         return 1.0 if name in SIGNS else 0.0 if name == "swivel" else np.nan
-
-    def _unknown(self, function: str) -> AttributeError:
-        return AttributeError(
-            f"{self.identifier} has no function {function!r}; it has {', '.join(self.functions)}"
-        )
 
     @cached_property
     def _backend(self) -> Backend:
@@ -441,67 +288,6 @@ class Calls:
         inputs = (picked[0], picked[1], by_name["redundant"], *signs, *swivels)
         excess, _ = self._backend.call("inverse_status", inputs, None)
         return float(np.asarray(excess)[leg - 1])
-
-    def _signs(
-        self, branch: Branch | None, table: Mapping[str, Sequence[int]], default: str, what: str
-    ) -> np.ndarray[Any, Any]:
-        """Signs (..., legs, k) of a branch given as a label, a label for each leg, or signs."""
-        one = default if branch is None else branch
-        labels = [one] * self.legs if isinstance(one, str) else one
-        if isinstance(labels, (list, tuple)) and all(isinstance(label, str) for label in labels):
-            unknown = [label for label in labels if label not in table]
-            if unknown or len(labels) != self.legs:
-                raise UnknownBranch(
-                    f"{self.identifier}: {branch!r} is not {what}; give one of {', '.join(table)}, or one "
-                    f"for each of the {('two', 'three')[self.legs - 2]} legs"
-                )
-            return np.array([table[str(label)] for label in labels], dtype=float)
-        signs = np.asarray(branch, dtype=float)
-        others = np.unique(signs[~np.isin(signs, (-1.0, 1.0))])
-        if others.size:
-            got = ", ".join(f"{value:g}" for value in others[:3])
-            raise UnknownBranch(f"{self.identifier}: the signs of {what} are +1 or -1, got {got}")
-        return signs
-
-    def _takes(self, function: str, argument: str) -> bool:
-        return any(port.name == argument for port in self.signature(function).inputs)
-
-    def _assembly_choice(
-        self, function: str, assembly: Branch | None, near: ArrayLike | None
-    ) -> tuple[Any, ...]:
-        """The argument that chooses the sub-legs' assembly modes, where they have several."""
-        if self._takes(function, "s_near"):
-            if near is None or assembly is not None:
-                raise UnknownBranch(
-                    f"{self.identifier}.{function}: the assembly mode of its sub-legs is chosen "
-                    "by a point near "
-                    "each end point: near=... of shape (..., 3, 3)"
-                )
-            return (near,)
-        if near is not None:
-            raise UnknownBranch(f"{self.identifier}.{function} takes no point near the end points")
-        if self.assemblies or assembly is not None:
-            return (self.assembly_signs(assembly),)
-        return ()
-
-    def _mode_input(self, function: str, mode: Branch | None) -> list[Any]:
-        """The signs of a working mode, where the robot's sub-legs have more than one."""
-        signs = self.mode_signs(mode)
-        return [signs] if self._takes(function, "mode") else []
-
-    def _swivels(self, function: str, given: ArrayLike | None, name: str = "swivel") -> list[Any]:
-        """An argument that redundant sub-legs alone take; zero unless given."""
-        if self._takes(function, name):
-            return [self._per_leg(0.0 if given is None else given)]
-        if given is not None:
-            raise UnknownBranch(
-                f"{self.identifier}.{function}: its sub-legs are not redundant and take no {name}"
-            )
-        return []
-
-    def _per_leg(self, values: ArrayLike) -> Any:
-        array = np.asarray(values, dtype=float)
-        return np.broadcast_to(array, (self.legs,)) if array.ndim == 0 else array
 
 
 def _shape_text(port: Port) -> str:

@@ -7,7 +7,8 @@ from typing import Any, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from krhpr.calls import Branch, Calls, Options
+from krhpr.branches import Branch
+from krhpr.calls import Calls, Options
 from krhpr.defaults import NUMBERS
 from krhpr.errors import UnknownBranch
 

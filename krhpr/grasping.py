@@ -10,7 +10,8 @@ from typing import Any, ClassVar, NamedTuple, Unpack
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from krhpr.calls import MEANINGS, WITHOUT_ANSWER, Branch, Calls, Options
+from krhpr.branches import Branch
+from krhpr.calls import MEANINGS, WITHOUT_ANSWER, Calls, Options
 from krhpr.errors import InBatch, NoGrasp, Unassembled
 from krhpr.generated.python.runtime import Geometry, Signature, Status
 from krhpr.limits import Limits

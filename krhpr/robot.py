@@ -11,8 +11,10 @@ from typing import Any, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from krhpr.calls import Branch, Home, Options
+from krhpr.branches import Branch
+from krhpr.calls import Options
 from krhpr.defaults import NUMBERS
+from krhpr.description import Home
 from krhpr.errors import UnknownBranch
 from krhpr.forward import ForwardKinematics
 from krhpr.generated.python.runtime import Geometry

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from krhpr.codegen.composition import RobotCode
     from krhpr.codegen.pipeline import Derived
+    from krhpr.codegen.robot_code import RobotCode
     from krhpr.codegen.targets.base import File
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -17,7 +17,7 @@ import pytest
 
 import krhpr
 from krhpr.codegen.build import Parts, build
-from krhpr.codegen.composition import RobotCode
+from krhpr.codegen.robot_code import RobotCode
 from krhpr.derivations.catalogue import catalogue
 from krhpr.derivations.grasping.catalogue import grasping
 from krhpr.robot import Robot

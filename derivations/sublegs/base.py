@@ -38,7 +38,8 @@ from krhpr.codegen.writer import KernelWriter
 from krhpr.derivations.requirements import Requirement
 from krhpr.derivations.sublegs.circles import Meeting
 from krhpr.derivations.sublegs.forward import ForwardRoots
-from krhpr.derivations.sublegs.kernels import SubLegKernels, SubLegPorts
+from krhpr.derivations.sublegs.kernels import SubLegKernels
+from krhpr.derivations.sublegs.ports import SubLegPorts
 from krhpr.derivations.sublegs.statics import StaticsKernels
 from krhpr.derivations.terms import ONLY, Factor, Joint, JointKind, Link, Mode, Sign, Space, branches
 from krhpr.derivations.vectors import solve_structured

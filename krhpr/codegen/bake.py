@@ -10,11 +10,11 @@ from typing import Any
 
 import mpmath
 
-from krhpr.codegen.composition import RobotCode
 from krhpr.codegen.evaluate import Arithmetic, prepare_geometry
 from krhpr.codegen.graph import Op
 from krhpr.codegen.kernel import PLACES
 from krhpr.codegen.part import Part
+from krhpr.codegen.robot_code import RobotCode
 
 _DIGITS = mpmath.MPContext()
 _DIGITS.dps = 50

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from math import radians
 
-from krhpr.codegen.composition import RobotCode
 from krhpr.codegen.kernel import LEGS, GeometryField
 from krhpr.codegen.part import Part, optimise
+from krhpr.codegen.robot_code import RobotCode
 from krhpr.derivations import algebra
 from krhpr.derivations.catalogue import Entry
 from krhpr.derivations.grasping.catalogue import GraspingEntry

@@ -15,8 +15,8 @@ from dataclasses import dataclass, replace
 from time import perf_counter
 
 from krhpr.codegen.build import Parts, build
-from krhpr.codegen.composition import RobotCode
 from krhpr.codegen.report import report_files
+from krhpr.codegen.robot_code import RobotCode
 from krhpr.codegen.targets.base import File, Target
 from krhpr.codegen.targets.c import CTarget
 from krhpr.codegen.targets.c_casadi import CasadiShimTarget

@@ -9,9 +9,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from krhpr import __version__
-from krhpr.codegen.composition import RobotCode
 from krhpr.codegen.kernel import LEGS
 from krhpr.codegen.part import Part
+from krhpr.codegen.robot_code import RobotCode
 from krhpr.codegen.targets.base import File, render
 from krhpr.codegen.targets.c_control import is_controlled
 from krhpr.robot_files.facts import facts_of_code

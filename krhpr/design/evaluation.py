@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from krhpr.calls import Branch
+from krhpr.branches import Branch
 from krhpr.design.connected import connected, cut, largest_cube
 from krhpr.design.objectives import Objective
 from krhpr.design.variables import DesignSpace, requirement

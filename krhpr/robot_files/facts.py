@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from krhpr.robot_files.quantities import Kind
 
 if TYPE_CHECKING:
-    from krhpr.codegen.composition import RobotCode
+    from krhpr.codegen.robot_code import RobotCode
 
 Legs = tuple[float, float, float]
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from krhpr.calls import Branch
+from krhpr.branches import Branch
 from krhpr.trajectory.clearance import Pair
 from krhpr.trajectory.compiled import Evaluation
 from krhpr.trajectory.horizon import Plan, RecedingHorizon

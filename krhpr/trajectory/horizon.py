@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from krhpr.calls import Branch
+from krhpr.branches import Branch
 from krhpr.errors import TrajectoryError
 from krhpr.native import NoCompiler, find_compiler
 from krhpr.robot import Robot

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from krhpr.calls import Branch
+from krhpr.branches import Branch
 from krhpr.robot import Robot
 from krhpr.trajectory import baselines
 from krhpr.trajectory.clearance import kept_apart

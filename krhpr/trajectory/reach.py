@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from krhpr.calls import Branch
+from krhpr.branches import Branch
 from krhpr.errors import TrajectoryError
 from krhpr.robot import Robot
 from krhpr.trajectory.paths import Path, PathError

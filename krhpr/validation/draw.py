@@ -9,8 +9,9 @@ from fractions import Fraction
 from random import Random
 from typing import Any
 
-from krhpr.codegen.composition import RobotCode, RobotFunction
+from krhpr.codegen.composition import RobotFunction
 from krhpr.codegen.kernel import LEGS, GeometryType, Port, Unit
+from krhpr.codegen.robot_code import RobotCode
 from krhpr.validation.numbers import Angle, Exact
 
 

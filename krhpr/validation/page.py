@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from krhpr.codegen.composition import RobotCode
+from krhpr.codegen.robot_code import RobotCode
 from krhpr.validation.check import Check, Kind
 from krhpr.validation.plan import KINDS, REASONS, plan
 from krhpr.validation.rules import EVERY

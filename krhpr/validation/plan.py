@@ -9,10 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 
-from krhpr.codegen.composition import RobotCode, RobotFunction, Status
+from krhpr.codegen.composition import RobotFunction
 from krhpr.codegen.graph import Op
 from krhpr.codegen.kernel import LEGS, Kernel
 from krhpr.codegen.part import Part
+from krhpr.codegen.robot_code import RobotCode
+from krhpr.codegen.status import Status
 from krhpr.validation.check import (
     BALL,
     EXACT,

@@ -15,9 +15,10 @@ from typing import Any
 
 from krhpr.backend import compile_robot
 from krhpr.codegen.build import Parts, build
-from krhpr.codegen.composition import RobotCode, RobotFunction
+from krhpr.codegen.composition import RobotFunction
 from krhpr.codegen.evaluate import Arithmetic, evaluate_function, evaluate_kernel, prepare_geometry
 from krhpr.codegen.kernel import LEGS, GeometryType, Kernel
+from krhpr.codegen.robot_code import RobotCode
 from krhpr.derivations.catalogue import Entry, catalogue
 from krhpr.derivations.grasping.catalogue import grasping
 from krhpr.derivations.platforms.base import Platform

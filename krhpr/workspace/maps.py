@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from krhpr.calls import Branch
+from krhpr.branches import Branch
 from krhpr.errors import WorkspaceError
 from krhpr.robot import Robot
 from krhpr.workspace.axes import Axis, Family

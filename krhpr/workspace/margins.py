@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from krhpr.calls import Branch
+from krhpr.branches import Branch
 from krhpr.errors import WorkspaceError
 from krhpr.limits import Intervals
 from krhpr.robot import Robot

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from krhpr.calls import Branch
+from krhpr.branches import Branch
 from krhpr.errors import WorkspaceError
 from krhpr.robot import Robot
 from krhpr.workspace.axes import Layers, TiltTorsion, directions, steps

@@ -16,7 +16,7 @@ from krhpr.certificate.factors import Form, factors
 from krhpr.derivations.catalogue import catalogue
 from krhpr.validation.numbers import Angle as RationalAngle
 from krhpr.validation.numbers import Exact
-from krhpr.validation.proofs.platforms import closed_form
+from krhpr.validation.proofs.singularities import closed_form
 from tests.certificate.support import ROBOTS, load, margins
 
 rationals = st.fractions(-5, 5, max_denominator=99)

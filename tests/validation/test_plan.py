@@ -18,7 +18,7 @@ from krhpr.validation.plan import KINDS, REASONS, plan
 from krhpr.validation.proofs.first_principles import CLOSURES
 from krhpr.validation.proofs.passive import PASSIVE
 from krhpr.validation.proofs.places import OTHERS
-from krhpr.validation.proofs.platforms import EQUILATERAL
+from krhpr.validation.proofs.singularities import EQUILATERAL
 from krhpr.validation.proofs.thesis import ATTACHMENTS, ROWS, VELOCITY
 from krhpr.validation.rules import EVERY, FIRST_PRINCIPLES, THESIS_ROWS, THESIS_VELOCITY
 from krhpr.validation.run import RUNNERS

@@ -14,9 +14,9 @@ from typing import Any, Protocol
 import jinja2
 
 import krhpr.templates
-from krhpr.codegen.composition import RobotCode
 from krhpr.codegen.kernel import Kernel, Port
 from krhpr.codegen.part import Part
+from krhpr.codegen.robot_code import RobotCode
 
 
 @dataclass(frozen=True)

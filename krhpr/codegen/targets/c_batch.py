@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from krhpr.codegen.composition import RobotCode, RobotFunction
+from krhpr.codegen.composition import RobotFunction
 from krhpr.codegen.kernel import Port
+from krhpr.codegen.robot_code import RobotCode
 from krhpr.codegen.targets.c_defaults import default
 from krhpr.codegen.targets.c_functions import FunctionView, function_view
 from krhpr.codegen.targets.c_numbers import LANES

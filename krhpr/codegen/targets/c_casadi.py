@@ -10,8 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from krhpr.codegen.bake import baked_geometry
-from krhpr.codegen.composition import RobotCode, RobotFunction
+from krhpr.codegen.composition import RobotFunction
 from krhpr.codegen.part import Part
+from krhpr.codegen.robot_code import RobotCode
 from krhpr.codegen.tangent import BRANCHES, TangentFunction, tangent_function
 from krhpr.codegen.targets.base import File, render
 from krhpr.codegen.targets.c_tangent import DIRECTIONS, TwinFunction, twin_views

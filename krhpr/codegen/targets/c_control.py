@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from krhpr.codegen.composition import RobotCode
 from krhpr.codegen.part import Part
+from krhpr.codegen.robot_code import RobotCode
 from krhpr.codegen.targets.base import File, render
 
 ENOUGH_FRICTION = 1e6

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from krhpr.codegen.composition import OPTIONAL_INPUTS, RobotCode, RobotFunction
+from krhpr.codegen.composition import OPTIONAL_INPUTS, RobotFunction
 from krhpr.codegen.kernel import Port
+from krhpr.codegen.robot_code import RobotCode
 
 
 def default(port: Port) -> str:

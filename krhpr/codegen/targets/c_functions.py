@@ -9,13 +9,13 @@ from krhpr.codegen.composition import (
     LEG_STATUSES,
     OPTIONAL_INPUTS,
     Guard,
-    RobotCode,
     RobotFunction,
     Stage,
     Variable,
     variables,
 )
 from krhpr.codegen.kernel import Layout, Port
+from krhpr.codegen.robot_code import RobotCode
 from krhpr.codegen.targets.base import port_text
 from krhpr.codegen.targets.c_defaults import default
 from krhpr.codegen.targets.c_legs import LegsView, legs_view

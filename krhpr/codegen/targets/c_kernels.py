@@ -6,11 +6,11 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from krhpr.codegen.composition import RobotCode
 from krhpr.codegen.kernel import GEOMETRY_PREFIX, GeometryType, Kernel, Port
 from krhpr.codegen.part import Part
 from krhpr.codegen.printers.c import input_text, lane_text, print_kernel, print_lanes
 from krhpr.codegen.printers.infix import Body, Line, Pair
+from krhpr.codegen.robot_code import RobotCode
 from krhpr.codegen.targets.base import kernel_comment
 from krhpr.codegen.targets.c_numbers import LANES, NUMBER, Writing
 

@@ -9,10 +9,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import prod
 
-from krhpr.codegen.composition import Call, RobotCode, RobotFunction, Stage, Variable
+from krhpr.codegen.composition import Call, RobotFunction, Stage, Variable
 from krhpr.codegen.kernel import LEGS, Kernel, Layout
 from krhpr.codegen.part import Part
 from krhpr.codegen.printers.c import print_lanes
+from krhpr.codegen.robot_code import RobotCode
 from krhpr.codegen.targets.base import broken
 from krhpr.codegen.targets.c_numbers import LANES, holds
 

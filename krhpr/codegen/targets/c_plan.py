@@ -7,20 +7,12 @@ from __future__ import annotations
 import textwrap
 from math import prod
 
-from krhpr.codegen.composition import (
-    Call,
-    EachPair,
-    EachRoot,
-    Repeat,
-    RobotCode,
-    RobotFunction,
-    Stage,
-    Variable,
-)
+from krhpr.codegen.composition import Call, EachPair, EachRoot, Repeat, RobotFunction, Stage, Variable
 from krhpr.codegen.kernel import Kernel, Layout, Port
 from krhpr.codegen.part import Part
 from krhpr.codegen.phases import Phases
 from krhpr.codegen.printers.c import print_kernel
+from krhpr.codegen.robot_code import RobotCode
 from krhpr.codegen.targets.base import broken
 from krhpr.codegen.targets.c_numbers import LANES, Writing
 from krhpr.codegen.targets.c_statements import AtPairs, AtRoots, Iteration, Row, Statement

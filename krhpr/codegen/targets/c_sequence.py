@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import prod
 
-from krhpr.codegen.composition import RobotCode, RobotFunction, Step
+from krhpr.codegen.composition import RobotFunction, Step
 from krhpr.codegen.kernel import Port
+from krhpr.codegen.robot_code import RobotCode
 from krhpr.codegen.targets.base import broken
 from krhpr.codegen.targets.c_functions import prototype
 

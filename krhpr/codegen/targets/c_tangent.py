@@ -10,12 +10,13 @@ import re
 from dataclasses import dataclass
 from math import prod
 
-from krhpr.codegen.composition import Call, RobotCode, RobotFunction, Stage, Variable, variables
+from krhpr.codegen.composition import Call, RobotFunction, Stage, Variable, variables
 from krhpr.codegen.graph import InputRef
 from krhpr.codegen.kernel import GEOMETRY_PREFIX, Kernel, Port
 from krhpr.codegen.part import Part
 from krhpr.codegen.printers.c import FUNCTIONS, RESERVED, constant, input_text
 from krhpr.codegen.printers.infix import Dialect, Line, Pair, print_body
+from krhpr.codegen.robot_code import RobotCode
 from krhpr.codegen.tangent import BRANCHES, SUFFIX, TangentFunction, is_tangent, tangent_twin
 from krhpr.codegen.targets.base import broken, kernel_comment
 

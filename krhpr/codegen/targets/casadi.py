@@ -6,9 +6,10 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from krhpr.codegen.bake import baked_values, scalars
-from krhpr.codegen.composition import Call, RobotCode, RobotFunction, Stage, Variable, variables
+from krhpr.codegen.composition import Call, RobotFunction, Stage, Variable, variables
 from krhpr.codegen.part import Part
 from krhpr.codegen.printers.python import CASADI
+from krhpr.codegen.robot_code import RobotCode
 from krhpr.codegen.targets.base import File, broken, render
 from krhpr.codegen.targets.python import link_pairs, part_context
 

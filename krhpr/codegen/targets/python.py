@@ -16,10 +16,8 @@ from krhpr.codegen.composition import (
     Guard,
     Relation,
     Repeat,
-    RobotCode,
     RobotFunction,
     Stage,
-    Status,
     Variable,
     variables,
 )
@@ -28,6 +26,8 @@ from krhpr.codegen.kernel import LEGS, Kernel, Port
 from krhpr.codegen.part import Part
 from krhpr.codegen.printers.infix import Body, Line
 from krhpr.codegen.printers.python import NUMPY, component, print_kernel
+from krhpr.codegen.robot_code import RobotCode
+from krhpr.codegen.status import Status
 from krhpr.codegen.targets.base import File, broken, kernel_comment, port_text, render
 from krhpr.codegen.targets.python_limits import python_limits
 from krhpr.defaults import NUMBERS, SIGNS

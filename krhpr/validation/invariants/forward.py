@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from krhpr.codegen.composition import Status
+from krhpr.codegen.status import Status
 from krhpr.derivations.roots import MISS_TOLERANCE
 from krhpr.validation.conditioning import SURE, condition
 from krhpr.validation.differences import arc, call

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from krhpr.codegen.composition import Status
 from krhpr.codegen.kernel import LEGS
+from krhpr.codegen.status import Status
 from krhpr.validation.differences import arc, call
 from krhpr.validation.evaluation import CONDITION
 from krhpr.validation.invariants.batch import close, runner

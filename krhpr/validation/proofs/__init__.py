@@ -15,6 +15,7 @@ from krhpr.validation.proofs import (
     links,
     platforms,
     robots,
+    singularities,
     statics,
     sublegs,
 )
@@ -23,6 +24,7 @@ RUNNERS: dict[str, Runner] = {
     **sublegs.RUNNERS,
     **assemblies.RUNNERS,
     **platforms.RUNNERS,
+    **singularities.RUNNERS,
     **robots.RUNNERS,
     **statics.RUNNERS,
     **forward.RUNNERS,

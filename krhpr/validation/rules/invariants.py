@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from krhpr.codegen.composition import RobotCode
+from krhpr.codegen.robot_code import RobotCode
 from krhpr.validation.check import EXACT, ROUND_TRIP, Samples
 from krhpr.validation.rules.known import FIRST_PRINCIPLES
 from krhpr.validation.rules.rule import BATCH, EVERY, Rule

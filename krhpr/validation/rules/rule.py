@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from krhpr.codegen.composition import RobotCode
+from krhpr.codegen.robot_code import RobotCode
 from krhpr.validation.check import Samples, Target
 
 NUMERIC = (Target.C, Target.NUMPY)
