@@ -26,11 +26,11 @@ from pathlib import Path
 
 import krhpr
 from krhpr.codegen.build import Parts
-from krhpr.codegen.composition import STATUS_DOC, RobotFunction
+from krhpr.codegen.composition import RobotFunction
 from krhpr.codegen.graph import InputRef
 from krhpr.codegen.kernel import GeometryField, Kernel
 from krhpr.codegen.pipeline import TARGETS, derive
-from krhpr.codegen.status import Status
+from krhpr.codegen.status import STATUS_DOC, Status
 from krhpr.derivations.catalogue import Entry, catalogue
 from krhpr.derivations.platforms.base import Platform
 from krhpr.derivations.sublegs.base import SubLeg

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from krhpr.codegen.bake import baked_geometry
-from krhpr.codegen.composition import STATUS_DOC
 from krhpr.codegen.kernel import PLACES
 from krhpr.codegen.part import Part
 from krhpr.codegen.robot_code import RobotCode
-from krhpr.codegen.status import Status
+from krhpr.codegen.status import STATUS_DOC, Status
 from krhpr.codegen.targets.base import File, render
 from krhpr.codegen.targets.c_batch import PARAMETERS, SOA_PARAMETERS, batch_view, goes_side_by_side
 from krhpr.codegen.targets.c_defaults import default_constants

@@ -5,17 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import prod
 
-from krhpr.codegen.composition import (
-    LEG_STATUSES,
-    OPTIONAL_INPUTS,
-    Guard,
-    RobotFunction,
-    Stage,
-    Variable,
-    variables,
-)
+from krhpr.codegen.composition import OPTIONAL_INPUTS, Guard, RobotFunction, Stage, Variable, variables
 from krhpr.codegen.kernel import Layout, Port
 from krhpr.codegen.robot_code import RobotCode
+from krhpr.codegen.status import LEG_STATUSES
 from krhpr.codegen.targets.base import port_text
 from krhpr.codegen.targets.c_defaults import default
 from krhpr.codegen.targets.c_legs import LegsView, legs_view

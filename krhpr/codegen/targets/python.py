@@ -8,8 +8,6 @@ from typing import Any
 
 from krhpr.codegen.bake import baked_values, scalars
 from krhpr.codegen.composition import (
-    LEG_STATUSES,
-    STATUS_DOC,
     Call,
     EachPair,
     EachRoot,
@@ -27,7 +25,7 @@ from krhpr.codegen.part import Part
 from krhpr.codegen.printers.infix import Body, Line
 from krhpr.codegen.printers.python import NUMPY, component, print_kernel
 from krhpr.codegen.robot_code import RobotCode
-from krhpr.codegen.status import Status
+from krhpr.codegen.status import LEG_STATUSES, STATUS_DOC, Status
 from krhpr.codegen.targets.base import File, broken, kernel_comment, port_text, render
 from krhpr.codegen.targets.python_limits import python_limits
 from krhpr.defaults import NUMBERS, SIGNS
