@@ -174,23 +174,17 @@ class FiveBar(Linkage):
         self, k: KernelWriter, at: SimpleNamespace, v_1: sp.Matrix, b_22: Any
     ) -> tuple[sp.Matrix, Any, Any]:
         """The second row of A and B where the rod ends beyond E: that of (1.10), (1.11), with the erratum of
-        (1.10), over k and with 1 - k times the first row added.
-
-        v_2 = k v_1 + f, where f is from C to E, becomes h = v_1 + f, from C to S_i.
+        (1.10), over k and less k times the first row. As v_2 = f + k v_1, it has f for v_2.
         """
-        u_1, u_2, ratio = at.u_1, at.u_2, self._ratio(k)
-        h = k.let("h", at.d - u_2 - self._second_axis(k), "from C to S_i")
-        turn = k.let("t", cross2(u_2, v_1), "u_2 x v_1")
+        f = k.let("f", at.u_1 - at.u_2 - self._second_axis(k), "from C to E")
         if self.coaxial:
-            k.replace(cross2(v_1, h), turn - b_22)
-            cranks = k.let("u_12", cross2(u_1, u_2), "f x u_1")
-            b_33 = turn - cranks / ratio
+            turn_1 = k.let("u_12", cross2(at.u_1, at.u_2), "f x u_1")
+            turn_2 = -turn_1
         else:
-            f = k.let("f", h - v_1, "from C to E")
-            cranks = cross2(f, u_1)
-            b_33 = turn + cross2(u_2, f) / ratio
-        b_32 = k.let("b_32", (1 / ratio - 1) * cranks, "(1.13), that of this row")
-        return h, b_32, k.let("b_33", b_33, "v_2^T (e_3 x u_2) / k")
+            turn_1, turn_2 = cross2(f, at.u_1), cross2(at.u_2, f)
+        ratio = self._ratio(k)
+        b_32 = k.let("b_32", (1 / ratio - 1) * turn_1 - b_22, "(1.13) over k, less k b_22")
+        return f, b_32, k.let("b_33", cross2(at.u_2, v_1) + turn_2 / ratio, "v_2^T (e_3 x u_2) / k")
 
     def tip(self, k: KernelWriter, at: SimpleNamespace) -> sp.Matrix:
         return self._distal(k, at)[0] / k.g.l_6

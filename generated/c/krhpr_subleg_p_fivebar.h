@@ -380,7 +380,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_posture(
     u_2[1] = g->l_2[i] * sine[1];
 }
 
-/* Jacobian M_i of the P(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (17 add, 30
+/* Jacobian M_i of the P(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (18 add, 32
  * multiply, 1 divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_jacobian(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
@@ -389,18 +389,17 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_jacobian(
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const double h_1 = d[1] - u_2[1];
-    const double t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const double delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
     const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const double b_32 = u_12 * g->k[12][i]; /* (1.13), that of this row */
-    const double b_33 = t - u_12 * g->k[2][i]; /* v_2^T (e_3 x u_2) / k */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const double t1 = 1.0 / delta;
     const double q = b_33 * t1;
-    const double m_01 = t1 * (b_22 * h_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const double m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
     const double t2 = v_1_1 * q;
-    const double m_11 = t1 * (v_1_0 * b_32 - b_22 * h_0); /* A^-1 B in the leg's frame */
+    const double m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
     const double m_12 = v_1_0 * q;
     M[0] = g->e_t[0][i];
     M[1] = g->e_1[0][i] * m_11 + g->e_x[0][i] * m_01;
@@ -415,7 +414,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_jacobian(
 }
 
 /* Rows of K: N M_i for the P(RR-RRR) sub-leg, where the rows of N are the directions of the platform's
- * lines.  Thesis: (1.8), (1.28).  (25 add, 42 multiply, 1 divide, 1 select) */
+ * lines.  Thesis: (1.8), (1.28).  (26 add, 44 multiply, 1 divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_project(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double N[6], double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
@@ -423,18 +422,17 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_project(
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const double h_1 = d[1] - u_2[1];
-    const double t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const double delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
     const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const double b_32 = u_12 * g->k[12][i]; /* (1.13), that of this row */
-    const double b_33 = t - u_12 * g->k[2][i]; /* v_2^T (e_3 x u_2) / k */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const double t1 = 1.0 / delta;
     const double q = b_33 * t1;
-    const double m_01 = t1 * (b_22 * h_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const double m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
     const double t2 = v_1_1 * q;
-    const double m_11 = t1 * (v_1_0 * b_32 - b_22 * h_0); /* A^-1 B in the leg's frame */
+    const double m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
     const double m_12 = v_1_0 * q;
     const double n_00 = g->e_x[0][i] * N[0] + g->e_x[1][i] * N[1] + g->e_x[2][i] * N[2]; /* N in the leg's frame */
     const double n_01 = g->e_1[0][i] * N[0] + g->e_1[1][i] * N[1] + g->e_1[2][i] * N[2];
@@ -451,7 +449,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_project(
     *regularity = fabs(delta * g->k[13][i]);
 }
 
-/* Velocity of the end point of the P(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 26 multiply, 1
+/* Velocity of the end point of the P(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (18 add, 28 multiply, 1
  * divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_velocity(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
@@ -461,18 +459,17 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_velocity(
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const double h_1 = d[1] - u_2[1];
-    const double t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const double delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
     const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const double b_32 = u_12 * g->k[12][i]; /* (1.13), that of this row */
-    const double b_33 = t - u_12 * g->k[2][i]; /* v_2^T (e_3 x u_2) / k */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const double w_1 = b_22 * theta_dot[1]; /* B theta_dot */
     const double w_2 = b_32 * theta_dot[1] + b_33 * theta_dot[2];
     const double t1 = 1.0 / delta;
-    const double v_l_0 = (h_1 * w_1 - v_1_1 * w_2) * t1; /* velocity in the leg's frame */
-    const double v_l_1 = t1 * (v_1_0 * w_2 - h_0 * w_1);
+    const double v_l_0 = (f_1 * w_1 - v_1_1 * w_2) * t1; /* velocity in the leg's frame */
+    const double v_l_1 = t1 * (v_1_0 * w_2 - f_0 * w_1);
     s_dot[0] = g->e_1[0][i] * v_l_1 + g->e_t[0][i] * theta_dot[0] + g->e_x[0][i] * v_l_0;
     s_dot[1] = g->e_1[1][i] * v_l_1 + g->e_t[1][i] * theta_dot[0] + g->e_x[1][i] * v_l_0;
     s_dot[2] = g->e_1[2][i] * v_l_1 + g->e_x[2][i] * v_l_0;
@@ -487,7 +484,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_bias_angles(const double theta[3], doub
 }
 
 /* Velocity of the end point of the P(RR-RRR) sub-leg and the part of its acceleration that does not depend
- * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (59 add, 99 multiply, 1 divide, 1
+ * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (63 add, 105 multiply, 1 divide, 1
  * select) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_bias(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double s[3], const double theta_dot[3],
@@ -506,18 +503,17 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_bias(
     const double v_1_0 = d_0 - u_1_0; /* (1.14) */
     const double v_1_1 = d_1 - u_1_1;
     const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double h_0 = d_0 - u_2_0; /* from C to S_i */
-    const double h_1 = d_1 - u_2_1;
-    const double t = u_2_0 * v_1_1 - u_2_1 * v_1_0; /* u_2 x v_1 */
-    const double delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const double f_0 = u_1_0 - u_2_0; /* from C to E */
+    const double f_1 = u_1_1 - u_2_1;
     const double u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0; /* f x u_1 */
-    const double b_32 = u_12 * g->k[12][i]; /* (1.13), that of this row */
-    const double b_33 = t - u_12 * g->k[2][i]; /* v_2^T (e_3 x u_2) / k */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2_0 * v_1_1 - u_12 * g->k[2][i] - u_2_1 * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const double t1 = theta_dot[1] * b_32 + theta_dot[2] * b_33;
-    const double t2 = v_1_0 * t1 - theta_dot[1] * (b_22 * h_0);
+    const double t2 = v_1_0 * t1 - theta_dot[1] * (b_22 * f_0);
     const double t3 = 1.0 / delta;
     const double t4 = g->e_1[0][i] * t2 * t3;
-    const double t5 = theta_dot[1] * (b_22 * h_1) - v_1_1 * t1;
+    const double t5 = theta_dot[1] * (b_22 * f_1) - v_1_1 * t1;
     const double t6 = t3 * (g->e_x[0][i] * t5);
     const double s_dot_0 = g->e_t[0][i] * theta_dot[0] + t4 + t6;
     const double t7 = t3 * (g->e_1[1][i] * t2);
@@ -526,21 +522,21 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_bias(
     const double t9 = t3 * (g->e_1[2][i] * t2);
     const double t10 = t3 * (g->e_x[2][i] * t5);
     const double s_dot_2 = t9 + t10;
-    const double t11 = g->e_x[0][i] * s_dot_0 + g->e_x[1][i] * s_dot_1 + g->e_x[2][i] * s_dot_2;
-    const double t12 = g->e_1[0][i] * s_dot_0 + g->e_1[1][i] * s_dot_1 + g->e_1[2][i] * s_dot_2;
-    const double t13 = g->l_4[i] * (theta_dot[1] * sine[0]);
-    const double t14 = g->l_4[i] * (theta_dot[1] * cosine[0]);
-    const double t15 = g->l_2[i] * (theta_dot[2] * sine[1]);
-    const double t16 = g->l_2[i] * (theta_dot[2] * cosine[1]);
-    const double t17 = t11 + t13;
-    const double t18 = t12 - t14;
-    const double t19 = u_1_0 * t18 - v_1_1 * t13 - (v_1_0 * t14 + u_1_1 * t17);
-    const double t20 = u_2_0 * t18 - v_1_1 * t15 - (v_1_0 * t16 + u_2_1 * t17);
-    const double t21 = t20 - t19;
-    const double t22 = u_1_0 * t16 - u_2_1 * t13 - (u_2_0 * t14 - u_1_1 * t15);
-    const double t23 = theta_dot[1] * (g->k[12][i] * t22) + theta_dot[2] * (t20 - g->k[2][i] * t22);
-    const double t24 = t1 * t17 + v_1_0 * t23 - theta_dot[1] * (h_0 * t19 + b_22 * (t11 + t15));
-    const double t25 = theta_dot[1] * (h_1 * t19 + b_22 * (t12 - t16)) - (t1 * t18 + v_1_1 * t23);
+    const double t11 = g->l_4[i] * (theta_dot[1] * sine[0]);
+    const double t12 = g->l_4[i] * (theta_dot[1] * cosine[0]);
+    const double t13 = g->l_2[i] * (theta_dot[2] * sine[1]);
+    const double t14 = g->l_2[i] * (theta_dot[2] * cosine[1]);
+    const double t15 = g->e_x[0][i] * s_dot_0 + g->e_x[1][i] * s_dot_1 + g->e_x[2][i] * s_dot_2 + t11;
+    const double t16 = g->e_1[0][i] * s_dot_0 + g->e_1[1][i] * s_dot_1 + g->e_1[2][i] * s_dot_2 - t12;
+    const double t17 = u_1_0 * t16 - v_1_1 * t11 - (v_1_0 * t12 + u_1_1 * t15);
+    const double t18 = t13 - t11;
+    const double t19 = t12 - t14;
+    const double t20 = u_1_0 * t14 - u_2_1 * t11 - (u_2_0 * t12 - u_1_1 * t13);
+    const double t21 = f_1 * t15 + v_1_0 * t19 - (f_0 * t16 + v_1_1 * t18);
+    const double t22 = theta_dot[2] * (u_2_0 * t16 - v_1_1 * t13 - g->k[2][i] * t20 - (v_1_0 * t14 + u_2_1 * t15));
+    const double t23 = theta_dot[1] * (g->k[12][i] * t20 - t17) + t22;
+    const double t24 = t1 * t15 + v_1_0 * t23 - theta_dot[1] * (f_0 * t17 + b_22 * t18);
+    const double t25 = theta_dot[1] * (f_1 * t17 + b_22 * t19) - (t1 * t16 + v_1_1 * t23);
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
     s_dot[2] = s_dot_2;
@@ -551,7 +547,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_bias(
 }
 
 /* Actuated joint rates of the P(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
- * so it serves accelerations too.  Thesis: (1.9).  (16 add, 26 multiply, 2 divide, 3 select) */
+ * so it serves accelerations too.  Thesis: (1.9).  (17 add, 26 multiply, 2 divide, 3 select) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_rates(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double s_dot[3], double *KRHPR_RESTRICT theta_dot,
@@ -560,17 +556,16 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_rates(
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const double h_1 = d[1] - u_2[1];
-    const double t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
     const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const double b_32 = u_12 * g->k[12][i]; /* (1.13), that of this row */
-    const double b_33 = t - u_12 * g->k[2][i]; /* v_2^T (e_3 x u_2) / k */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
     const double v_l_0 = g->e_x[0][i] * s_dot[0] + g->e_x[1][i] * s_dot[1] + g->e_x[2][i] * s_dot[2]; /* velocity in the leg's frame */
     const double v_l_1 = g->e_1[0][i] * s_dot[0] + g->e_1[1][i] * s_dot[1] + g->e_1[2][i] * s_dot[2];
     const double v_l_2 = g->e_t[0][i] * s_dot[0] + g->e_t[1][i] * s_dot[1];
     const double w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1; /* A s_dot */
-    const double w_2 = h_0 * v_l_0 + h_1 * v_l_1;
+    const double w_2 = f_0 * v_l_0 + f_1 * v_l_1;
     const double t1 = 1.0 / b_22;
     theta_dot[0] = v_l_2;
     theta_dot[1] = w_1 * t1;
@@ -578,8 +573,8 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_rates(
     *regularity = krhpr_min(fabs(b_22 * g->k[14][i]), fabs(g->k[6][i] * b_33 * g->k[15][i]));
 }
 
-/* det M_i of the P(RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.  (7 add,
- * 12 multiply, 1 divide) */
+/* det M_i of the P(RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.  (9 add,
+ * 14 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_determinant(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
@@ -587,10 +582,11 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_determinant(
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const double delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
     const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const double b_33 = t - u_12 * g->k[2][i]; /* v_2^T (e_3 x u_2) / k */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     *det_M = b_22 * b_33 / delta;
     factors[0] = b_22 * g->k[14][i];
     factors[1] = g->k[6][i] * b_33 * g->k[15][i];
@@ -598,7 +594,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_determinant(
 }
 
 /* Squares of M_i of the P(RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide count by
- * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (39 add, 76 multiply, 1 divide, 1
+ * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (40 add, 78 multiply, 1 divide, 1
  * select) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_gram(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
@@ -609,18 +605,17 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_gram(
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const double h_1 = d[1] - u_2[1];
-    const double t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const double delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
     const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const double b_32 = u_12 * g->k[12][i]; /* (1.13), that of this row */
-    const double b_33 = t - u_12 * g->k[2][i]; /* v_2^T (e_3 x u_2) / k */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const double t1 = 1.0 / delta;
     const double q = b_33 * t1;
-    const double m_01 = t1 * (b_22 * h_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const double m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
     const double t2 = v_1_1 * q;
-    const double m_11 = t1 * (v_1_0 * b_32 - b_22 * h_0); /* A^-1 B in the leg's frame */
+    const double m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
     const double m_12 = v_1_0 * q;
     const double g_00 = m_01 * m_01 + t2 * t2; /* M M^T */
     const double g_01 = m_01 * m_11 - t2 * m_12;
@@ -738,7 +733,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_points(
     points[20] = s[2];
 }
 
-/* Rows of K_n for the P(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (32 add, 54 multiply,
+/* Rows of K_n for the P(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (33 add, 56 multiply,
  * 1 divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_transmission(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
@@ -748,18 +743,17 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_transmission(
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const double h_1 = d[1] - u_2[1];
-    const double t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const double delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
     const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const double b_32 = u_12 * g->k[12][i]; /* (1.13), that of this row */
-    const double b_33 = t - u_12 * g->k[2][i]; /* v_2^T (e_3 x u_2) / k */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const double t1 = 1.0 / delta;
     const double q = b_33 * t1;
-    const double m_01 = t1 * (b_22 * h_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const double m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
     const double t2 = v_1_1 * q;
-    const double m_11 = t1 * (v_1_0 * b_32 - b_22 * h_0); /* A^-1 B in the leg's frame */
+    const double m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
     const double m_12 = v_1_0 * q;
     const double n_00 = g->e_x[0][i] * N[0] + g->e_x[1][i] * N[1] + g->e_x[2][i] * N[2]; /* N and c_i in the leg's frame */
     const double n_01 = g->e_1[0][i] * N[0] + g->e_1[1][i] * N[1] + g->e_1[2][i] * N[2];
@@ -906,7 +900,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_torques(
 }
 
 /* Force at the end point of the P(RR-RRR) sub-leg from those of its actuators: g = M_i^-T f.  Thesis:
- * (5.36).  (17 add, 31 multiply, 2 divide, 3 select) */
+ * (5.36).  (18 add, 31 multiply, 2 divide, 3 select) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_end_force(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double actuator_forces[3], double *KRHPR_RESTRICT end_force,
@@ -915,16 +909,15 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_end_force(
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const double h_1 = d[1] - u_2[1];
-    const double t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
     const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const double b_32 = u_12 * g->k[12][i]; /* (1.13), that of this row */
-    const double b_33 = t - u_12 * g->k[2][i]; /* v_2^T (e_3 x u_2) / k */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
     const double t1 = 1.0 / b_22;
     const double t2 = 1.0 / b_33;
-    const double g_l_0 = v_1_0 * actuator_forces[1] * t1 + actuator_forces[2] * (h_0 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
-    const double g_l_1 = t1 * (v_1_1 * actuator_forces[1]) + t2 * (actuator_forces[2] * (h_1 - t1 * (v_1_1 * b_32)));
+    const double g_l_0 = v_1_0 * actuator_forces[1] * t1 + actuator_forces[2] * (f_0 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
+    const double g_l_1 = t1 * (v_1_1 * actuator_forces[1]) + t2 * (actuator_forces[2] * (f_1 - t1 * (v_1_1 * b_32)));
     const double end_force_0 = g->e_t[0][i] * actuator_forces[0] + g->e_1[0][i] * g_l_1 + g->e_x[0][i] * g_l_0;
     const double end_force_1 = g->e_t[1][i] * actuator_forces[0] + g->e_1[1][i] * g_l_1 + g->e_x[1][i] * g_l_0;
     end_force[0] = end_force_0;

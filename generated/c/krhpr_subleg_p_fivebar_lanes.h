@@ -423,7 +423,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_posture_lanes(
     u_2[1] = g_l_2 * sine[1];
 }
 
-/* Jacobian M_i of the P(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (17 add, 30
+/* Jacobian M_i of the P(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (18 add, 32
  * multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_jacobian_lanes(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
@@ -443,18 +443,17 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_jacobian_lanes(
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const krhpr_lanes h_1 = d[1] - u_2[1];
-    const krhpr_lanes t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const krhpr_lanes delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
     const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const krhpr_lanes b_32 = u_12 * g_k_12; /* (1.13), that of this row */
-    const krhpr_lanes b_33 = t - u_12 * g_k_2; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const krhpr_lanes t1 = 1.0 / delta;
     const krhpr_lanes q = b_33 * t1;
-    const krhpr_lanes m_01 = t1 * (b_22 * h_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
     const krhpr_lanes t2 = v_1_1 * q;
-    const krhpr_lanes m_11 = t1 * (v_1_0 * b_32 - b_22 * h_0); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
     const krhpr_lanes m_12 = v_1_0 * q;
     M[0] = g_e_t_0;
     M[1] = g_e_1_0 * m_11 + g_e_x_0 * m_01;
@@ -469,7 +468,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_jacobian_lanes(
 }
 
 /* Rows of K: N M_i for the P(RR-RRR) sub-leg, where the rows of N are the directions of the platform's
- * lines.  Thesis: (1.8), (1.28).  (25 add, 42 multiply, 1 divide, 1 select) */
+ * lines.  Thesis: (1.8), (1.28).  (26 add, 44 multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_project_lanes(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
     const krhpr_lanes_at u_2[2], const krhpr_lanes_at N[6], krhpr_lanes_at *KRHPR_RESTRICT K,
@@ -489,18 +488,17 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_project_lanes(
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const krhpr_lanes h_1 = d[1] - u_2[1];
-    const krhpr_lanes t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const krhpr_lanes delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
     const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const krhpr_lanes b_32 = u_12 * g_k_12; /* (1.13), that of this row */
-    const krhpr_lanes b_33 = t - u_12 * g_k_2; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const krhpr_lanes t1 = 1.0 / delta;
     const krhpr_lanes q = b_33 * t1;
-    const krhpr_lanes m_01 = t1 * (b_22 * h_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
     const krhpr_lanes t2 = v_1_1 * q;
-    const krhpr_lanes m_11 = t1 * (v_1_0 * b_32 - b_22 * h_0); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
     const krhpr_lanes m_12 = v_1_0 * q;
     const krhpr_lanes n_00 = g_e_x_0 * N[0] + g_e_x_1 * N[1] + g_e_x_2 * N[2]; /* N in the leg's frame */
     const krhpr_lanes n_01 = g_e_1_0 * N[0] + g_e_1_1 * N[1] + g_e_1_2 * N[2];
@@ -517,7 +515,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_project_lanes(
     *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
-/* Velocity of the end point of the P(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 26 multiply, 1
+/* Velocity of the end point of the P(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (18 add, 28 multiply, 1
  * divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_velocity_lanes(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
@@ -538,18 +536,17 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_velocity_lanes(
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const krhpr_lanes h_1 = d[1] - u_2[1];
-    const krhpr_lanes t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const krhpr_lanes delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
     const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const krhpr_lanes b_32 = u_12 * g_k_12; /* (1.13), that of this row */
-    const krhpr_lanes b_33 = t - u_12 * g_k_2; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const krhpr_lanes w_1 = b_22 * theta_dot[1]; /* B theta_dot */
     const krhpr_lanes w_2 = b_32 * theta_dot[1] + b_33 * theta_dot[2];
     const krhpr_lanes t1 = 1.0 / delta;
-    const krhpr_lanes v_l_0 = (h_1 * w_1 - v_1_1 * w_2) * t1; /* velocity in the leg's frame */
-    const krhpr_lanes v_l_1 = t1 * (v_1_0 * w_2 - h_0 * w_1);
+    const krhpr_lanes v_l_0 = (f_1 * w_1 - v_1_1 * w_2) * t1; /* velocity in the leg's frame */
+    const krhpr_lanes v_l_1 = t1 * (v_1_0 * w_2 - f_0 * w_1);
     s_dot[0] = g_e_1_0 * v_l_1 + g_e_t_0 * theta_dot[0] + g_e_x_0 * v_l_0;
     s_dot[1] = g_e_1_1 * v_l_1 + g_e_t_1 * theta_dot[0] + g_e_x_1 * v_l_0;
     s_dot[2] = g_e_1_2 * v_l_1 + g_e_x_2 * v_l_0;
@@ -565,7 +562,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_bias_angles_lanes(
 }
 
 /* Velocity of the end point of the P(RR-RRR) sub-leg and the part of its acceleration that does not depend
- * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (59 add, 99 multiply, 1 divide, 1
+ * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (63 add, 105 multiply, 1 divide, 1
  * select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_bias_lanes(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at s[3],
@@ -601,18 +598,17 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_bias_lanes(
     const krhpr_lanes v_1_0 = d_0 - u_1_0; /* (1.14) */
     const krhpr_lanes v_1_1 = d_1 - u_1_1;
     const krhpr_lanes b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes h_0 = d_0 - u_2_0; /* from C to S_i */
-    const krhpr_lanes h_1 = d_1 - u_2_1;
-    const krhpr_lanes t = u_2_0 * v_1_1 - u_2_1 * v_1_0; /* u_2 x v_1 */
-    const krhpr_lanes delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes f_0 = u_1_0 - u_2_0; /* from C to E */
+    const krhpr_lanes f_1 = u_1_1 - u_2_1;
     const krhpr_lanes u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0; /* f x u_1 */
-    const krhpr_lanes b_32 = u_12 * g_k_12; /* (1.13), that of this row */
-    const krhpr_lanes b_33 = t - u_12 * g_k_2; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2_0 * v_1_1 - u_12 * g_k_2 - u_2_1 * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const krhpr_lanes t1 = theta_dot[1] * b_32 + theta_dot[2] * b_33;
-    const krhpr_lanes t2 = v_1_0 * t1 - theta_dot[1] * (b_22 * h_0);
+    const krhpr_lanes t2 = v_1_0 * t1 - theta_dot[1] * (b_22 * f_0);
     const krhpr_lanes t3 = 1.0 / delta;
     const krhpr_lanes t4 = g_e_1_0 * t2 * t3;
-    const krhpr_lanes t5 = theta_dot[1] * (b_22 * h_1) - v_1_1 * t1;
+    const krhpr_lanes t5 = theta_dot[1] * (b_22 * f_1) - v_1_1 * t1;
     const krhpr_lanes t6 = t3 * (g_e_x_0 * t5);
     const krhpr_lanes s_dot_0 = g_e_t_0 * theta_dot[0] + t4 + t6;
     const krhpr_lanes t7 = t3 * (g_e_1_1 * t2);
@@ -621,21 +617,21 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_bias_lanes(
     const krhpr_lanes t9 = t3 * (g_e_1_2 * t2);
     const krhpr_lanes t10 = t3 * (g_e_x_2 * t5);
     const krhpr_lanes s_dot_2 = t9 + t10;
-    const krhpr_lanes t11 = g_e_x_0 * s_dot_0 + g_e_x_1 * s_dot_1 + g_e_x_2 * s_dot_2;
-    const krhpr_lanes t12 = g_e_1_0 * s_dot_0 + g_e_1_1 * s_dot_1 + g_e_1_2 * s_dot_2;
-    const krhpr_lanes t13 = g_l_4 * (theta_dot[1] * sine[0]);
-    const krhpr_lanes t14 = g_l_4 * (theta_dot[1] * cosine[0]);
-    const krhpr_lanes t15 = g_l_2 * (theta_dot[2] * sine[1]);
-    const krhpr_lanes t16 = g_l_2 * (theta_dot[2] * cosine[1]);
-    const krhpr_lanes t17 = t11 + t13;
-    const krhpr_lanes t18 = t12 - t14;
-    const krhpr_lanes t19 = u_1_0 * t18 - v_1_1 * t13 - (v_1_0 * t14 + u_1_1 * t17);
-    const krhpr_lanes t20 = u_2_0 * t18 - v_1_1 * t15 - (v_1_0 * t16 + u_2_1 * t17);
-    const krhpr_lanes t21 = t20 - t19;
-    const krhpr_lanes t22 = u_1_0 * t16 - u_2_1 * t13 - (u_2_0 * t14 - u_1_1 * t15);
-    const krhpr_lanes t23 = theta_dot[1] * (g_k_12 * t22) + theta_dot[2] * (t20 - g_k_2 * t22);
-    const krhpr_lanes t24 = t1 * t17 + v_1_0 * t23 - theta_dot[1] * (h_0 * t19 + b_22 * (t11 + t15));
-    const krhpr_lanes t25 = theta_dot[1] * (h_1 * t19 + b_22 * (t12 - t16)) - (t1 * t18 + v_1_1 * t23);
+    const krhpr_lanes t11 = g_l_4 * (theta_dot[1] * sine[0]);
+    const krhpr_lanes t12 = g_l_4 * (theta_dot[1] * cosine[0]);
+    const krhpr_lanes t13 = g_l_2 * (theta_dot[2] * sine[1]);
+    const krhpr_lanes t14 = g_l_2 * (theta_dot[2] * cosine[1]);
+    const krhpr_lanes t15 = g_e_x_0 * s_dot_0 + g_e_x_1 * s_dot_1 + g_e_x_2 * s_dot_2 + t11;
+    const krhpr_lanes t16 = g_e_1_0 * s_dot_0 + g_e_1_1 * s_dot_1 + g_e_1_2 * s_dot_2 - t12;
+    const krhpr_lanes t17 = u_1_0 * t16 - v_1_1 * t11 - (v_1_0 * t12 + u_1_1 * t15);
+    const krhpr_lanes t18 = t13 - t11;
+    const krhpr_lanes t19 = t12 - t14;
+    const krhpr_lanes t20 = u_1_0 * t14 - u_2_1 * t11 - (u_2_0 * t12 - u_1_1 * t13);
+    const krhpr_lanes t21 = f_1 * t15 + v_1_0 * t19 - (f_0 * t16 + v_1_1 * t18);
+    const krhpr_lanes t22 = theta_dot[2] * (u_2_0 * t16 - v_1_1 * t13 - g_k_2 * t20 - (v_1_0 * t14 + u_2_1 * t15));
+    const krhpr_lanes t23 = theta_dot[1] * (g_k_12 * t20 - t17) + t22;
+    const krhpr_lanes t24 = t1 * t15 + v_1_0 * t23 - theta_dot[1] * (f_0 * t17 + b_22 * t18);
+    const krhpr_lanes t25 = theta_dot[1] * (f_1 * t17 + b_22 * t19) - (t1 * t16 + v_1_1 * t23);
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
     s_dot[2] = s_dot_2;
@@ -646,7 +642,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_bias_lanes(
 }
 
 /* Actuated joint rates of the P(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
- * so it serves accelerations too.  Thesis: (1.9).  (16 add, 26 multiply, 2 divide, 3 select) */
+ * so it serves accelerations too.  Thesis: (1.9).  (17 add, 26 multiply, 2 divide, 3 select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_rates_lanes(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
     const krhpr_lanes_at u_2[2], const krhpr_lanes_at s_dot[3], krhpr_lanes_at *KRHPR_RESTRICT theta_dot,
@@ -668,17 +664,16 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_rates_lanes(
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const krhpr_lanes h_1 = d[1] - u_2[1];
-    const krhpr_lanes t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
     const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const krhpr_lanes b_32 = u_12 * g_k_12; /* (1.13), that of this row */
-    const krhpr_lanes b_33 = t - u_12 * g_k_2; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
     const krhpr_lanes v_l_0 = g_e_x_0 * s_dot[0] + g_e_x_1 * s_dot[1] + g_e_x_2 * s_dot[2]; /* velocity in the leg's frame */
     const krhpr_lanes v_l_1 = g_e_1_0 * s_dot[0] + g_e_1_1 * s_dot[1] + g_e_1_2 * s_dot[2];
     const krhpr_lanes v_l_2 = g_e_t_0 * s_dot[0] + g_e_t_1 * s_dot[1];
     const krhpr_lanes w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1; /* A s_dot */
-    const krhpr_lanes w_2 = h_0 * v_l_0 + h_1 * v_l_1;
+    const krhpr_lanes w_2 = f_0 * v_l_0 + f_1 * v_l_1;
     const krhpr_lanes t1 = 1.0 / b_22;
     const krhpr_lanes regularity_a = krhpr_lanes_min(krhpr_lanes_fabs(b_22 * g_k_14), krhpr_lanes_fabs(g_k_6 * b_33 * g_k_15));
     theta_dot[0] = v_l_2;
@@ -687,8 +682,8 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_rates_lanes(
     *regularity = regularity_a;
 }
 
-/* det M_i of the P(RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.  (7 add,
- * 12 multiply, 1 divide) */
+/* det M_i of the P(RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.  (9 add,
+ * 14 multiply, 1 divide) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_determinant_lanes(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
     const krhpr_lanes_at u_2[2], krhpr_lanes_at *KRHPR_RESTRICT det_M, krhpr_lanes_at *KRHPR_RESTRICT factors)
@@ -701,10 +696,11 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_determinant_lanes(
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const krhpr_lanes delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
     const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const krhpr_lanes b_33 = t - u_12 * g_k_2; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     *det_M = b_22 * b_33 / delta;
     factors[0] = b_22 * g_k_14;
     factors[1] = g_k_6 * b_33 * g_k_15;
@@ -712,7 +708,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_determinant_lanes(
 }
 
 /* Squares of M_i of the P(RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide count by
- * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (39 add, 76 multiply, 1 divide, 1
+ * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (40 add, 78 multiply, 1 divide, 1
  * select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_gram_lanes(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
@@ -735,18 +731,17 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_gram_lanes(
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const krhpr_lanes h_1 = d[1] - u_2[1];
-    const krhpr_lanes t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const krhpr_lanes delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
     const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const krhpr_lanes b_32 = u_12 * g_k_12; /* (1.13), that of this row */
-    const krhpr_lanes b_33 = t - u_12 * g_k_2; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const krhpr_lanes t1 = 1.0 / delta;
     const krhpr_lanes q = b_33 * t1;
-    const krhpr_lanes m_01 = t1 * (b_22 * h_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
     const krhpr_lanes t2 = v_1_1 * q;
-    const krhpr_lanes m_11 = t1 * (v_1_0 * b_32 - b_22 * h_0); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
     const krhpr_lanes m_12 = v_1_0 * q;
     const krhpr_lanes g_00 = m_01 * m_01 + t2 * t2; /* M M^T */
     const krhpr_lanes g_01 = m_01 * m_11 - t2 * m_12;
@@ -887,7 +882,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_points_lanes(
     points[20] = s[2];
 }
 
-/* Rows of K_n for the P(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (32 add, 54 multiply,
+/* Rows of K_n for the P(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (33 add, 56 multiply,
  * 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_transmission_lanes(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
@@ -908,18 +903,17 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_transmission_lanes(
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const krhpr_lanes h_1 = d[1] - u_2[1];
-    const krhpr_lanes t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const krhpr_lanes delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
     const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const krhpr_lanes b_32 = u_12 * g_k_12; /* (1.13), that of this row */
-    const krhpr_lanes b_33 = t - u_12 * g_k_2; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const krhpr_lanes t1 = 1.0 / delta;
     const krhpr_lanes q = b_33 * t1;
-    const krhpr_lanes m_01 = t1 * (b_22 * h_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
     const krhpr_lanes t2 = v_1_1 * q;
-    const krhpr_lanes m_11 = t1 * (v_1_0 * b_32 - b_22 * h_0); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
     const krhpr_lanes m_12 = v_1_0 * q;
     const krhpr_lanes n_00 = g_e_x_0 * N[0] + g_e_x_1 * N[1] + g_e_x_2 * N[2]; /* N and c_i in the leg's frame */
     const krhpr_lanes n_01 = g_e_1_0 * N[0] + g_e_1_1 * N[1] + g_e_1_2 * N[2];
@@ -1066,7 +1060,7 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_torques_lanes(
 }
 
 /* Force at the end point of the P(RR-RRR) sub-leg from those of its actuators: g = M_i^-T f.  Thesis:
- * (5.36).  (17 add, 31 multiply, 2 divide, 3 select) */
+ * (5.36).  (18 add, 31 multiply, 2 divide, 3 select) */
 KRHPR_INLINE void krhpr_subleg_p_fivebar_end_force_lanes(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
     const krhpr_lanes_at u_2[2], const krhpr_lanes_at actuator_forces[3],
@@ -1088,16 +1082,15 @@ KRHPR_INLINE void krhpr_subleg_p_fivebar_end_force_lanes(
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const krhpr_lanes h_1 = d[1] - u_2[1];
-    const krhpr_lanes t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
     const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const krhpr_lanes b_32 = u_12 * g_k_12; /* (1.13), that of this row */
-    const krhpr_lanes b_33 = t - u_12 * g_k_2; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
     const krhpr_lanes t1 = 1.0 / b_22;
     const krhpr_lanes t2 = 1.0 / b_33;
-    const krhpr_lanes g_l_0 = v_1_0 * actuator_forces[1] * t1 + actuator_forces[2] * (h_0 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
-    const krhpr_lanes g_l_1 = t1 * (v_1_1 * actuator_forces[1]) + t2 * (actuator_forces[2] * (h_1 - t1 * (v_1_1 * b_32)));
+    const krhpr_lanes g_l_0 = v_1_0 * actuator_forces[1] * t1 + actuator_forces[2] * (f_0 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
+    const krhpr_lanes g_l_1 = t1 * (v_1_1 * actuator_forces[1]) + t2 * (actuator_forces[2] * (f_1 - t1 * (v_1_1 * b_32)));
     const krhpr_lanes regularity_a = krhpr_lanes_min(krhpr_lanes_fabs(b_22 * g_k_14), krhpr_lanes_fabs(g_k_6 * b_33 * g_k_15));
     end_force[0] = g_e_t_0 * actuator_forces[0] + g_e_1_0 * g_l_1 + g_e_x_0 * g_l_0;
     end_force[1] = g_e_t_1 * actuator_forces[0] + g_e_1_1 * g_l_1 + g_e_x_1 * g_l_0;

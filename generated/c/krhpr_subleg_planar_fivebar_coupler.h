@@ -349,7 +349,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_posture(
     u_2[1] = g->l_2[i] * sine[1];
 }
 
-/* Jacobian M_i of the (RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (16 add, 22
+/* Jacobian M_i of the (RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (15 add, 22
  * multiply, 1 divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_jacobian(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
@@ -358,19 +358,16 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_jacobian(
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double h_0 = d[0] - g->o_12[0][i] - u_2[0]; /* from C to S_i */
-    const double h_1 = d[1] - g->o_12[1][i] - u_2[1];
-    const double t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const double f_0 = h_0 - v_1_0; /* from C to E */
-    const double f_1 = h_1 - v_1_1;
-    const double b_32 = g->k[12][i] * (u_1[1] * f_0 - u_1[0] * f_1); /* (1.13), that of this row */
-    const double b_33 = t + g->k[2][i] * (u_2[0] * f_1 - u_2[1] * f_0); /* v_2^T (e_3 x u_2) / k */
-    const double delta = v_1_0 * h_1 - v_1_1 * h_0; /* e_2^T (v_1 x v_2) */
+    const double f_0 = u_1[0] - g->o_12[0][i] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - g->o_12[1][i] - u_2[1];
+    const double b_32 = g->k[12][i] * (u_1[1] * f_0 - u_1[0] * f_1) - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 + g->k[2][i] * (u_2[0] * f_1 - u_2[1] * f_0) - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const double t1 = 1.0 / delta;
     const double q = b_33 * t1;
-    const double m_00 = t1 * (b_22 * h_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const double m_00 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
     const double m_01 = -v_1_1 * q;
-    const double m_10 = t1 * (v_1_0 * b_32 - b_22 * h_0);
+    const double m_10 = t1 * (v_1_0 * b_32 - b_22 * f_0);
     const double m_11 = v_1_0 * q;
     M[0] = m_00;
     M[1] = m_01;
@@ -380,7 +377,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_jacobian(
 }
 
 /* Rows of K: N M_i for the (RR-RRR) sub-leg, where the rows of N are the directions of the platform's
- * lines.  Thesis: (1.8), (1.28).  (18 add, 26 multiply, 1 divide, 1 select) */
+ * lines.  Thesis: (1.8), (1.28).  (17 add, 26 multiply, 1 divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_project(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double N[2], double *KRHPR_RESTRICT K, double *KRHPR_RESTRICT regularity)
@@ -388,25 +385,22 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_project(
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double h_0 = d[0] - g->o_12[0][i] - u_2[0]; /* from C to S_i */
-    const double h_1 = d[1] - g->o_12[1][i] - u_2[1];
-    const double t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const double f_0 = h_0 - v_1_0; /* from C to E */
-    const double f_1 = h_1 - v_1_1;
-    const double b_32 = g->k[12][i] * (u_1[1] * f_0 - u_1[0] * f_1); /* (1.13), that of this row */
-    const double b_33 = t + g->k[2][i] * (u_2[0] * f_1 - u_2[1] * f_0); /* v_2^T (e_3 x u_2) / k */
-    const double delta = v_1_0 * h_1 - v_1_1 * h_0; /* e_2^T (v_1 x v_2) */
+    const double f_0 = u_1[0] - g->o_12[0][i] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - g->o_12[1][i] - u_2[1];
+    const double b_32 = g->k[12][i] * (u_1[1] * f_0 - u_1[0] * f_1) - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 + g->k[2][i] * (u_2[0] * f_1 - u_2[1] * f_0) - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const double t1 = 1.0 / delta;
     const double q = b_33 * t1;
-    const double m_00 = t1 * (b_22 * h_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
-    const double m_10 = t1 * (v_1_0 * b_32 - b_22 * h_0);
+    const double m_00 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const double m_10 = t1 * (v_1_0 * b_32 - b_22 * f_0);
     const double m_11 = v_1_0 * q;
     K[0] = N[0] * m_00 + N[1] * m_10;
     K[1] = N[1] * m_11 - N[0] * (v_1_1 * q);
     *regularity = fabs(delta * g->k[13][i]);
 }
 
-/* Velocity of the end point of the (RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 22 multiply, 1
+/* Velocity of the end point of the (RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (16 add, 22 multiply, 1
  * divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_velocity(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
@@ -416,19 +410,16 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_velocity(
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double h_0 = d[0] - g->o_12[0][i] - u_2[0]; /* from C to S_i */
-    const double h_1 = d[1] - g->o_12[1][i] - u_2[1];
-    const double t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const double f_0 = h_0 - v_1_0; /* from C to E */
-    const double f_1 = h_1 - v_1_1;
-    const double b_32 = g->k[12][i] * (u_1[1] * f_0 - u_1[0] * f_1); /* (1.13), that of this row */
-    const double b_33 = t + g->k[2][i] * (u_2[0] * f_1 - u_2[1] * f_0); /* v_2^T (e_3 x u_2) / k */
-    const double delta = v_1_0 * h_1 - v_1_1 * h_0; /* e_2^T (v_1 x v_2) */
+    const double f_0 = u_1[0] - g->o_12[0][i] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - g->o_12[1][i] - u_2[1];
+    const double b_32 = g->k[12][i] * (u_1[1] * f_0 - u_1[0] * f_1) - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 + g->k[2][i] * (u_2[0] * f_1 - u_2[1] * f_0) - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const double w_0 = b_22 * theta_dot[0]; /* B theta_dot */
     const double w_1 = b_32 * theta_dot[0] + b_33 * theta_dot[1];
     const double t1 = 1.0 / delta;
-    const double v_l_0 = (h_1 * w_0 - v_1_1 * w_1) * t1; /* velocity in the leg's frame */
-    const double v_l_1 = t1 * (v_1_0 * w_1 - h_0 * w_0);
+    const double v_l_0 = (f_1 * w_0 - v_1_1 * w_1) * t1; /* velocity in the leg's frame */
+    const double v_l_1 = t1 * (v_1_0 * w_1 - f_0 * w_0);
     s_dot[0] = v_l_0;
     s_dot[1] = v_l_1;
     *regularity = fabs(delta * g->k[13][i]);
@@ -443,7 +434,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_bias_angles(
 }
 
 /* Velocity of the end point of the (RR-RRR) sub-leg and the part of its acceleration that does not depend
- * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (50 add, 73 multiply, 1 divide, 1
+ * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (48 add, 73 multiply, 1 divide, 1
  * select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_bias(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double s[2],
@@ -459,18 +450,15 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_bias(
     const double v_1_0 = d_0 - u_1_0; /* (1.14) */
     const double v_1_1 = d_1 - u_1_1;
     const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double h_0 = d_0 - g->o_12[0][i] - u_2_0; /* from C to S_i */
-    const double h_1 = d_1 - g->o_12[1][i] - u_2_1;
-    const double t = u_2_0 * v_1_1 - u_2_1 * v_1_0; /* u_2 x v_1 */
-    const double f_0 = h_0 - v_1_0; /* from C to E */
-    const double f_1 = h_1 - v_1_1;
-    const double b_32 = g->k[12][i] * (u_1_1 * f_0 - u_1_0 * f_1); /* (1.13), that of this row */
-    const double b_33 = t + g->k[2][i] * (u_2_0 * f_1 - u_2_1 * f_0); /* v_2^T (e_3 x u_2) / k */
-    const double delta = v_1_0 * h_1 - v_1_1 * h_0; /* e_2^T (v_1 x v_2) */
+    const double f_0 = u_1_0 - g->o_12[0][i] - u_2_0; /* from C to E */
+    const double f_1 = u_1_1 - g->o_12[1][i] - u_2_1;
+    const double b_32 = g->k[12][i] * (u_1_1 * f_0 - u_1_0 * f_1) - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2_0 * v_1_1 + g->k[2][i] * (u_2_0 * f_1 - u_2_1 * f_0) - u_2_1 * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const double t1 = theta_dot[0] * b_32 + theta_dot[1] * b_33;
     const double t2 = 1.0 / delta;
-    const double s_dot_0 = (theta_dot[0] * (b_22 * h_1) - v_1_1 * t1) * t2;
-    const double s_dot_1 = t2 * (v_1_0 * t1 - theta_dot[0] * (b_22 * h_0));
+    const double s_dot_0 = (theta_dot[0] * (b_22 * f_1) - v_1_1 * t1) * t2;
+    const double s_dot_1 = t2 * (v_1_0 * t1 - theta_dot[0] * (b_22 * f_0));
     const double t3 = g->l_4[i] * (theta_dot[0] * sine[0]);
     const double t4 = g->l_4[i] * (theta_dot[0] * cosine[0]);
     const double t5 = g->l_2[i] * (theta_dot[1] * sine[1]);
@@ -478,25 +466,23 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_bias(
     const double t7 = s_dot_0 + t3;
     const double t8 = s_dot_1 - t4;
     const double t9 = u_1_0 * t8 - v_1_1 * t3 - (v_1_0 * t4 + u_1_1 * t7);
-    const double t10 = s_dot_0 + t5;
-    const double t11 = s_dot_1 - t6;
-    const double t12 = t10 - t7;
-    const double t13 = t11 - t8;
-    const double t14 = u_2_0 * t8 - v_1_1 * t5 - (v_1_0 * t6 + u_2_1 * t7) + g->k[2][i] * (u_2_0 * t13 - f_1 * t5 - (f_0 * t6 + u_2_1 * t12));
-    const double t15 = h_1 * t7 + v_1_0 * t11 - (h_0 * t8 + v_1_1 * t10);
-    const double t16 = theta_dot[0] * (g->k[12][i] * (f_0 * t4 + u_1_1 * t12 - (u_1_0 * t13 - f_1 * t3)));
-    const double t17 = t16 + theta_dot[1] * t14;
-    const double t18 = theta_dot[0] * (h_1 * t9 + b_22 * t11) - (t1 * t8 + v_1_1 * t17) - s_dot_0 * t15;
-    const double bias_1 = t2 * (t1 * t7 + v_1_0 * t17 - theta_dot[0] * (h_0 * t9 + b_22 * t10) - s_dot_1 * t15);
+    const double t10 = t5 - t3;
+    const double t11 = t4 - t6;
+    const double t12 = u_2_0 * t8 - v_1_1 * t5 + g->k[2][i] * (u_2_0 * t11 - f_1 * t5 - (f_0 * t6 + u_2_1 * t10));
+    const double t13 = f_1 * t7 + v_1_0 * t11 - (f_0 * t8 + v_1_1 * t10);
+    const double t14 = theta_dot[0] * (g->k[12][i] * (f_0 * t4 + u_1_1 * t10 - (u_1_0 * t11 - f_1 * t3)) - t9);
+    const double t15 = t14 + theta_dot[1] * (t12 - (v_1_0 * t6 + u_2_1 * t7));
+    const double t16 = theta_dot[0] * (f_1 * t9 + b_22 * t11) - (t1 * t8 + v_1_1 * t15) - s_dot_0 * t13;
+    const double bias_1 = t2 * (t1 * t7 + v_1_0 * t15 - theta_dot[0] * (f_0 * t9 + b_22 * t10) - s_dot_1 * t13);
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
-    bias[0] = t2 * t18;
+    bias[0] = t2 * t16;
     bias[1] = bias_1;
     *regularity = fabs(delta * g->k[13][i]);
 }
 
 /* Actuated joint rates of the (RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
- * so it serves accelerations too.  Thesis: (1.9).  (16 add, 20 multiply, 2 divide, 3 select) */
+ * so it serves accelerations too.  Thesis: (1.9).  (15 add, 20 multiply, 2 divide, 3 select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_rates(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double s_dot[2], double *KRHPR_RESTRICT theta_dot,
@@ -505,22 +491,19 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_rates(
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double h_0 = d[0] - g->o_12[0][i] - u_2[0]; /* from C to S_i */
-    const double h_1 = d[1] - g->o_12[1][i] - u_2[1];
-    const double t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const double f_0 = h_0 - v_1_0; /* from C to E */
-    const double f_1 = h_1 - v_1_1;
-    const double b_32 = g->k[12][i] * (u_1[1] * f_0 - u_1[0] * f_1); /* (1.13), that of this row */
-    const double b_33 = t + g->k[2][i] * (u_2[0] * f_1 - u_2[1] * f_0); /* v_2^T (e_3 x u_2) / k */
+    const double f_0 = u_1[0] - g->o_12[0][i] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - g->o_12[1][i] - u_2[1];
+    const double b_32 = g->k[12][i] * (u_1[1] * f_0 - u_1[0] * f_1) - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 + g->k[2][i] * (u_2[0] * f_1 - u_2[1] * f_0) - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
     const double w_0 = v_1_0 * s_dot[0] + v_1_1 * s_dot[1]; /* A s_dot */
-    const double w_1 = h_0 * s_dot[0] + h_1 * s_dot[1];
+    const double w_1 = f_0 * s_dot[0] + f_1 * s_dot[1];
     const double t1 = 1.0 / b_22;
     theta_dot[0] = w_0 * t1;
     theta_dot[1] = (w_1 - t1 * (b_32 * w_0)) / b_33;
     *regularity = krhpr_min(fabs(b_22 * g->k[14][i]), fabs(g->k[6][i] * b_33 * g->k[15][i]));
 }
 
-/* det M_i of the (RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.  (13 add,
+/* det M_i of the (RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.  (11 add,
  * 14 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_determinant(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
@@ -529,13 +512,10 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_determinant(
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double h_0 = d[0] - g->o_12[0][i] - u_2[0]; /* from C to S_i */
-    const double h_1 = d[1] - g->o_12[1][i] - u_2[1];
-    const double t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const double f_0 = h_0 - v_1_0; /* from C to E */
-    const double f_1 = h_1 - v_1_1;
-    const double b_33 = t + g->k[2][i] * (u_2[0] * f_1 - u_2[1] * f_0); /* v_2^T (e_3 x u_2) / k */
-    const double delta = v_1_0 * h_1 - v_1_1 * h_0; /* e_2^T (v_1 x v_2) */
+    const double f_0 = u_1[0] - g->o_12[0][i] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - g->o_12[1][i] - u_2[1];
+    const double b_33 = u_2[0] * v_1_1 + g->k[2][i] * (u_2[0] * f_1 - u_2[1] * f_0) - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     *det_M = b_22 * b_33 / delta;
     factors[0] = b_22 * g->k[14][i];
     factors[1] = g->k[6][i] * b_33 * g->k[15][i];
@@ -543,7 +523,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_determinant(
 }
 
 /* Squares of M_i of the (RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide count by
- * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (24 add, 37 multiply, 1 divide, 1
+ * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (23 add, 37 multiply, 1 divide, 1
  * select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_gram(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
@@ -553,19 +533,16 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_gram(
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double h_0 = d[0] - g->o_12[0][i] - u_2[0]; /* from C to S_i */
-    const double h_1 = d[1] - g->o_12[1][i] - u_2[1];
-    const double t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const double f_0 = h_0 - v_1_0; /* from C to E */
-    const double f_1 = h_1 - v_1_1;
-    const double b_32 = g->k[12][i] * (u_1[1] * f_0 - u_1[0] * f_1); /* (1.13), that of this row */
-    const double b_33 = t + g->k[2][i] * (u_2[0] * f_1 - u_2[1] * f_0); /* v_2^T (e_3 x u_2) / k */
-    const double delta = v_1_0 * h_1 - v_1_1 * h_0; /* e_2^T (v_1 x v_2) */
+    const double f_0 = u_1[0] - g->o_12[0][i] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - g->o_12[1][i] - u_2[1];
+    const double b_32 = g->k[12][i] * (u_1[1] * f_0 - u_1[0] * f_1) - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 + g->k[2][i] * (u_2[0] * f_1 - u_2[1] * f_0) - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const double t1 = 1.0 / delta;
     const double q = b_33 * t1;
-    const double m_00 = t1 * (b_22 * h_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const double m_00 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
     const double c_10 = v_1_1 * q; /* cofactors of M */
-    const double m_10 = t1 * (v_1_0 * b_32 - b_22 * h_0); /* A^-1 B in the leg's frame */
+    const double m_10 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
     const double m_11 = v_1_0 * q;
     const double g_00 = m_00 * m_00 + c_10 * c_10; /* M M^T */
     const double t2 = m_00 * m_10;
@@ -630,7 +607,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_points(
     points[11] = s[1];
 }
 
-/* Rows of K_n for the (RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (20 add, 30 multiply, 1
+/* Rows of K_n for the (RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (19 add, 30 multiply, 1
  * divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_transmission(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
@@ -640,19 +617,16 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_transmission(
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double h_0 = d[0] - g->o_12[0][i] - u_2[0]; /* from C to S_i */
-    const double h_1 = d[1] - g->o_12[1][i] - u_2[1];
-    const double t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const double f_0 = h_0 - v_1_0; /* from C to E */
-    const double f_1 = h_1 - v_1_1;
-    const double b_32 = g->k[12][i] * (u_1[1] * f_0 - u_1[0] * f_1); /* (1.13), that of this row */
-    const double b_33 = t + g->k[2][i] * (u_2[0] * f_1 - u_2[1] * f_0); /* v_2^T (e_3 x u_2) / k */
-    const double delta = v_1_0 * h_1 - v_1_1 * h_0; /* e_2^T (v_1 x v_2) */
+    const double f_0 = u_1[0] - g->o_12[0][i] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - g->o_12[1][i] - u_2[1];
+    const double b_32 = g->k[12][i] * (u_1[1] * f_0 - u_1[0] * f_1) - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 + g->k[2][i] * (u_2[0] * f_1 - u_2[1] * f_0) - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const double t1 = 1.0 / delta;
     const double q = b_33 * t1;
-    const double m_00 = t1 * (b_22 * h_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const double m_00 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
     const double t2 = v_1_1 * q;
-    const double m_10 = t1 * (v_1_0 * b_32 - b_22 * h_0); /* A^-1 B in the leg's frame */
+    const double m_10 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
     const double m_11 = v_1_0 * q;
     K_n[0] = N[0] * m_00 + N[1] * m_10;
     K_n[1] = N[1] * m_11 - N[0] * t2;
@@ -725,7 +699,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_torques(
 }
 
 /* Force at the end point of the (RR-RRR) sub-leg from those of its actuators: g = M_i^-T f.  Thesis:
- * (5.36).  (17 add, 25 multiply, 2 divide, 3 select) */
+ * (5.36).  (16 add, 25 multiply, 2 divide, 3 select) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_end_force(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], const double actuator_forces[2], double *KRHPR_RESTRICT end_force,
@@ -734,17 +708,14 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_end_force(
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double h_0 = d[0] - g->o_12[0][i] - u_2[0]; /* from C to S_i */
-    const double h_1 = d[1] - g->o_12[1][i] - u_2[1];
-    const double t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const double f_0 = h_0 - v_1_0; /* from C to E */
-    const double f_1 = h_1 - v_1_1;
-    const double b_32 = g->k[12][i] * (u_1[1] * f_0 - u_1[0] * f_1); /* (1.13), that of this row */
-    const double b_33 = t + g->k[2][i] * (u_2[0] * f_1 - u_2[1] * f_0); /* v_2^T (e_3 x u_2) / k */
+    const double f_0 = u_1[0] - g->o_12[0][i] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - g->o_12[1][i] - u_2[1];
+    const double b_32 = g->k[12][i] * (u_1[1] * f_0 - u_1[0] * f_1) - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 + g->k[2][i] * (u_2[0] * f_1 - u_2[1] * f_0) - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
     const double t1 = 1.0 / b_22;
     const double t2 = 1.0 / b_33;
-    const double g_l_0 = v_1_0 * actuator_forces[0] * t1 + actuator_forces[1] * (h_0 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
-    const double g_l_1 = t1 * (v_1_1 * actuator_forces[0]) + t2 * (actuator_forces[1] * (h_1 - t1 * (v_1_1 * b_32)));
+    const double g_l_0 = v_1_0 * actuator_forces[0] * t1 + actuator_forces[1] * (f_0 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
+    const double g_l_1 = t1 * (v_1_1 * actuator_forces[0]) + t2 * (actuator_forces[1] * (f_1 - t1 * (v_1_1 * b_32)));
     end_force[0] = g_l_0;
     end_force[1] = g_l_1;
     *regularity = krhpr_min(fabs(b_22 * g->k[14][i]), fabs(g->k[6][i] * b_33 * g->k[15][i]));

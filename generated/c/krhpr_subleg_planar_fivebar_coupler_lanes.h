@@ -356,7 +356,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_posture_lanes(
     u_2[1] = g_l_2 * sine[1];
 }
 
-/* Jacobian M_i of the (RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (16 add, 22
+/* Jacobian M_i of the (RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (15 add, 22
  * multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_jacobian_lanes(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at d[2],
@@ -371,19 +371,16 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_jacobian_lanes(
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes h_0 = d[0] - g_o_12_0 - u_2[0]; /* from C to S_i */
-    const krhpr_lanes h_1 = d[1] - g_o_12_1 - u_2[1];
-    const krhpr_lanes t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const krhpr_lanes f_0 = h_0 - v_1_0; /* from C to E */
-    const krhpr_lanes f_1 = h_1 - v_1_1;
-    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * f_0 - u_1[0] * f_1); /* (1.13), that of this row */
-    const krhpr_lanes b_33 = t + g_k_2 * (u_2[0] * f_1 - u_2[1] * f_0); /* v_2^T (e_3 x u_2) / k */
-    const krhpr_lanes delta = v_1_0 * h_1 - v_1_1 * h_0; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes f_0 = u_1[0] - g_o_12_0 - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - g_o_12_1 - u_2[1];
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * f_0 - u_1[0] * f_1) - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 + g_k_2 * (u_2[0] * f_1 - u_2[1] * f_0) - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const krhpr_lanes t1 = 1.0 / delta;
     const krhpr_lanes q = b_33 * t1;
-    const krhpr_lanes m_00 = t1 * (b_22 * h_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_00 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
     const krhpr_lanes m_01 = -v_1_1 * q;
-    const krhpr_lanes m_10 = t1 * (v_1_0 * b_32 - b_22 * h_0);
+    const krhpr_lanes m_10 = t1 * (v_1_0 * b_32 - b_22 * f_0);
     const krhpr_lanes m_11 = v_1_0 * q;
     M[0] = m_00;
     M[1] = m_01;
@@ -393,7 +390,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_jacobian_lanes(
 }
 
 /* Rows of K: N M_i for the (RR-RRR) sub-leg, where the rows of N are the directions of the platform's
- * lines.  Thesis: (1.8), (1.28).  (18 add, 26 multiply, 1 divide, 1 select) */
+ * lines.  Thesis: (1.8), (1.28).  (17 add, 26 multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_project_lanes(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at d[2],
     const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2], const krhpr_lanes_at N[2],
@@ -407,25 +404,22 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_project_lanes(
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes h_0 = d[0] - g_o_12_0 - u_2[0]; /* from C to S_i */
-    const krhpr_lanes h_1 = d[1] - g_o_12_1 - u_2[1];
-    const krhpr_lanes t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const krhpr_lanes f_0 = h_0 - v_1_0; /* from C to E */
-    const krhpr_lanes f_1 = h_1 - v_1_1;
-    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * f_0 - u_1[0] * f_1); /* (1.13), that of this row */
-    const krhpr_lanes b_33 = t + g_k_2 * (u_2[0] * f_1 - u_2[1] * f_0); /* v_2^T (e_3 x u_2) / k */
-    const krhpr_lanes delta = v_1_0 * h_1 - v_1_1 * h_0; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes f_0 = u_1[0] - g_o_12_0 - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - g_o_12_1 - u_2[1];
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * f_0 - u_1[0] * f_1) - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 + g_k_2 * (u_2[0] * f_1 - u_2[1] * f_0) - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const krhpr_lanes t1 = 1.0 / delta;
     const krhpr_lanes q = b_33 * t1;
-    const krhpr_lanes m_00 = t1 * (b_22 * h_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
-    const krhpr_lanes m_10 = t1 * (v_1_0 * b_32 - b_22 * h_0);
+    const krhpr_lanes m_00 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_10 = t1 * (v_1_0 * b_32 - b_22 * f_0);
     const krhpr_lanes m_11 = v_1_0 * q;
     K[0] = N[0] * m_00 + N[1] * m_10;
     K[1] = N[1] * m_11 - N[0] * (v_1_1 * q);
     *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
-/* Velocity of the end point of the (RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 22 multiply, 1
+/* Velocity of the end point of the (RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (16 add, 22 multiply, 1
  * divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_velocity_lanes(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at d[2],
@@ -440,19 +434,16 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_velocity_lanes(
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes h_0 = d[0] - g_o_12_0 - u_2[0]; /* from C to S_i */
-    const krhpr_lanes h_1 = d[1] - g_o_12_1 - u_2[1];
-    const krhpr_lanes t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const krhpr_lanes f_0 = h_0 - v_1_0; /* from C to E */
-    const krhpr_lanes f_1 = h_1 - v_1_1;
-    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * f_0 - u_1[0] * f_1); /* (1.13), that of this row */
-    const krhpr_lanes b_33 = t + g_k_2 * (u_2[0] * f_1 - u_2[1] * f_0); /* v_2^T (e_3 x u_2) / k */
-    const krhpr_lanes delta = v_1_0 * h_1 - v_1_1 * h_0; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes f_0 = u_1[0] - g_o_12_0 - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - g_o_12_1 - u_2[1];
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * f_0 - u_1[0] * f_1) - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 + g_k_2 * (u_2[0] * f_1 - u_2[1] * f_0) - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const krhpr_lanes w_0 = b_22 * theta_dot[0]; /* B theta_dot */
     const krhpr_lanes w_1 = b_32 * theta_dot[0] + b_33 * theta_dot[1];
     const krhpr_lanes t1 = 1.0 / delta;
-    const krhpr_lanes v_l_0 = (h_1 * w_0 - v_1_1 * w_1) * t1; /* velocity in the leg's frame */
-    const krhpr_lanes v_l_1 = t1 * (v_1_0 * w_1 - h_0 * w_0);
+    const krhpr_lanes v_l_0 = (f_1 * w_0 - v_1_1 * w_1) * t1; /* velocity in the leg's frame */
+    const krhpr_lanes v_l_1 = t1 * (v_1_0 * w_1 - f_0 * w_0);
     s_dot[0] = v_l_0;
     s_dot[1] = v_l_1;
     *regularity = krhpr_lanes_fabs(delta * g_k_13);
@@ -467,7 +458,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_bias_angles_lanes(
 }
 
 /* Velocity of the end point of the (RR-RRR) sub-leg and the part of its acceleration that does not depend
- * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (50 add, 73 multiply, 1 divide, 1
+ * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (48 add, 73 multiply, 1 divide, 1
  * select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_bias_lanes(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at s[2],
@@ -493,18 +484,15 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_bias_lanes(
     const krhpr_lanes v_1_0 = d_0 - u_1_0; /* (1.14) */
     const krhpr_lanes v_1_1 = d_1 - u_1_1;
     const krhpr_lanes b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes h_0 = d_0 - g_o_12_0 - u_2_0; /* from C to S_i */
-    const krhpr_lanes h_1 = d_1 - g_o_12_1 - u_2_1;
-    const krhpr_lanes t = u_2_0 * v_1_1 - u_2_1 * v_1_0; /* u_2 x v_1 */
-    const krhpr_lanes f_0 = h_0 - v_1_0; /* from C to E */
-    const krhpr_lanes f_1 = h_1 - v_1_1;
-    const krhpr_lanes b_32 = g_k_12 * (u_1_1 * f_0 - u_1_0 * f_1); /* (1.13), that of this row */
-    const krhpr_lanes b_33 = t + g_k_2 * (u_2_0 * f_1 - u_2_1 * f_0); /* v_2^T (e_3 x u_2) / k */
-    const krhpr_lanes delta = v_1_0 * h_1 - v_1_1 * h_0; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes f_0 = u_1_0 - g_o_12_0 - u_2_0; /* from C to E */
+    const krhpr_lanes f_1 = u_1_1 - g_o_12_1 - u_2_1;
+    const krhpr_lanes b_32 = g_k_12 * (u_1_1 * f_0 - u_1_0 * f_1) - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2_0 * v_1_1 + g_k_2 * (u_2_0 * f_1 - u_2_1 * f_0) - u_2_1 * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const krhpr_lanes t1 = theta_dot[0] * b_32 + theta_dot[1] * b_33;
     const krhpr_lanes t2 = 1.0 / delta;
-    const krhpr_lanes s_dot_0 = (theta_dot[0] * (b_22 * h_1) - v_1_1 * t1) * t2;
-    const krhpr_lanes s_dot_1 = t2 * (v_1_0 * t1 - theta_dot[0] * (b_22 * h_0));
+    const krhpr_lanes s_dot_0 = (theta_dot[0] * (b_22 * f_1) - v_1_1 * t1) * t2;
+    const krhpr_lanes s_dot_1 = t2 * (v_1_0 * t1 - theta_dot[0] * (b_22 * f_0));
     const krhpr_lanes t3 = g_l_4 * (theta_dot[0] * sine[0]);
     const krhpr_lanes t4 = g_l_4 * (theta_dot[0] * cosine[0]);
     const krhpr_lanes t5 = g_l_2 * (theta_dot[1] * sine[1]);
@@ -512,24 +500,23 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_bias_lanes(
     const krhpr_lanes t7 = s_dot_0 + t3;
     const krhpr_lanes t8 = s_dot_1 - t4;
     const krhpr_lanes t9 = u_1_0 * t8 - v_1_1 * t3 - (v_1_0 * t4 + u_1_1 * t7);
-    const krhpr_lanes t10 = s_dot_0 + t5;
-    const krhpr_lanes t11 = s_dot_1 - t6;
-    const krhpr_lanes t12 = t10 - t7;
-    const krhpr_lanes t13 = t11 - t8;
-    const krhpr_lanes t14 = u_2_0 * t8 - v_1_1 * t5 - (v_1_0 * t6 + u_2_1 * t7) + g_k_2 * (u_2_0 * t13 - f_1 * t5 - (f_0 * t6 + u_2_1 * t12));
-    const krhpr_lanes t15 = h_1 * t7 + v_1_0 * t11 - (h_0 * t8 + v_1_1 * t10);
-    const krhpr_lanes t16 = theta_dot[0] * (g_k_12 * (f_0 * t4 + u_1_1 * t12 - (u_1_0 * t13 - f_1 * t3))) + theta_dot[1] * t14;
-    const krhpr_lanes t17 = theta_dot[0] * (h_1 * t9 + b_22 * t11) - (t1 * t8 + v_1_1 * t16) - s_dot_0 * t15;
-    const krhpr_lanes bias_1 = t2 * (t1 * t7 + v_1_0 * t16 - theta_dot[0] * (h_0 * t9 + b_22 * t10) - s_dot_1 * t15);
+    const krhpr_lanes t10 = t5 - t3;
+    const krhpr_lanes t11 = t4 - t6;
+    const krhpr_lanes t12 = u_2_0 * t8 - v_1_1 * t5 + g_k_2 * (u_2_0 * t11 - f_1 * t5 - (f_0 * t6 + u_2_1 * t10));
+    const krhpr_lanes t13 = f_1 * t7 + v_1_0 * t11 - (f_0 * t8 + v_1_1 * t10);
+    const krhpr_lanes t14 = theta_dot[0] * (g_k_12 * (f_0 * t4 + u_1_1 * t10 - (u_1_0 * t11 - f_1 * t3)) - t9);
+    const krhpr_lanes t15 = t14 + theta_dot[1] * (t12 - (v_1_0 * t6 + u_2_1 * t7));
+    const krhpr_lanes t16 = theta_dot[0] * (f_1 * t9 + b_22 * t11) - (t1 * t8 + v_1_1 * t15) - s_dot_0 * t13;
+    const krhpr_lanes bias_1 = t2 * (t1 * t7 + v_1_0 * t15 - theta_dot[0] * (f_0 * t9 + b_22 * t10) - s_dot_1 * t13);
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
-    bias[0] = t2 * t17;
+    bias[0] = t2 * t16;
     bias[1] = bias_1;
     *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
 /* Actuated joint rates of the (RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
- * so it serves accelerations too.  Thesis: (1.9).  (16 add, 20 multiply, 2 divide, 3 select) */
+ * so it serves accelerations too.  Thesis: (1.9).  (15 add, 20 multiply, 2 divide, 3 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_rates_lanes(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at d[2],
     const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2], const krhpr_lanes_at s_dot[2],
@@ -545,15 +532,12 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_rates_lanes(
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes h_0 = d[0] - g_o_12_0 - u_2[0]; /* from C to S_i */
-    const krhpr_lanes h_1 = d[1] - g_o_12_1 - u_2[1];
-    const krhpr_lanes t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const krhpr_lanes f_0 = h_0 - v_1_0; /* from C to E */
-    const krhpr_lanes f_1 = h_1 - v_1_1;
-    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * f_0 - u_1[0] * f_1); /* (1.13), that of this row */
-    const krhpr_lanes b_33 = t + g_k_2 * (u_2[0] * f_1 - u_2[1] * f_0); /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes f_0 = u_1[0] - g_o_12_0 - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - g_o_12_1 - u_2[1];
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * f_0 - u_1[0] * f_1) - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 + g_k_2 * (u_2[0] * f_1 - u_2[1] * f_0) - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
     const krhpr_lanes w_0 = v_1_0 * s_dot[0] + v_1_1 * s_dot[1]; /* A s_dot */
-    const krhpr_lanes w_1 = h_0 * s_dot[0] + h_1 * s_dot[1];
+    const krhpr_lanes w_1 = f_0 * s_dot[0] + f_1 * s_dot[1];
     const krhpr_lanes t1 = 1.0 / b_22;
     const krhpr_lanes regularity_a = krhpr_lanes_min(krhpr_lanes_fabs(b_22 * g_k_14), krhpr_lanes_fabs(g_k_6 * b_33 * g_k_15));
     theta_dot[0] = w_0 * t1;
@@ -561,7 +545,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_rates_lanes(
     *regularity = regularity_a;
 }
 
-/* det M_i of the (RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.  (13 add,
+/* det M_i of the (RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.  (11 add,
  * 14 multiply, 1 divide) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_determinant_lanes(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at d[2],
@@ -578,13 +562,10 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_determinant_lanes(
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes h_0 = d[0] - g_o_12_0 - u_2[0]; /* from C to S_i */
-    const krhpr_lanes h_1 = d[1] - g_o_12_1 - u_2[1];
-    const krhpr_lanes t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const krhpr_lanes f_0 = h_0 - v_1_0; /* from C to E */
-    const krhpr_lanes f_1 = h_1 - v_1_1;
-    const krhpr_lanes b_33 = t + g_k_2 * (u_2[0] * f_1 - u_2[1] * f_0); /* v_2^T (e_3 x u_2) / k */
-    const krhpr_lanes delta = v_1_0 * h_1 - v_1_1 * h_0; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes f_0 = u_1[0] - g_o_12_0 - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - g_o_12_1 - u_2[1];
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 + g_k_2 * (u_2[0] * f_1 - u_2[1] * f_0) - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     *det_M = b_22 * b_33 / delta;
     factors[0] = b_22 * g_k_14;
     factors[1] = g_k_6 * b_33 * g_k_15;
@@ -592,7 +573,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_determinant_lanes(
 }
 
 /* Squares of M_i of the (RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide count by
- * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (24 add, 37 multiply, 1 divide, 1
+ * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (23 add, 37 multiply, 1 divide, 1
  * select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_gram_lanes(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at d[2],
@@ -609,19 +590,16 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_gram_lanes(
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes h_0 = d[0] - g_o_12_0 - u_2[0]; /* from C to S_i */
-    const krhpr_lanes h_1 = d[1] - g_o_12_1 - u_2[1];
-    const krhpr_lanes t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const krhpr_lanes f_0 = h_0 - v_1_0; /* from C to E */
-    const krhpr_lanes f_1 = h_1 - v_1_1;
-    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * f_0 - u_1[0] * f_1); /* (1.13), that of this row */
-    const krhpr_lanes b_33 = t + g_k_2 * (u_2[0] * f_1 - u_2[1] * f_0); /* v_2^T (e_3 x u_2) / k */
-    const krhpr_lanes delta = v_1_0 * h_1 - v_1_1 * h_0; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes f_0 = u_1[0] - g_o_12_0 - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - g_o_12_1 - u_2[1];
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * f_0 - u_1[0] * f_1) - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 + g_k_2 * (u_2[0] * f_1 - u_2[1] * f_0) - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const krhpr_lanes t1 = 1.0 / delta;
     const krhpr_lanes q = b_33 * t1;
-    const krhpr_lanes m_00 = t1 * (b_22 * h_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_00 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
     const krhpr_lanes c_10 = v_1_1 * q; /* cofactors of M */
-    const krhpr_lanes m_10 = t1 * (v_1_0 * b_32 - b_22 * h_0); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_10 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
     const krhpr_lanes m_11 = v_1_0 * q;
     const krhpr_lanes g_00 = m_00 * m_00 + c_10 * c_10; /* M M^T */
     const krhpr_lanes t2 = m_00 * m_10;
@@ -696,7 +674,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_points_lanes(
     points[11] = s[1];
 }
 
-/* Rows of K_n for the (RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (20 add, 30 multiply, 1
+/* Rows of K_n for the (RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (19 add, 30 multiply, 1
  * divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_transmission_lanes(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at d[2],
@@ -712,19 +690,16 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_transmission_lanes(
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes h_0 = d[0] - g_o_12_0 - u_2[0]; /* from C to S_i */
-    const krhpr_lanes h_1 = d[1] - g_o_12_1 - u_2[1];
-    const krhpr_lanes t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const krhpr_lanes f_0 = h_0 - v_1_0; /* from C to E */
-    const krhpr_lanes f_1 = h_1 - v_1_1;
-    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * f_0 - u_1[0] * f_1); /* (1.13), that of this row */
-    const krhpr_lanes b_33 = t + g_k_2 * (u_2[0] * f_1 - u_2[1] * f_0); /* v_2^T (e_3 x u_2) / k */
-    const krhpr_lanes delta = v_1_0 * h_1 - v_1_1 * h_0; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes f_0 = u_1[0] - g_o_12_0 - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - g_o_12_1 - u_2[1];
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * f_0 - u_1[0] * f_1) - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 + g_k_2 * (u_2[0] * f_1 - u_2[1] * f_0) - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const krhpr_lanes t1 = 1.0 / delta;
     const krhpr_lanes q = b_33 * t1;
-    const krhpr_lanes m_00 = t1 * (b_22 * h_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_00 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
     const krhpr_lanes t2 = v_1_1 * q;
-    const krhpr_lanes m_10 = t1 * (v_1_0 * b_32 - b_22 * h_0); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_10 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
     const krhpr_lanes m_11 = v_1_0 * q;
     K_n[0] = N[0] * m_00 + N[1] * m_10;
     K_n[1] = N[1] * m_11 - N[0] * t2;
@@ -797,7 +772,7 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_torques_lanes(
 }
 
 /* Force at the end point of the (RR-RRR) sub-leg from those of its actuators: g = M_i^-T f.  Thesis:
- * (5.36).  (17 add, 25 multiply, 2 divide, 3 select) */
+ * (5.36).  (16 add, 25 multiply, 2 divide, 3 select) */
 KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_end_force_lanes(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_lanes_at d[2],
     const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2], const krhpr_lanes_at actuator_forces[2],
@@ -813,17 +788,14 @@ KRHPR_INLINE void krhpr_subleg_planar_fivebar_coupler_end_force_lanes(
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes h_0 = d[0] - g_o_12_0 - u_2[0]; /* from C to S_i */
-    const krhpr_lanes h_1 = d[1] - g_o_12_1 - u_2[1];
-    const krhpr_lanes t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const krhpr_lanes f_0 = h_0 - v_1_0; /* from C to E */
-    const krhpr_lanes f_1 = h_1 - v_1_1;
-    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * f_0 - u_1[0] * f_1); /* (1.13), that of this row */
-    const krhpr_lanes b_33 = t + g_k_2 * (u_2[0] * f_1 - u_2[1] * f_0); /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes f_0 = u_1[0] - g_o_12_0 - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - g_o_12_1 - u_2[1];
+    const krhpr_lanes b_32 = g_k_12 * (u_1[1] * f_0 - u_1[0] * f_1) - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 + g_k_2 * (u_2[0] * f_1 - u_2[1] * f_0) - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
     const krhpr_lanes t1 = 1.0 / b_22;
     const krhpr_lanes t2 = 1.0 / b_33;
-    const krhpr_lanes g_l_0 = v_1_0 * actuator_forces[0] * t1 + actuator_forces[1] * (h_0 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
-    const krhpr_lanes g_l_1 = t1 * (v_1_1 * actuator_forces[0]) + t2 * (actuator_forces[1] * (h_1 - t1 * (v_1_1 * b_32)));
+    const krhpr_lanes g_l_0 = v_1_0 * actuator_forces[0] * t1 + actuator_forces[1] * (f_0 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
+    const krhpr_lanes g_l_1 = t1 * (v_1_1 * actuator_forces[0]) + t2 * (actuator_forces[1] * (f_1 - t1 * (v_1_1 * b_32)));
     const krhpr_lanes regularity_a = krhpr_lanes_min(krhpr_lanes_fabs(b_22 * g_k_14), krhpr_lanes_fabs(g_k_6 * b_33 * g_k_15));
     end_force[0] = g_l_0;
     end_force[1] = g_l_1;

@@ -467,7 +467,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_posture(
     u_2[1] = g->l_2[i] * sine[2];
 }
 
-/* Jacobian M_i of the R(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (17 add, 33
+/* Jacobian M_i of the R(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (18 add, 35
  * multiply, 1 divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_jacobian(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double e_2[3],
@@ -477,18 +477,17 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_jacobian(
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const double h_1 = d[1] - u_2[1];
-    const double t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const double delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
     const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const double b_32 = u_12 * g->k[12][i]; /* (1.13), that of this row */
-    const double b_33 = t - u_12 * g->k[2][i]; /* v_2^T (e_3 x u_2) / k */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const double t1 = 1.0 / delta;
     const double q = b_33 * t1;
-    const double m_01 = t1 * (b_22 * h_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const double m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
     const double t2 = v_1_1 * q;
-    const double m_11 = t1 * (v_1_0 * b_32 - b_22 * h_0); /* A^-1 B in the leg's frame */
+    const double m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
     const double m_12 = v_1_0 * q;
     M[0] = -e_2[0] * d[0];
     M[1] = g->e_1[0][i] * m_11 + x[0] * m_01;
@@ -503,7 +502,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_jacobian(
 }
 
 /* Rows of K: N M_i for the R(RR-RRR) sub-leg, where the rows of N are the directions of the platform's
- * lines.  Thesis: (1.8), (1.28).  (27 add, 46 multiply, 1 divide, 1 select) */
+ * lines.  Thesis: (1.8), (1.28).  (28 add, 48 multiply, 1 divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_project(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double e_2[3],
     const double d[2], const double u_1[2], const double u_2[2], const double N[6], double *KRHPR_RESTRICT K,
@@ -512,18 +511,17 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_project(
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const double h_1 = d[1] - u_2[1];
-    const double t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const double delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
     const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const double b_32 = u_12 * g->k[12][i]; /* (1.13), that of this row */
-    const double b_33 = t - u_12 * g->k[2][i]; /* v_2^T (e_3 x u_2) / k */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const double t1 = 1.0 / delta;
     const double q = b_33 * t1;
-    const double m_01 = t1 * (b_22 * h_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const double m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
     const double t2 = v_1_1 * q;
-    const double m_11 = t1 * (v_1_0 * b_32 - b_22 * h_0); /* A^-1 B in the leg's frame */
+    const double m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
     const double m_12 = v_1_0 * q;
     const double n_00 = x[0] * N[0] + x[1] * N[1] + x[2] * N[2]; /* N in the leg's frame */
     const double n_01 = g->e_1[0][i] * N[0] + g->e_1[1][i] * N[1] + g->e_1[2][i] * N[2];
@@ -540,7 +538,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_project(
     *regularity = fabs(delta * g->k[13][i]);
 }
 
-/* Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (18 add, 28 multiply, 1
+/* Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (19 add, 30 multiply, 1
  * divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_velocity(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double e_2[3],
@@ -550,19 +548,18 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_velocity(
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const double h_1 = d[1] - u_2[1];
-    const double t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const double delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
     const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const double b_32 = u_12 * g->k[12][i]; /* (1.13), that of this row */
-    const double b_33 = t - u_12 * g->k[2][i]; /* v_2^T (e_3 x u_2) / k */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const double t1 = d[0] * theta_dot[0];
     const double w_1 = b_22 * theta_dot[1]; /* B theta_dot */
     const double w_2 = b_32 * theta_dot[1] + b_33 * theta_dot[2];
     const double t2 = 1.0 / delta;
-    const double v_l_0 = (h_1 * w_1 - v_1_1 * w_2) * t2; /* velocity in the leg's frame */
-    const double v_l_1 = t2 * (v_1_0 * w_2 - h_0 * w_1);
+    const double v_l_0 = (f_1 * w_1 - v_1_1 * w_2) * t2; /* velocity in the leg's frame */
+    const double v_l_1 = t2 * (v_1_0 * w_2 - f_0 * w_1);
     s_dot[0] = g->e_1[0][i] * v_l_1 - e_2[0] * t1 + x[0] * v_l_0;
     s_dot[1] = g->e_1[1][i] * v_l_1 - e_2[1] * t1 + x[1] * v_l_0;
     s_dot[2] = g->e_1[2][i] * v_l_1 - e_2[2] * t1 + x[2] * v_l_0;
@@ -578,7 +575,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_bias_angles(const double theta[3], doub
 }
 
 /* Velocity of the end point of the R(RR-RRR) sub-leg and the part of its acceleration that does not depend
- * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (80 add, 140 multiply, 1 divide, 1
+ * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (84 add, 146 multiply, 1 divide, 1
  * select) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_bias(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double s[3], const double theta_dot[3],
@@ -603,18 +600,17 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_bias(
     const double v_1_0 = d_0 - u_1_0; /* (1.14) */
     const double v_1_1 = d_1 - u_1_1;
     const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double h_0 = d_0 - u_2_0; /* from C to S_i */
-    const double h_1 = d_1 - u_2_1;
-    const double t = u_2_0 * v_1_1 - u_2_1 * v_1_0; /* u_2 x v_1 */
-    const double delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const double f_0 = u_1_0 - u_2_0; /* from C to E */
+    const double f_1 = u_1_1 - u_2_1;
     const double u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0; /* f x u_1 */
-    const double b_32 = u_12 * g->k[12][i]; /* (1.13), that of this row */
-    const double b_33 = t - u_12 * g->k[2][i]; /* v_2^T (e_3 x u_2) / k */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2_0 * v_1_1 - u_12 * g->k[2][i] - u_2_1 * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const double t1 = theta_dot[1] * b_32 + theta_dot[2] * b_33;
-    const double t2 = v_1_0 * t1 - theta_dot[1] * (b_22 * h_0);
+    const double t2 = v_1_0 * t1 - theta_dot[1] * (b_22 * f_0);
     const double t3 = 1.0 / delta;
     const double t4 = g->e_1[0][i] * t2 * t3;
-    const double t5 = theta_dot[1] * (b_22 * h_1) - v_1_1 * t1;
+    const double t5 = theta_dot[1] * (b_22 * f_1) - v_1_1 * t1;
     const double t6 = t3 * (x_0 * t5);
     const double s_dot_0 = t4 + t6 - theta_dot[0] * (e_2_0 * d_0);
     const double t7 = t3 * (g->e_1[1][i] * t2);
@@ -629,23 +625,24 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_bias(
     const double t14 = g->e_x[1][i] * t11 + g->e_t[1][i] * t12;
     const double t15 = g->e_x[2][i] * t11;
     const double t16 = x_0 * s_dot_0 - arm_0 * t13 + (x_1 * s_dot_1 - arm_1 * t14) + (x_2 * s_dot_2 - arm_2 * t15);
-    const double t17 = g->e_1[0][i] * s_dot_0 + g->e_1[1][i] * s_dot_1 + g->e_1[2][i] * s_dot_2;
-    const double t18 = g->l_4[i] * (theta_dot[1] * sine[1]);
-    const double t19 = g->l_4[i] * (theta_dot[1] * cosine[1]);
-    const double t20 = g->l_2[i] * (theta_dot[2] * sine[2]);
-    const double t21 = g->l_2[i] * (theta_dot[2] * cosine[2]);
-    const double t22 = t16 + t18;
-    const double t23 = t17 - t19;
-    const double t24 = u_1_0 * t23 - v_1_1 * t18 - (v_1_0 * t19 + u_1_1 * t22);
-    const double t25 = u_2_0 * t23 - v_1_1 * t20 - (v_1_0 * t21 + u_2_1 * t22);
-    const double t26 = t25 - t24;
-    const double t27 = u_1_0 * t21 - u_2_1 * t18 - (u_2_0 * t19 - u_1_1 * t20);
-    const double t28 = theta_dot[1] * (g->k[12][i] * t27) + theta_dot[2] * (t25 - g->k[2][i] * t27);
-    const double t29 = t1 * t22 + v_1_0 * t28 - theta_dot[1] * (h_0 * t24 + b_22 * (t16 + t20));
-    const double t30 = theta_dot[1] * (h_1 * t24 + b_22 * (t17 - t21)) - (t1 * t23 + v_1_1 * t28);
-    const double bias_0 = t3 * (g->e_1[0][i] * t29 - t4 * t26) + t3 * (x_0 * t30 - t5 * t13 - t6 * t26) - theta_dot[0] * (d_0 * (g->e_x[0][i] * t12 - g->e_t[0][i] * t11) + e_2_0 * t16);
-    const double bias_1 = t3 * (g->e_1[1][i] * t29 - t7 * t26) + t3 * (x_1 * t30 - t5 * t14 - t8 * t26) - theta_dot[0] * (d_0 * (g->e_x[1][i] * t12 - g->e_t[1][i] * t11) + e_2_1 * t16);
-    const double bias_2 = t3 * (g->e_1[2][i] * t29 - t9 * t26) + t3 * (x_2 * t30 - t5 * t15 - t10 * t26) - theta_dot[0] * (d_0 * (g->e_x[2][i] * t12) + e_2_2 * t16);
+    const double t17 = g->l_4[i] * (theta_dot[1] * sine[1]);
+    const double t18 = g->l_4[i] * (theta_dot[1] * cosine[1]);
+    const double t19 = g->l_2[i] * (theta_dot[2] * sine[2]);
+    const double t20 = g->l_2[i] * (theta_dot[2] * cosine[2]);
+    const double t21 = t16 + t17;
+    const double t22 = g->e_1[0][i] * s_dot_0 + g->e_1[1][i] * s_dot_1 + g->e_1[2][i] * s_dot_2 - t18;
+    const double t23 = u_1_0 * t22 - v_1_1 * t17 - (v_1_0 * t18 + u_1_1 * t21);
+    const double t24 = t19 - t17;
+    const double t25 = t18 - t20;
+    const double t26 = u_1_0 * t20 - u_2_1 * t17 - (u_2_0 * t18 - u_1_1 * t19);
+    const double t27 = f_1 * t21 + v_1_0 * t25 - (f_0 * t22 + v_1_1 * t24);
+    const double t28 = theta_dot[2] * (u_2_0 * t22 - v_1_1 * t19 - g->k[2][i] * t26 - (v_1_0 * t20 + u_2_1 * t21));
+    const double t29 = theta_dot[1] * (g->k[12][i] * t26 - t23) + t28;
+    const double t30 = t1 * t21 + v_1_0 * t29 - theta_dot[1] * (f_0 * t23 + b_22 * t24);
+    const double t31 = theta_dot[1] * (f_1 * t23 + b_22 * t25) - (t1 * t22 + v_1_1 * t29);
+    const double bias_0 = t3 * (g->e_1[0][i] * t30 - t4 * t27) + t3 * (x_0 * t31 - t5 * t13 - t6 * t27) - theta_dot[0] * (d_0 * (g->e_x[0][i] * t12 - g->e_t[0][i] * t11) + e_2_0 * t16);
+    const double bias_1 = t3 * (g->e_1[1][i] * t30 - t7 * t27) + t3 * (x_1 * t31 - t5 * t14 - t8 * t27) - theta_dot[0] * (d_0 * (g->e_x[1][i] * t12 - g->e_t[1][i] * t11) + e_2_1 * t16);
+    const double bias_2 = t3 * (g->e_1[2][i] * t30 - t9 * t27) + t3 * (x_2 * t31 - t5 * t15 - t10 * t27) - theta_dot[0] * (d_0 * (g->e_x[2][i] * t12) + e_2_2 * t16);
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
     s_dot[2] = s_dot_2;
@@ -656,7 +653,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_bias(
 }
 
 /* Actuated joint rates of the R(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
- * so it serves accelerations too.  Thesis: (1.9).  (17 add, 28 multiply, 3 divide, 5 select) */
+ * so it serves accelerations too.  Thesis: (1.9).  (18 add, 28 multiply, 3 divide, 5 select) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_rates(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double e_2[3],
     const double d[2], const double u_1[2], const double u_2[2], const double s_dot[3],
@@ -665,17 +662,16 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_rates(
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const double h_1 = d[1] - u_2[1];
-    const double t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
     const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const double b_32 = u_12 * g->k[12][i]; /* (1.13), that of this row */
-    const double b_33 = t - u_12 * g->k[2][i]; /* v_2^T (e_3 x u_2) / k */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
     const double v_l_0 = x[0] * s_dot[0] + x[1] * s_dot[1] + x[2] * s_dot[2]; /* velocity in the leg's frame */
     const double v_l_1 = g->e_1[0][i] * s_dot[0] + g->e_1[1][i] * s_dot[1] + g->e_1[2][i] * s_dot[2];
     const double v_l_2 = e_2[0] * s_dot[0] + e_2[1] * s_dot[1] + e_2[2] * s_dot[2];
     const double w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1; /* A s_dot */
-    const double w_2 = h_0 * v_l_0 + h_1 * v_l_1;
+    const double w_2 = f_0 * v_l_0 + f_1 * v_l_1;
     const double t1 = 1.0 / b_22;
     const double regularity_a = krhpr_min(krhpr_min(fabs(d[0] * g->k[14][i]), fabs(b_22 * g->k[15][i])), fabs(g->k[6][i] * b_33 * g->k[16][i]));
     theta_dot[0] = -v_l_2 / d[0];
@@ -685,7 +681,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_rates(
 }
 
 /* det M_i of the R(RR-RRR) sub-leg and its dimensionless factors: shoulder, elbow, crank, rod.  Thesis:
- * 1.4.  (8 add, 14 multiply, 1 divide) */
+ * 1.4.  (10 add, 16 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_determinant(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double d[2], const double u_1[2],
     const double u_2[2], double *KRHPR_RESTRICT det_M, double *KRHPR_RESTRICT factors)
@@ -695,10 +691,11 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_determinant(
     const double t1 = u_1[0] * v_1_1;
     const double t2 = u_1[1] * v_1_0;
     const double b_22 = t1 - t2; /* v_1^T (e_2 x u_1) */
-    const double t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const double delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
     const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const double b_33 = t - u_12 * g->k[2][i]; /* v_2^T (e_3 x u_2) / k */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     *det_M = d[0] * (b_33 * (t2 - t1)) / delta;
     factors[0] = d[0] * g->k[14][i];
     factors[1] = b_22 * g->k[15][i];
@@ -707,7 +704,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_determinant(
 }
 
 /* Squares of M_i of the R(RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide count by
- * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (41 add, 78 multiply, 1 divide, 1
+ * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (42 add, 80 multiply, 1 divide, 1
  * select) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_gram(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double e_2[3],
@@ -718,18 +715,17 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_gram(
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const double h_1 = d[1] - u_2[1];
-    const double t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const double delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
     const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const double b_32 = u_12 * g->k[12][i]; /* (1.13), that of this row */
-    const double b_33 = t - u_12 * g->k[2][i]; /* v_2^T (e_3 x u_2) / k */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const double t1 = 1.0 / delta;
     const double q = b_33 * t1;
-    const double m_01 = t1 * (b_22 * h_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const double m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
     const double t2 = v_1_1 * q;
-    const double m_11 = t1 * (v_1_0 * b_32 - b_22 * h_0); /* A^-1 B in the leg's frame */
+    const double m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
     const double m_12 = v_1_0 * q;
     const double g_00 = m_01 * m_01 + t2 * t2; /* M M^T */
     const double g_01 = m_01 * m_11 - t2 * m_12;
@@ -841,7 +837,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_points(
     points[17] = s[2];
 }
 
-/* Rows of K_n for the R(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (35 add, 60 multiply,
+/* Rows of K_n for the R(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (36 add, 62 multiply,
  * 1 divide, 1 select) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_transmission(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double e_2[3],
@@ -851,18 +847,17 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_transmission(
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const double h_1 = d[1] - u_2[1];
-    const double t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const double delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
     const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const double b_32 = u_12 * g->k[12][i]; /* (1.13), that of this row */
-    const double b_33 = t - u_12 * g->k[2][i]; /* v_2^T (e_3 x u_2) / k */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const double t1 = 1.0 / delta;
     const double q = b_33 * t1;
-    const double m_01 = t1 * (b_22 * h_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const double m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
     const double t2 = v_1_1 * q;
-    const double m_11 = t1 * (v_1_0 * b_32 - b_22 * h_0); /* A^-1 B in the leg's frame */
+    const double m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
     const double m_12 = v_1_0 * q;
     const double n_00 = x[0] * N[0] + x[1] * N[1] + x[2] * N[2]; /* N and c_i in the leg's frame */
     const double n_01 = g->e_1[0][i] * N[0] + g->e_1[1][i] * N[1] + g->e_1[2][i] * N[2];
@@ -1009,7 +1004,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_torques(
 }
 
 /* Force at the end point of the R(RR-RRR) sub-leg from those of its actuators: g = M_i^-T f.  Thesis:
- * (5.36).  (18 add, 33 multiply, 3 divide, 5 select) */
+ * (5.36).  (19 add, 33 multiply, 3 divide, 5 select) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_end_force(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const double x[3], const double e_2[3],
     const double d[2], const double u_1[2], const double u_2[2], const double actuator_forces[3],
@@ -1018,16 +1013,15 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_end_force(
     const double v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const double v_1_1 = d[1] - u_1[1];
     const double b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const double h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const double h_1 = d[1] - u_2[1];
-    const double t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
+    const double f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const double f_1 = u_1[1] - u_2[1];
     const double u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const double b_32 = u_12 * g->k[12][i]; /* (1.13), that of this row */
-    const double b_33 = t - u_12 * g->k[2][i]; /* v_2^T (e_3 x u_2) / k */
+    const double b_32 = u_12 * g->k[12][i] - b_22; /* (1.13) over k, less k b_22 */
+    const double b_33 = u_2[0] * v_1_1 - u_12 * g->k[2][i] - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
     const double t1 = 1.0 / b_22;
     const double t2 = 1.0 / b_33;
-    const double g_l_0 = v_1_0 * actuator_forces[1] * t1 + actuator_forces[2] * (h_0 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
-    const double g_l_1 = t1 * (v_1_1 * actuator_forces[1]) + t2 * (actuator_forces[2] * (h_1 - t1 * (v_1_1 * b_32)));
+    const double g_l_0 = v_1_0 * actuator_forces[1] * t1 + actuator_forces[2] * (f_0 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
+    const double g_l_1 = t1 * (v_1_1 * actuator_forces[1]) + t2 * (actuator_forces[2] * (f_1 - t1 * (v_1_1 * b_32)));
     const double t3 = actuator_forces[0] / d[0];
     const double regularity_a = krhpr_min(krhpr_min(fabs(d[0] * g->k[14][i]), fabs(b_22 * g->k[15][i])), fabs(g->k[6][i] * b_33 * g->k[16][i]));
     end_force[0] = g->e_1[0][i] * g_l_1 - e_2[0] * t3 + x[0] * g_l_0;

@@ -512,7 +512,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_posture_lanes(
     u_2[1] = g_l_2 * sine[2];
 }
 
-/* Jacobian M_i of the R(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (17 add, 33
+/* Jacobian M_i of the R(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (18 add, 35
  * multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_jacobian_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
@@ -528,18 +528,17 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_jacobian_lanes(
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const krhpr_lanes h_1 = d[1] - u_2[1];
-    const krhpr_lanes t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const krhpr_lanes delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
     const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const krhpr_lanes b_32 = u_12 * g_k_12; /* (1.13), that of this row */
-    const krhpr_lanes b_33 = t - u_12 * g_k_2; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const krhpr_lanes t1 = 1.0 / delta;
     const krhpr_lanes q = b_33 * t1;
-    const krhpr_lanes m_01 = t1 * (b_22 * h_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
     const krhpr_lanes t2 = v_1_1 * q;
-    const krhpr_lanes m_11 = t1 * (v_1_0 * b_32 - b_22 * h_0); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
     const krhpr_lanes m_12 = v_1_0 * q;
     M[0] = -e_2[0] * d[0];
     M[1] = g_e_1_0 * m_11 + x[0] * m_01;
@@ -554,7 +553,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_jacobian_lanes(
 }
 
 /* Rows of K: N M_i for the R(RR-RRR) sub-leg, where the rows of N are the directions of the platform's
- * lines.  Thesis: (1.8), (1.28).  (27 add, 46 multiply, 1 divide, 1 select) */
+ * lines.  Thesis: (1.8), (1.28).  (28 add, 48 multiply, 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_project_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
     const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2],
@@ -569,18 +568,17 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_project_lanes(
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const krhpr_lanes h_1 = d[1] - u_2[1];
-    const krhpr_lanes t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const krhpr_lanes delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
     const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const krhpr_lanes b_32 = u_12 * g_k_12; /* (1.13), that of this row */
-    const krhpr_lanes b_33 = t - u_12 * g_k_2; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const krhpr_lanes t1 = 1.0 / delta;
     const krhpr_lanes q = b_33 * t1;
-    const krhpr_lanes m_01 = t1 * (b_22 * h_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
     const krhpr_lanes t2 = v_1_1 * q;
-    const krhpr_lanes m_11 = t1 * (v_1_0 * b_32 - b_22 * h_0); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
     const krhpr_lanes m_12 = v_1_0 * q;
     const krhpr_lanes n_00 = x[0] * N[0] + x[1] * N[1] + x[2] * N[2]; /* N in the leg's frame */
     const krhpr_lanes n_01 = g_e_1_0 * N[0] + g_e_1_1 * N[1] + g_e_1_2 * N[2];
@@ -597,7 +595,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_project_lanes(
     *regularity = krhpr_lanes_fabs(delta * g_k_13);
 }
 
-/* Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (18 add, 28 multiply, 1
+/* Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (19 add, 30 multiply, 1
  * divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_velocity_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
@@ -614,19 +612,18 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_velocity_lanes(
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const krhpr_lanes h_1 = d[1] - u_2[1];
-    const krhpr_lanes t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const krhpr_lanes delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
     const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const krhpr_lanes b_32 = u_12 * g_k_12; /* (1.13), that of this row */
-    const krhpr_lanes b_33 = t - u_12 * g_k_2; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const krhpr_lanes t1 = d[0] * theta_dot[0];
     const krhpr_lanes w_1 = b_22 * theta_dot[1]; /* B theta_dot */
     const krhpr_lanes w_2 = b_32 * theta_dot[1] + b_33 * theta_dot[2];
     const krhpr_lanes t2 = 1.0 / delta;
-    const krhpr_lanes v_l_0 = (h_1 * w_1 - v_1_1 * w_2) * t2; /* velocity in the leg's frame */
-    const krhpr_lanes v_l_1 = t2 * (v_1_0 * w_2 - h_0 * w_1);
+    const krhpr_lanes v_l_0 = (f_1 * w_1 - v_1_1 * w_2) * t2; /* velocity in the leg's frame */
+    const krhpr_lanes v_l_1 = t2 * (v_1_0 * w_2 - f_0 * w_1);
     s_dot[0] = g_e_1_0 * v_l_1 - e_2[0] * t1 + x[0] * v_l_0;
     s_dot[1] = g_e_1_1 * v_l_1 - e_2[1] * t1 + x[1] * v_l_0;
     s_dot[2] = g_e_1_2 * v_l_1 - e_2[2] * t1 + x[2] * v_l_0;
@@ -643,7 +640,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_bias_angles_lanes(
 }
 
 /* Velocity of the end point of the R(RR-RRR) sub-leg and the part of its acceleration that does not depend
- * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (80 add, 140 multiply, 1 divide, 1
+ * on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (84 add, 146 multiply, 1 divide, 1
  * select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_bias_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at s[3],
@@ -685,18 +682,17 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_bias_lanes(
     const krhpr_lanes v_1_0 = d_0 - u_1_0; /* (1.14) */
     const krhpr_lanes v_1_1 = d_1 - u_1_1;
     const krhpr_lanes b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes h_0 = d_0 - u_2_0; /* from C to S_i */
-    const krhpr_lanes h_1 = d_1 - u_2_1;
-    const krhpr_lanes t = u_2_0 * v_1_1 - u_2_1 * v_1_0; /* u_2 x v_1 */
-    const krhpr_lanes delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes f_0 = u_1_0 - u_2_0; /* from C to E */
+    const krhpr_lanes f_1 = u_1_1 - u_2_1;
     const krhpr_lanes u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0; /* f x u_1 */
-    const krhpr_lanes b_32 = u_12 * g_k_12; /* (1.13), that of this row */
-    const krhpr_lanes b_33 = t - u_12 * g_k_2; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2_0 * v_1_1 - u_12 * g_k_2 - u_2_1 * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const krhpr_lanes t1 = theta_dot[1] * b_32 + theta_dot[2] * b_33;
-    const krhpr_lanes t2 = v_1_0 * t1 - theta_dot[1] * (b_22 * h_0);
+    const krhpr_lanes t2 = v_1_0 * t1 - theta_dot[1] * (b_22 * f_0);
     const krhpr_lanes t3 = 1.0 / delta;
     const krhpr_lanes t4 = g_e_1_0 * t2 * t3;
-    const krhpr_lanes t5 = theta_dot[1] * (b_22 * h_1) - v_1_1 * t1;
+    const krhpr_lanes t5 = theta_dot[1] * (b_22 * f_1) - v_1_1 * t1;
     const krhpr_lanes t6 = t3 * (x_0 * t5);
     const krhpr_lanes s_dot_0 = t4 + t6 - theta_dot[0] * (e_2_0 * d_0);
     const krhpr_lanes t7 = t3 * (g_e_1_1 * t2);
@@ -711,23 +707,24 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_bias_lanes(
     const krhpr_lanes t14 = g_e_x_1 * t11 + g_e_t_1 * t12;
     const krhpr_lanes t15 = g_e_x_2 * t11;
     const krhpr_lanes t16 = x_0 * s_dot_0 - arm_0 * t13 + (x_1 * s_dot_1 - arm_1 * t14) + (x_2 * s_dot_2 - arm_2 * t15);
-    const krhpr_lanes t17 = g_e_1_0 * s_dot_0 + g_e_1_1 * s_dot_1 + g_e_1_2 * s_dot_2;
-    const krhpr_lanes t18 = g_l_4 * (theta_dot[1] * sine[1]);
-    const krhpr_lanes t19 = g_l_4 * (theta_dot[1] * cosine[1]);
-    const krhpr_lanes t20 = g_l_2 * (theta_dot[2] * sine[2]);
-    const krhpr_lanes t21 = g_l_2 * (theta_dot[2] * cosine[2]);
-    const krhpr_lanes t22 = t16 + t18;
-    const krhpr_lanes t23 = t17 - t19;
-    const krhpr_lanes t24 = u_1_0 * t23 - v_1_1 * t18 - (v_1_0 * t19 + u_1_1 * t22);
-    const krhpr_lanes t25 = u_2_0 * t23 - v_1_1 * t20 - (v_1_0 * t21 + u_2_1 * t22);
-    const krhpr_lanes t26 = t25 - t24;
-    const krhpr_lanes t27 = u_1_0 * t21 - u_2_1 * t18 - (u_2_0 * t19 - u_1_1 * t20);
-    const krhpr_lanes t28 = theta_dot[1] * (g_k_12 * t27) + theta_dot[2] * (t25 - g_k_2 * t27);
-    const krhpr_lanes t29 = t1 * t22 + v_1_0 * t28 - theta_dot[1] * (h_0 * t24 + b_22 * (t16 + t20));
-    const krhpr_lanes t30 = theta_dot[1] * (h_1 * t24 + b_22 * (t17 - t21)) - (t1 * t23 + v_1_1 * t28);
-    const krhpr_lanes bias_0 = t3 * (g_e_1_0 * t29 - t4 * t26) + t3 * (x_0 * t30 - t5 * t13 - t6 * t26) - theta_dot[0] * (d_0 * (g_e_x_0 * t12 - g_e_t_0 * t11) + e_2_0 * t16);
-    const krhpr_lanes bias_1 = t3 * (g_e_1_1 * t29 - t7 * t26) + t3 * (x_1 * t30 - t5 * t14 - t8 * t26) - theta_dot[0] * (d_0 * (g_e_x_1 * t12 - g_e_t_1 * t11) + e_2_1 * t16);
-    const krhpr_lanes bias_2 = t3 * (g_e_1_2 * t29 - t9 * t26) + t3 * (x_2 * t30 - t5 * t15 - t10 * t26) - theta_dot[0] * (d_0 * (g_e_x_2 * t12) + e_2_2 * t16);
+    const krhpr_lanes t17 = g_l_4 * (theta_dot[1] * sine[1]);
+    const krhpr_lanes t18 = g_l_4 * (theta_dot[1] * cosine[1]);
+    const krhpr_lanes t19 = g_l_2 * (theta_dot[2] * sine[2]);
+    const krhpr_lanes t20 = g_l_2 * (theta_dot[2] * cosine[2]);
+    const krhpr_lanes t21 = t16 + t17;
+    const krhpr_lanes t22 = g_e_1_0 * s_dot_0 + g_e_1_1 * s_dot_1 + g_e_1_2 * s_dot_2 - t18;
+    const krhpr_lanes t23 = u_1_0 * t22 - v_1_1 * t17 - (v_1_0 * t18 + u_1_1 * t21);
+    const krhpr_lanes t24 = t19 - t17;
+    const krhpr_lanes t25 = t18 - t20;
+    const krhpr_lanes t26 = u_1_0 * t20 - u_2_1 * t17 - (u_2_0 * t18 - u_1_1 * t19);
+    const krhpr_lanes t27 = f_1 * t21 + v_1_0 * t25 - (f_0 * t22 + v_1_1 * t24);
+    const krhpr_lanes t28 = theta_dot[2] * (u_2_0 * t22 - v_1_1 * t19 - g_k_2 * t26 - (v_1_0 * t20 + u_2_1 * t21));
+    const krhpr_lanes t29 = theta_dot[1] * (g_k_12 * t26 - t23) + t28;
+    const krhpr_lanes t30 = t1 * t21 + v_1_0 * t29 - theta_dot[1] * (f_0 * t23 + b_22 * t24);
+    const krhpr_lanes t31 = theta_dot[1] * (f_1 * t23 + b_22 * t25) - (t1 * t22 + v_1_1 * t29);
+    const krhpr_lanes bias_0 = t3 * (g_e_1_0 * t30 - t4 * t27) + t3 * (x_0 * t31 - t5 * t13 - t6 * t27) - theta_dot[0] * (d_0 * (g_e_x_0 * t12 - g_e_t_0 * t11) + e_2_0 * t16);
+    const krhpr_lanes bias_1 = t3 * (g_e_1_1 * t30 - t7 * t27) + t3 * (x_1 * t31 - t5 * t14 - t8 * t27) - theta_dot[0] * (d_0 * (g_e_x_1 * t12 - g_e_t_1 * t11) + e_2_1 * t16);
+    const krhpr_lanes bias_2 = t3 * (g_e_1_2 * t30 - t9 * t27) + t3 * (x_2 * t31 - t5 * t15 - t10 * t27) - theta_dot[0] * (d_0 * (g_e_x_2 * t12) + e_2_2 * t16);
     s_dot[0] = s_dot_0;
     s_dot[1] = s_dot_1;
     s_dot[2] = s_dot_2;
@@ -738,7 +735,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_bias_lanes(
 }
 
 /* Actuated joint rates of the R(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.  Linear,
- * so it serves accelerations too.  Thesis: (1.9).  (17 add, 28 multiply, 3 divide, 5 select) */
+ * so it serves accelerations too.  Thesis: (1.9).  (18 add, 28 multiply, 3 divide, 5 select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_rates_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
     const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2],
@@ -757,17 +754,16 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_rates_lanes(
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const krhpr_lanes h_1 = d[1] - u_2[1];
-    const krhpr_lanes t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
     const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const krhpr_lanes b_32 = u_12 * g_k_12; /* (1.13), that of this row */
-    const krhpr_lanes b_33 = t - u_12 * g_k_2; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
     const krhpr_lanes v_l_0 = x[0] * s_dot[0] + x[1] * s_dot[1] + x[2] * s_dot[2]; /* velocity in the leg's frame */
     const krhpr_lanes v_l_1 = g_e_1_0 * s_dot[0] + g_e_1_1 * s_dot[1] + g_e_1_2 * s_dot[2];
     const krhpr_lanes v_l_2 = e_2[0] * s_dot[0] + e_2[1] * s_dot[1] + e_2[2] * s_dot[2];
     const krhpr_lanes w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1; /* A s_dot */
-    const krhpr_lanes w_2 = h_0 * v_l_0 + h_1 * v_l_1;
+    const krhpr_lanes w_2 = f_0 * v_l_0 + f_1 * v_l_1;
     const krhpr_lanes t1 = 1.0 / b_22;
     const krhpr_lanes t2 = krhpr_lanes_min(krhpr_lanes_fabs(d[0] * g_k_14), krhpr_lanes_fabs(b_22 * g_k_15));
     theta_dot[0] = -v_l_2 / d[0];
@@ -777,7 +773,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_rates_lanes(
 }
 
 /* det M_i of the R(RR-RRR) sub-leg and its dimensionless factors: shoulder, elbow, crank, rod.  Thesis:
- * 1.4.  (8 add, 14 multiply, 1 divide) */
+ * 1.4.  (10 add, 16 multiply, 1 divide) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_determinant_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2],
     const krhpr_lanes_at u_2[2], krhpr_lanes_at *KRHPR_RESTRICT det_M, krhpr_lanes_at *KRHPR_RESTRICT factors)
@@ -793,10 +789,11 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_determinant_lanes(
     const krhpr_lanes t1 = u_1[0] * v_1_1;
     const krhpr_lanes t2 = u_1[1] * v_1_0;
     const krhpr_lanes b_22 = t1 - t2; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const krhpr_lanes delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
     const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const krhpr_lanes b_33 = t - u_12 * g_k_2; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     *det_M = d[0] * (b_33 * (t2 - t1)) / delta;
     factors[0] = d[0] * g_k_14;
     factors[1] = b_22 * g_k_15;
@@ -805,7 +802,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_determinant_lanes(
 }
 
 /* Squares of M_i of the R(RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide count by
- * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (41 add, 78 multiply, 1 divide, 1
+ * their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (42 add, 80 multiply, 1 divide, 1
  * select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_gram_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
@@ -823,18 +820,17 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_gram_lanes(
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const krhpr_lanes h_1 = d[1] - u_2[1];
-    const krhpr_lanes t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const krhpr_lanes delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
     const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const krhpr_lanes b_32 = u_12 * g_k_12; /* (1.13), that of this row */
-    const krhpr_lanes b_33 = t - u_12 * g_k_2; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const krhpr_lanes t1 = 1.0 / delta;
     const krhpr_lanes q = b_33 * t1;
-    const krhpr_lanes m_01 = t1 * (b_22 * h_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
     const krhpr_lanes t2 = v_1_1 * q;
-    const krhpr_lanes m_11 = t1 * (v_1_0 * b_32 - b_22 * h_0); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
     const krhpr_lanes m_12 = v_1_0 * q;
     const krhpr_lanes g_00 = m_01 * m_01 + t2 * t2; /* M M^T */
     const krhpr_lanes g_01 = m_01 * m_11 - t2 * m_12;
@@ -963,7 +959,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_points_lanes(
     points[17] = s[2];
 }
 
-/* Rows of K_n for the R(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (35 add, 60 multiply,
+/* Rows of K_n for the R(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (36 add, 62 multiply,
  * 1 divide, 1 select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_transmission_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
@@ -980,18 +976,17 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_transmission_lanes(
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const krhpr_lanes h_1 = d[1] - u_2[1];
-    const krhpr_lanes t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
-    const krhpr_lanes delta = t - b_22; /* e_2^T (v_1 x v_2) */
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
     const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const krhpr_lanes b_32 = u_12 * g_k_12; /* (1.13), that of this row */
-    const krhpr_lanes b_33 = t - u_12 * g_k_2; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes delta = v_1_0 * f_1 - v_1_1 * f_0; /* e_2^T (v_1 x v_2) */
     const krhpr_lanes t1 = 1.0 / delta;
     const krhpr_lanes q = b_33 * t1;
-    const krhpr_lanes m_01 = t1 * (b_22 * h_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32); /* A^-1 B in the leg's frame */
     const krhpr_lanes t2 = v_1_1 * q;
-    const krhpr_lanes m_11 = t1 * (v_1_0 * b_32 - b_22 * h_0); /* A^-1 B in the leg's frame */
+    const krhpr_lanes m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0); /* A^-1 B in the leg's frame */
     const krhpr_lanes m_12 = v_1_0 * q;
     const krhpr_lanes n_00 = x[0] * N[0] + x[1] * N[1] + x[2] * N[2]; /* N and c_i in the leg's frame */
     const krhpr_lanes n_01 = g_e_1_0 * N[0] + g_e_1_1 * N[1] + g_e_1_2 * N[2];
@@ -1138,7 +1133,7 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_torques_lanes(
 }
 
 /* Force at the end point of the R(RR-RRR) sub-leg from those of its actuators: g = M_i^-T f.  Thesis:
- * (5.36).  (18 add, 33 multiply, 3 divide, 5 select) */
+ * (5.36).  (19 add, 33 multiply, 3 divide, 5 select) */
 KRHPR_INLINE void krhpr_subleg_r_fivebar_end_force_lanes(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_lanes_at x[3], const krhpr_lanes_at e_2[3],
     const krhpr_lanes_at d[2], const krhpr_lanes_at u_1[2], const krhpr_lanes_at u_2[2],
@@ -1157,16 +1152,15 @@ KRHPR_INLINE void krhpr_subleg_r_fivebar_end_force_lanes(
     const krhpr_lanes v_1_0 = d[0] - u_1[0]; /* (1.14) */
     const krhpr_lanes v_1_1 = d[1] - u_1[1];
     const krhpr_lanes b_22 = u_1[0] * v_1_1 - u_1[1] * v_1_0; /* v_1^T (e_2 x u_1) */
-    const krhpr_lanes h_0 = d[0] - u_2[0]; /* from C to S_i */
-    const krhpr_lanes h_1 = d[1] - u_2[1];
-    const krhpr_lanes t = u_2[0] * v_1_1 - u_2[1] * v_1_0; /* u_2 x v_1 */
+    const krhpr_lanes f_0 = u_1[0] - u_2[0]; /* from C to E */
+    const krhpr_lanes f_1 = u_1[1] - u_2[1];
     const krhpr_lanes u_12 = u_1[0] * u_2[1] - u_1[1] * u_2[0]; /* f x u_1 */
-    const krhpr_lanes b_32 = u_12 * g_k_12; /* (1.13), that of this row */
-    const krhpr_lanes b_33 = t - u_12 * g_k_2; /* v_2^T (e_3 x u_2) / k */
+    const krhpr_lanes b_32 = u_12 * g_k_12 - b_22; /* (1.13) over k, less k b_22 */
+    const krhpr_lanes b_33 = u_2[0] * v_1_1 - u_12 * g_k_2 - u_2[1] * v_1_0; /* v_2^T (e_3 x u_2) / k */
     const krhpr_lanes t1 = 1.0 / b_22;
     const krhpr_lanes t2 = 1.0 / b_33;
-    const krhpr_lanes g_l_0 = v_1_0 * actuator_forces[1] * t1 + actuator_forces[2] * (h_0 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
-    const krhpr_lanes g_l_1 = t1 * (v_1_1 * actuator_forces[1]) + t2 * (actuator_forces[2] * (h_1 - t1 * (v_1_1 * b_32)));
+    const krhpr_lanes g_l_0 = v_1_0 * actuator_forces[1] * t1 + actuator_forces[2] * (f_0 - t1 * (v_1_0 * b_32)) * t2; /* in the leg's frame */
+    const krhpr_lanes g_l_1 = t1 * (v_1_1 * actuator_forces[1]) + t2 * (actuator_forces[2] * (f_1 - t1 * (v_1_1 * b_32)));
     const krhpr_lanes t3 = actuator_forces[0] / d[0];
     const krhpr_lanes t4 = krhpr_lanes_min(krhpr_lanes_fabs(d[0] * g_k_14), krhpr_lanes_fabs(b_22 * g_k_15));
     end_force[0] = g_e_1_0 * g_l_1 - e_2[0] * t3 + x[0] * g_l_0;

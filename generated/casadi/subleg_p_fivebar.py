@@ -367,26 +367,25 @@ def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
 
 
 def jacobian(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
-    """Jacobian M_i of the P(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (17 add,
-    30 multiply, 1 divide, 1 select)"""
+    """Jacobian M_i of the P(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (18 add,
+    32 multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
     u_2_0, u_2_1 = u_2
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    h_0 = d_0 - u_2_0  # from C to S_i
-    h_1 = d_1 - u_2_1
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
-    delta = t - b_22  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
     u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
-    b_32 = u_12 * g.k[12]  # (1.13), that of this row
-    b_33 = t - u_12 * g.k[2]  # v_2^T (e_3 x u_2) / k
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     t1 = 1 / delta
     q = b_33 * t1
-    m_01 = t1 * (b_22 * h_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
+    m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
     t2 = v_1_1 * q
-    m_11 = t1 * (v_1_0 * b_32 - b_22 * h_0)  # A^-1 B in the leg's frame
+    m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0)  # A^-1 B in the leg's frame
     m_12 = v_1_0 * q
     return (
         (  # M
@@ -408,7 +407,7 @@ def jacobian(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
 
 def project(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
     """Rows of K: N M_i for the P(RR-RRR) sub-leg, where the rows of N are the directions of the
-    platform's lines.  Thesis: (1.8), (1.28).  (25 add, 42 multiply, 1 divide, 1 select)"""
+    platform's lines.  Thesis: (1.8), (1.28).  (26 add, 44 multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
     u_2_0, u_2_1 = u_2
@@ -416,18 +415,17 @@ def project(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    h_0 = d_0 - u_2_0  # from C to S_i
-    h_1 = d_1 - u_2_1
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
-    delta = t - b_22  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
     u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
-    b_32 = u_12 * g.k[12]  # (1.13), that of this row
-    b_33 = t - u_12 * g.k[2]  # v_2^T (e_3 x u_2) / k
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     t1 = 1 / delta
     q = b_33 * t1
-    m_01 = t1 * (b_22 * h_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
+    m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
     t2 = v_1_1 * q
-    m_11 = t1 * (v_1_0 * b_32 - b_22 * h_0)  # A^-1 B in the leg's frame
+    m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0)  # A^-1 B in the leg's frame
     m_12 = v_1_0 * q
     n_00 = g.e_x[0] * N_00 + g.e_x[1] * N_01 + g.e_x[2] * N_02  # N in the leg's frame
     n_01 = g.e_1[0] * N_00 + g.e_1[1] * N_01 + g.e_1[2] * N_02
@@ -451,7 +449,7 @@ def project(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
 
 
 def velocity(g: Any, d: Any, u_1: Any, u_2: Any, theta_dot: Any) -> tuple[Any, ...]:
-    """Velocity of the end point of the P(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 26
+    """Velocity of the end point of the P(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (18 add, 28
     multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
@@ -460,18 +458,17 @@ def velocity(g: Any, d: Any, u_1: Any, u_2: Any, theta_dot: Any) -> tuple[Any, .
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    h_0 = d_0 - u_2_0  # from C to S_i
-    h_1 = d_1 - u_2_1
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
-    delta = t - b_22  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
     u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
-    b_32 = u_12 * g.k[12]  # (1.13), that of this row
-    b_33 = t - u_12 * g.k[2]  # v_2^T (e_3 x u_2) / k
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     w_1 = b_22 * theta_dot_1  # B theta_dot
     w_2 = b_32 * theta_dot_1 + b_33 * theta_dot_2
     t1 = 1 / delta
-    v_l_0 = (h_1 * w_1 - v_1_1 * w_2) * t1  # velocity in the leg's frame
-    v_l_1 = t1 * (v_1_0 * w_2 - h_0 * w_1)
+    v_l_0 = (f_1 * w_1 - v_1_1 * w_2) * t1  # velocity in the leg's frame
+    v_l_1 = t1 * (v_1_0 * w_2 - f_0 * w_1)
     return (
         (  # s_dot
             g.e_1[0] * v_l_1 + g.e_t[0] * theta_dot_0 + g.e_x[0] * v_l_0,
@@ -486,7 +483,7 @@ def velocity(g: Any, d: Any, u_1: Any, u_2: Any, theta_dot: Any) -> tuple[Any, .
 
 def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     """Velocity of the end point of the P(RR-RRR) sub-leg and the part of its acceleration that does
-    not depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (59 add, 99
+    not depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (63 add, 105
     multiply, 1 divide, 2 sine cosine, 1 select)"""
     s_0, s_1, s_2 = s
     _theta_0, theta_1, theta_2 = theta
@@ -507,18 +504,17 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    h_0 = d_0 - u_2_0  # from C to S_i
-    h_1 = d_1 - u_2_1
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
-    delta = t - b_22  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
     u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
-    b_32 = u_12 * g.k[12]  # (1.13), that of this row
-    b_33 = t - u_12 * g.k[2]  # v_2^T (e_3 x u_2) / k
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     t5 = theta_dot_1 * b_32 + theta_dot_2 * b_33
-    t6 = v_1_0 * t5 - theta_dot_1 * (b_22 * h_0)
+    t6 = v_1_0 * t5 - theta_dot_1 * (b_22 * f_0)
     t7 = 1 / delta
     t8 = g.e_1[0] * t6 * t7
-    t9 = theta_dot_1 * (b_22 * h_1) - v_1_1 * t5
+    t9 = theta_dot_1 * (b_22 * f_1) - v_1_1 * t5
     t10 = t7 * (g.e_x[0] * t9)
     s_dot_0 = g.e_t[0] * theta_dot_0 + t8 + t10
     t11 = t7 * (g.e_1[1] * t6)
@@ -527,21 +523,21 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     t13 = t7 * (g.e_1[2] * t6)
     t14 = t7 * (g.e_x[2] * t9)
     s_dot_2 = t13 + t14
-    t15 = g.e_x[0] * s_dot_0 + g.e_x[1] * s_dot_1 + g.e_x[2] * s_dot_2
-    t16 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2
-    t17 = g.l_4 * (theta_dot_1 * t2)
-    t18 = g.l_4 * (theta_dot_1 * t1)
-    t19 = g.l_2 * (theta_dot_2 * t4)
-    t20 = g.l_2 * (theta_dot_2 * t3)
-    t21 = t15 + t17
-    t22 = t16 - t18
-    t23 = u_1_0 * t22 - v_1_1 * t17 - (v_1_0 * t18 + u_1_1 * t21)
-    t24 = u_2_0 * t22 - v_1_1 * t19 - (v_1_0 * t20 + u_2_1 * t21)
-    t25 = t24 - t23
-    t26 = u_1_0 * t20 - u_2_1 * t17 - (u_2_0 * t18 - u_1_1 * t19)
-    t27 = theta_dot_1 * (g.k[12] * t26) + theta_dot_2 * (t24 - g.k[2] * t26)
-    t28 = t5 * t21 + v_1_0 * t27 - theta_dot_1 * (h_0 * t23 + b_22 * (t15 + t19))
-    t29 = theta_dot_1 * (h_1 * t23 + b_22 * (t16 - t20)) - (t5 * t22 + v_1_1 * t27)
+    t15 = g.l_4 * (theta_dot_1 * t2)
+    t16 = g.l_4 * (theta_dot_1 * t1)
+    t17 = g.l_2 * (theta_dot_2 * t4)
+    t18 = g.l_2 * (theta_dot_2 * t3)
+    t19 = g.e_x[0] * s_dot_0 + g.e_x[1] * s_dot_1 + g.e_x[2] * s_dot_2 + t15
+    t20 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2 - t16
+    t21 = u_1_0 * t20 - v_1_1 * t15 - (v_1_0 * t16 + u_1_1 * t19)
+    t22 = t17 - t15
+    t23 = t16 - t18
+    t24 = u_1_0 * t18 - u_2_1 * t15 - (u_2_0 * t16 - u_1_1 * t17)
+    t25 = f_1 * t19 + v_1_0 * t23 - (f_0 * t20 + v_1_1 * t22)
+    t26 = theta_dot_2 * (u_2_0 * t20 - v_1_1 * t17 - g.k[2] * t24 - (v_1_0 * t18 + u_2_1 * t19))
+    t27 = theta_dot_1 * (g.k[12] * t24 - t21) + t26
+    t28 = t5 * t19 + v_1_0 * t27 - theta_dot_1 * (f_0 * t21 + b_22 * t22)
+    t29 = theta_dot_1 * (f_1 * t21 + b_22 * t23) - (t5 * t20 + v_1_1 * t27)
     return (
         (  # s_dot
             s_dot_0,
@@ -561,7 +557,7 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
 
 def rates(g: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> tuple[Any, ...]:
     """Actuated joint rates of the P(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.
-    Linear, so it serves accelerations too.  Thesis: (1.9).  (16 add, 26 multiply, 2 divide, 3
+    Linear, so it serves accelerations too.  Thesis: (1.9).  (17 add, 26 multiply, 2 divide, 3
     select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
@@ -570,17 +566,16 @@ def rates(g: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> tuple[Any, ...]:
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    h_0 = d_0 - u_2_0  # from C to S_i
-    h_1 = d_1 - u_2_1
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
     u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
-    b_32 = u_12 * g.k[12]  # (1.13), that of this row
-    b_33 = t - u_12 * g.k[2]  # v_2^T (e_3 x u_2) / k
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
     v_l_0 = g.e_x[0] * s_dot_0 + g.e_x[1] * s_dot_1 + g.e_x[2] * s_dot_2  # velocity in the leg's frame
     v_l_1 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2
     v_l_2 = g.e_t[0] * s_dot_0 + g.e_t[1] * s_dot_1
     w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1  # A s_dot
-    w_2 = h_0 * v_l_0 + h_1 * v_l_1
+    w_2 = f_0 * v_l_0 + f_1 * v_l_1
     t1 = 1 / b_22
     return (
         (  # theta_dot
@@ -596,17 +591,18 @@ def rates(g: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> tuple[Any, ...]:
 
 def determinant(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
     """det M_i of the P(RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.
-    (7 add, 12 multiply, 1 divide)"""
+    (9 add, 14 multiply, 1 divide)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
     u_2_0, u_2_1 = u_2
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
-    delta = t - b_22  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
     u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
-    b_33 = t - u_12 * g.k[2]  # v_2^T (e_3 x u_2) / k
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     return (
         (  # det_M
             b_22 * b_33 / delta,
@@ -621,7 +617,7 @@ def determinant(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
 
 def gram(g: Any, d: Any, u_1: Any, u_2: Any, characteristic_length: Any, N: Any) -> tuple[Any, ...]:
     """Squares of M_i of the P(RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide
-    count by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (39 add, 76
+    count by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (40 add, 78
     multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
@@ -631,18 +627,17 @@ def gram(g: Any, d: Any, u_1: Any, u_2: Any, characteristic_length: Any, N: Any)
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    h_0 = d_0 - u_2_0  # from C to S_i
-    h_1 = d_1 - u_2_1
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
-    delta = t - b_22  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
     u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
-    b_32 = u_12 * g.k[12]  # (1.13), that of this row
-    b_33 = t - u_12 * g.k[2]  # v_2^T (e_3 x u_2) / k
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     t1 = 1 / delta
     q = b_33 * t1
-    m_01 = t1 * (b_22 * h_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
+    m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
     t2 = v_1_1 * q
-    m_11 = t1 * (v_1_0 * b_32 - b_22 * h_0)  # A^-1 B in the leg's frame
+    m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0)  # A^-1 B in the leg's frame
     m_12 = v_1_0 * q
     g_00 = m_01 * m_01 + t2 * t2  # M M^T
     g_01 = m_01 * m_11 - t2 * m_12
@@ -779,7 +774,7 @@ def points(g: Any, d: Any, u_1: Any, u_2: Any, s: Any) -> tuple[Any, ...]:
 
 
 def transmission(g: Any, d: Any, u_1: Any, u_2: Any, N: Any, along: Any) -> tuple[Any, ...]:
-    """Rows of K_n for the P(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (32 add, 54
+    """Rows of K_n for the P(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (33 add, 56
     multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
@@ -789,18 +784,17 @@ def transmission(g: Any, d: Any, u_1: Any, u_2: Any, N: Any, along: Any) -> tupl
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    h_0 = d_0 - u_2_0  # from C to S_i
-    h_1 = d_1 - u_2_1
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
-    delta = t - b_22  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
     u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
-    b_32 = u_12 * g.k[12]  # (1.13), that of this row
-    b_33 = t - u_12 * g.k[2]  # v_2^T (e_3 x u_2) / k
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     t1 = 1 / delta
     q = b_33 * t1
-    m_01 = t1 * (b_22 * h_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
+    m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
     t2 = v_1_1 * q
-    m_11 = t1 * (v_1_0 * b_32 - b_22 * h_0)  # A^-1 B in the leg's frame
+    m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0)  # A^-1 B in the leg's frame
     m_12 = v_1_0 * q
     n_00 = g.e_x[0] * N_00 + g.e_x[1] * N_01 + g.e_x[2] * N_02  # N and c_i in the leg's frame
     n_01 = g.e_1[0] * N_00 + g.e_1[1] * N_01 + g.e_1[2] * N_02
@@ -960,7 +954,7 @@ def torques(K_n: Any, line_forces: Any, redundant_forces: Any) -> tuple[Any, ...
 
 def end_force(g: Any, d: Any, u_1: Any, u_2: Any, actuator_forces: Any) -> tuple[Any, ...]:
     """Force at the end point of the P(RR-RRR) sub-leg from those of its actuators: g = M_i^-T f.
-    Thesis: (5.36).  (17 add, 31 multiply, 2 divide, 3 select)"""
+    Thesis: (5.36).  (18 add, 31 multiply, 2 divide, 3 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
     u_2_0, u_2_1 = u_2
@@ -968,16 +962,15 @@ def end_force(g: Any, d: Any, u_1: Any, u_2: Any, actuator_forces: Any) -> tuple
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    h_0 = d_0 - u_2_0  # from C to S_i
-    h_1 = d_1 - u_2_1
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
     u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
-    b_32 = u_12 * g.k[12]  # (1.13), that of this row
-    b_33 = t - u_12 * g.k[2]  # v_2^T (e_3 x u_2) / k
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
     t1 = 1 / b_22
     t2 = 1 / b_33
-    g_l_0 = v_1_0 * actuator_forces_1 * t1 + actuator_forces_2 * (h_0 - t1 * (v_1_0 * b_32)) * t2  # in the leg's frame
-    g_l_1 = t1 * (v_1_1 * actuator_forces_1) + t2 * (actuator_forces_2 * (h_1 - t1 * (v_1_1 * b_32)))
+    g_l_0 = v_1_0 * actuator_forces_1 * t1 + actuator_forces_2 * (f_0 - t1 * (v_1_0 * b_32)) * t2  # in the leg's frame
+    g_l_1 = t1 * (v_1_1 * actuator_forces_1) + t2 * (actuator_forces_2 * (f_1 - t1 * (v_1_1 * b_32)))
     return (
         (  # end_force
             g.e_t[0] * actuator_forces_0 + g.e_1[0] * g_l_1 + g.e_x[0] * g_l_0,

@@ -336,7 +336,7 @@ def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
 
 
 def jacobian(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
-    """Jacobian M_i of the (RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (16 add, 22
+    """Jacobian M_i of the (RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (15 add, 22
     multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
@@ -344,19 +344,16 @@ def jacobian(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    h_0 = d_0 - g.o_12[0] - u_2_0  # from C to S_i
-    h_1 = d_1 - g.o_12[1] - u_2_1
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
-    f_0 = h_0 - v_1_0  # from C to E
-    f_1 = h_1 - v_1_1
-    b_32 = g.k[12] * (u_1_1 * f_0 - u_1_0 * f_1)  # (1.13), that of this row
-    b_33 = t + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0)  # v_2^T (e_3 x u_2) / k
-    delta = v_1_0 * h_1 - v_1_1 * h_0  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - g.o_12[0] - u_2_0  # from C to E
+    f_1 = u_1_1 - g.o_12[1] - u_2_1
+    b_32 = g.k[12] * (u_1_1 * f_0 - u_1_0 * f_1) - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0) - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     t1 = 1 / delta
     q = b_33 * t1
-    m_00 = t1 * (b_22 * h_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
+    m_00 = t1 * (b_22 * f_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
     m_01 = -v_1_1 * q
-    m_10 = t1 * (v_1_0 * b_32 - b_22 * h_0)
+    m_10 = t1 * (v_1_0 * b_32 - b_22 * f_0)
     m_11 = v_1_0 * q
     return (
         (  # M
@@ -373,7 +370,7 @@ def jacobian(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
 
 def project(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
     """Rows of K: N M_i for the (RR-RRR) sub-leg, where the rows of N are the directions of the
-    platform's lines.  Thesis: (1.8), (1.28).  (18 add, 26 multiply, 1 divide, 1 select)"""
+    platform's lines.  Thesis: (1.8), (1.28).  (17 add, 26 multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
     u_2_0, u_2_1 = u_2
@@ -381,18 +378,15 @@ def project(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    h_0 = d_0 - g.o_12[0] - u_2_0  # from C to S_i
-    h_1 = d_1 - g.o_12[1] - u_2_1
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
-    f_0 = h_0 - v_1_0  # from C to E
-    f_1 = h_1 - v_1_1
-    b_32 = g.k[12] * (u_1_1 * f_0 - u_1_0 * f_1)  # (1.13), that of this row
-    b_33 = t + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0)  # v_2^T (e_3 x u_2) / k
-    delta = v_1_0 * h_1 - v_1_1 * h_0  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - g.o_12[0] - u_2_0  # from C to E
+    f_1 = u_1_1 - g.o_12[1] - u_2_1
+    b_32 = g.k[12] * (u_1_1 * f_0 - u_1_0 * f_1) - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0) - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     t1 = 1 / delta
     q = b_33 * t1
-    m_00 = t1 * (b_22 * h_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
-    m_10 = t1 * (v_1_0 * b_32 - b_22 * h_0)
+    m_00 = t1 * (b_22 * f_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
+    m_10 = t1 * (v_1_0 * b_32 - b_22 * f_0)
     m_11 = v_1_0 * q
     return (
         (  # K
@@ -406,7 +400,7 @@ def project(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
 
 
 def velocity(g: Any, d: Any, u_1: Any, u_2: Any, theta_dot: Any) -> tuple[Any, ...]:
-    """Velocity of the end point of the (RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (17 add, 22
+    """Velocity of the end point of the (RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (16 add, 22
     multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
@@ -415,19 +409,16 @@ def velocity(g: Any, d: Any, u_1: Any, u_2: Any, theta_dot: Any) -> tuple[Any, .
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    h_0 = d_0 - g.o_12[0] - u_2_0  # from C to S_i
-    h_1 = d_1 - g.o_12[1] - u_2_1
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
-    f_0 = h_0 - v_1_0  # from C to E
-    f_1 = h_1 - v_1_1
-    b_32 = g.k[12] * (u_1_1 * f_0 - u_1_0 * f_1)  # (1.13), that of this row
-    b_33 = t + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0)  # v_2^T (e_3 x u_2) / k
-    delta = v_1_0 * h_1 - v_1_1 * h_0  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - g.o_12[0] - u_2_0  # from C to E
+    f_1 = u_1_1 - g.o_12[1] - u_2_1
+    b_32 = g.k[12] * (u_1_1 * f_0 - u_1_0 * f_1) - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0) - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     w_0 = b_22 * theta_dot_0  # B theta_dot
     w_1 = b_32 * theta_dot_0 + b_33 * theta_dot_1
     t1 = 1 / delta
-    v_l_0 = (h_1 * w_0 - v_1_1 * w_1) * t1  # velocity in the leg's frame
-    v_l_1 = t1 * (v_1_0 * w_1 - h_0 * w_0)
+    v_l_0 = (f_1 * w_0 - v_1_1 * w_1) * t1  # velocity in the leg's frame
+    v_l_1 = t1 * (v_1_0 * w_1 - f_0 * w_0)
     return (
         (  # s_dot
             v_l_0,
@@ -441,7 +432,7 @@ def velocity(g: Any, d: Any, u_1: Any, u_2: Any, theta_dot: Any) -> tuple[Any, .
 
 def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     """Velocity of the end point of the (RR-RRR) sub-leg and the part of its acceleration that does not
-    depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (50 add, 73
+    depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (48 add, 73
     multiply, 1 divide, 2 sine cosine, 1 select)"""
     s_0, s_1 = s
     theta_0, theta_1 = theta
@@ -459,18 +450,15 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    h_0 = d_0 - g.o_12[0] - u_2_0  # from C to S_i
-    h_1 = d_1 - g.o_12[1] - u_2_1
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
-    f_0 = h_0 - v_1_0  # from C to E
-    f_1 = h_1 - v_1_1
-    b_32 = g.k[12] * (u_1_1 * f_0 - u_1_0 * f_1)  # (1.13), that of this row
-    b_33 = t + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0)  # v_2^T (e_3 x u_2) / k
-    delta = v_1_0 * h_1 - v_1_1 * h_0  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - g.o_12[0] - u_2_0  # from C to E
+    f_1 = u_1_1 - g.o_12[1] - u_2_1
+    b_32 = g.k[12] * (u_1_1 * f_0 - u_1_0 * f_1) - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0) - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     t5 = theta_dot_0 * b_32 + theta_dot_1 * b_33
     t6 = 1 / delta
-    s_dot_0 = (theta_dot_0 * (b_22 * h_1) - v_1_1 * t5) * t6
-    s_dot_1 = t6 * (v_1_0 * t5 - theta_dot_0 * (b_22 * h_0))
+    s_dot_0 = (theta_dot_0 * (b_22 * f_1) - v_1_1 * t5) * t6
+    s_dot_1 = t6 * (v_1_0 * t5 - theta_dot_0 * (b_22 * f_0))
     t7 = g.l_4 * (theta_dot_0 * t2)
     t8 = g.l_4 * (theta_dot_0 * t1)
     t9 = g.l_2 * (theta_dot_1 * t4)
@@ -478,23 +466,22 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     t11 = s_dot_0 + t7
     t12 = s_dot_1 - t8
     t13 = u_1_0 * t12 - v_1_1 * t7 - (v_1_0 * t8 + u_1_1 * t11)
-    t14 = s_dot_0 + t9
-    t15 = s_dot_1 - t10
-    t16 = t14 - t11
-    t17 = t15 - t12
-    t18 = u_2_0 * t12 - v_1_1 * t9 - (v_1_0 * t10 + u_2_1 * t11) + g.k[2] * (u_2_0 * t17 - f_1 * t9 - (f_0 * t10 + u_2_1 * t16))
-    t19 = h_1 * t11 + v_1_0 * t15 - (h_0 * t12 + v_1_1 * t14)
-    t20 = theta_dot_0 * (g.k[12] * (f_0 * t8 + u_1_1 * t16 - (u_1_0 * t17 - f_1 * t7))) + theta_dot_1 * t18
-    t21 = theta_dot_0 * (h_1 * t13 + b_22 * t15) - (t5 * t12 + v_1_1 * t20) - s_dot_0 * t19
-    t22 = t5 * t11 + v_1_0 * t20 - theta_dot_0 * (h_0 * t13 + b_22 * t14) - s_dot_1 * t19
+    t14 = t9 - t7
+    t15 = t8 - t10
+    t16 = u_2_0 * t12 - v_1_1 * t9 + g.k[2] * (u_2_0 * t15 - f_1 * t9 - (f_0 * t10 + u_2_1 * t14))
+    t17 = f_1 * t11 + v_1_0 * t15 - (f_0 * t12 + v_1_1 * t14)
+    t18 = theta_dot_0 * (g.k[12] * (f_0 * t8 + u_1_1 * t14 - (u_1_0 * t15 - f_1 * t7)) - t13)
+    t19 = t18 + theta_dot_1 * (t16 - (v_1_0 * t10 + u_2_1 * t11))
+    t20 = theta_dot_0 * (f_1 * t13 + b_22 * t15) - (t5 * t12 + v_1_1 * t19) - s_dot_0 * t17
+    t21 = t5 * t11 + v_1_0 * t19 - theta_dot_0 * (f_0 * t13 + b_22 * t14) - s_dot_1 * t17
     return (
         (  # s_dot
             s_dot_0,
             s_dot_1,
         ),
         (  # bias
+            t6 * t20,
             t6 * t21,
-            t6 * t22,
         ),
         (  # regularity
             ca.fabs(delta * g.k[13]),
@@ -504,7 +491,7 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
 
 def rates(g: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> tuple[Any, ...]:
     """Actuated joint rates of the (RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.
-    Linear, so it serves accelerations too.  Thesis: (1.9).  (16 add, 20 multiply, 2 divide, 3
+    Linear, so it serves accelerations too.  Thesis: (1.9).  (15 add, 20 multiply, 2 divide, 3
     select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
@@ -513,15 +500,12 @@ def rates(g: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> tuple[Any, ...]:
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    h_0 = d_0 - g.o_12[0] - u_2_0  # from C to S_i
-    h_1 = d_1 - g.o_12[1] - u_2_1
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
-    f_0 = h_0 - v_1_0  # from C to E
-    f_1 = h_1 - v_1_1
-    b_32 = g.k[12] * (u_1_1 * f_0 - u_1_0 * f_1)  # (1.13), that of this row
-    b_33 = t + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0)  # v_2^T (e_3 x u_2) / k
+    f_0 = u_1_0 - g.o_12[0] - u_2_0  # from C to E
+    f_1 = u_1_1 - g.o_12[1] - u_2_1
+    b_32 = g.k[12] * (u_1_1 * f_0 - u_1_0 * f_1) - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0) - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
     w_0 = v_1_0 * s_dot_0 + v_1_1 * s_dot_1  # A s_dot
-    w_1 = h_0 * s_dot_0 + h_1 * s_dot_1
+    w_1 = f_0 * s_dot_0 + f_1 * s_dot_1
     t1 = 1 / b_22
     return (
         (  # theta_dot
@@ -536,20 +520,17 @@ def rates(g: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> tuple[Any, ...]:
 
 def determinant(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
     """det M_i of the (RR-RRR) sub-leg and its dimensionless factors: elbow, crank, rod.  Thesis: 1.4.
-    (13 add, 14 multiply, 1 divide)"""
+    (11 add, 14 multiply, 1 divide)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
     u_2_0, u_2_1 = u_2
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    h_0 = d_0 - g.o_12[0] - u_2_0  # from C to S_i
-    h_1 = d_1 - g.o_12[1] - u_2_1
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
-    f_0 = h_0 - v_1_0  # from C to E
-    f_1 = h_1 - v_1_1
-    b_33 = t + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0)  # v_2^T (e_3 x u_2) / k
-    delta = v_1_0 * h_1 - v_1_1 * h_0  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - g.o_12[0] - u_2_0  # from C to E
+    f_1 = u_1_1 - g.o_12[1] - u_2_1
+    b_33 = u_2_0 * v_1_1 + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0) - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     return (
         (  # det_M
             b_22 * b_33 / delta,
@@ -564,7 +545,7 @@ def determinant(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
 
 def gram(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
     """Squares of M_i of the (RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide
-    count by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (24 add, 37
+    count by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (23 add, 37
     multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
@@ -573,19 +554,16 @@ def gram(g: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    h_0 = d_0 - g.o_12[0] - u_2_0  # from C to S_i
-    h_1 = d_1 - g.o_12[1] - u_2_1
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
-    f_0 = h_0 - v_1_0  # from C to E
-    f_1 = h_1 - v_1_1
-    b_32 = g.k[12] * (u_1_1 * f_0 - u_1_0 * f_1)  # (1.13), that of this row
-    b_33 = t + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0)  # v_2^T (e_3 x u_2) / k
-    delta = v_1_0 * h_1 - v_1_1 * h_0  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - g.o_12[0] - u_2_0  # from C to E
+    f_1 = u_1_1 - g.o_12[1] - u_2_1
+    b_32 = g.k[12] * (u_1_1 * f_0 - u_1_0 * f_1) - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0) - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     t1 = 1 / delta
     q = b_33 * t1
-    m_00 = t1 * (b_22 * h_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
+    m_00 = t1 * (b_22 * f_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
     c_10 = v_1_1 * q  # cofactors of M
-    m_10 = t1 * (v_1_0 * b_32 - b_22 * h_0)  # A^-1 B in the leg's frame
+    m_10 = t1 * (v_1_0 * b_32 - b_22 * f_0)  # A^-1 B in the leg's frame
     m_11 = v_1_0 * q
     g_00 = m_00 * m_00 + c_10 * c_10  # M M^T
     t2 = m_00 * m_10
@@ -669,7 +647,7 @@ def points(g: Any, d: Any, u_1: Any, u_2: Any, s: Any) -> tuple[Any, ...]:
 
 
 def transmission(g: Any, d: Any, u_1: Any, u_2: Any, N: Any, along: Any) -> tuple[Any, ...]:
-    """Rows of K_n for the (RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (20 add, 30
+    """Rows of K_n for the (RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (19 add, 30
     multiply, 1 divide, 1 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
@@ -679,19 +657,16 @@ def transmission(g: Any, d: Any, u_1: Any, u_2: Any, N: Any, along: Any) -> tupl
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    h_0 = d_0 - g.o_12[0] - u_2_0  # from C to S_i
-    h_1 = d_1 - g.o_12[1] - u_2_1
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
-    f_0 = h_0 - v_1_0  # from C to E
-    f_1 = h_1 - v_1_1
-    b_32 = g.k[12] * (u_1_1 * f_0 - u_1_0 * f_1)  # (1.13), that of this row
-    b_33 = t + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0)  # v_2^T (e_3 x u_2) / k
-    delta = v_1_0 * h_1 - v_1_1 * h_0  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - g.o_12[0] - u_2_0  # from C to E
+    f_1 = u_1_1 - g.o_12[1] - u_2_1
+    b_32 = g.k[12] * (u_1_1 * f_0 - u_1_0 * f_1) - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0) - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     t1 = 1 / delta
     q = b_33 * t1
-    m_00 = t1 * (b_22 * h_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
+    m_00 = t1 * (b_22 * f_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
     t2 = v_1_1 * q
-    m_10 = t1 * (v_1_0 * b_32 - b_22 * h_0)  # A^-1 B in the leg's frame
+    m_10 = t1 * (v_1_0 * b_32 - b_22 * f_0)  # A^-1 B in the leg's frame
     m_11 = v_1_0 * q
     return (
         (  # K_n
@@ -776,7 +751,7 @@ def torques(K_n: Any, line_forces: Any, redundant_forces: Any) -> tuple[Any, ...
 
 def end_force(g: Any, d: Any, u_1: Any, u_2: Any, actuator_forces: Any) -> tuple[Any, ...]:
     """Force at the end point of the (RR-RRR) sub-leg from those of its actuators: g = M_i^-T f.
-    Thesis: (5.36).  (17 add, 25 multiply, 2 divide, 3 select)"""
+    Thesis: (5.36).  (16 add, 25 multiply, 2 divide, 3 select)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
     u_2_0, u_2_1 = u_2
@@ -784,17 +759,14 @@ def end_force(g: Any, d: Any, u_1: Any, u_2: Any, actuator_forces: Any) -> tuple
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    h_0 = d_0 - g.o_12[0] - u_2_0  # from C to S_i
-    h_1 = d_1 - g.o_12[1] - u_2_1
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
-    f_0 = h_0 - v_1_0  # from C to E
-    f_1 = h_1 - v_1_1
-    b_32 = g.k[12] * (u_1_1 * f_0 - u_1_0 * f_1)  # (1.13), that of this row
-    b_33 = t + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0)  # v_2^T (e_3 x u_2) / k
+    f_0 = u_1_0 - g.o_12[0] - u_2_0  # from C to E
+    f_1 = u_1_1 - g.o_12[1] - u_2_1
+    b_32 = g.k[12] * (u_1_1 * f_0 - u_1_0 * f_1) - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 + g.k[2] * (u_2_0 * f_1 - u_2_1 * f_0) - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
     t1 = 1 / b_22
     t2 = 1 / b_33
-    g_l_0 = v_1_0 * actuator_forces_0 * t1 + actuator_forces_1 * (h_0 - t1 * (v_1_0 * b_32)) * t2  # in the leg's frame
-    g_l_1 = t1 * (v_1_1 * actuator_forces_0) + t2 * (actuator_forces_1 * (h_1 - t1 * (v_1_1 * b_32)))
+    g_l_0 = v_1_0 * actuator_forces_0 * t1 + actuator_forces_1 * (f_0 - t1 * (v_1_0 * b_32)) * t2  # in the leg's frame
+    g_l_1 = t1 * (v_1_1 * actuator_forces_0) + t2 * (actuator_forces_1 * (f_1 - t1 * (v_1_1 * b_32)))
     return (
         (  # end_force
             g_l_0,

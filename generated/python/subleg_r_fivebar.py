@@ -462,8 +462,8 @@ def posture(g: Any, s: Any, theta: Any) -> tuple[Any, ...]:
 
 
 def jacobian(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
-    """Jacobian M_i of the R(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (17 add,
-    33 multiply, 1 divide, 1 select)"""
+    """Jacobian M_i of the R(RR-RRR) sub-leg, s_dot = M theta_dot.  Thesis: (1.16), (2.15).  (18 add,
+    35 multiply, 1 divide, 1 select)"""
     x_0, x_1, x_2 = x
     e_2_0, e_2_1, e_2_2 = e_2
     d_0, d_1 = d
@@ -472,18 +472,17 @@ def jacobian(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any,
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    h_0 = d_0 - u_2_0  # from C to S_i
-    h_1 = d_1 - u_2_1
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
-    delta = t - b_22  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
     u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
-    b_32 = u_12 * g.k[12]  # (1.13), that of this row
-    b_33 = t - u_12 * g.k[2]  # v_2^T (e_3 x u_2) / k
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     t1 = 1 / delta
     q = b_33 * t1
-    m_01 = t1 * (b_22 * h_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
+    m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
     t2 = v_1_1 * q
-    m_11 = t1 * (v_1_0 * b_32 - b_22 * h_0)  # A^-1 B in the leg's frame
+    m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0)  # A^-1 B in the leg's frame
     m_12 = v_1_0 * q
     return (
         (  # M
@@ -505,7 +504,7 @@ def jacobian(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any,
 
 def project(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
     """Rows of K: N M_i for the R(RR-RRR) sub-leg, where the rows of N are the directions of the
-    platform's lines.  Thesis: (1.8), (1.28).  (27 add, 46 multiply, 1 divide, 1 select)"""
+    platform's lines.  Thesis: (1.8), (1.28).  (28 add, 48 multiply, 1 divide, 1 select)"""
     x_0, x_1, x_2 = x
     e_2_0, e_2_1, e_2_2 = e_2
     d_0, d_1 = d
@@ -515,18 +514,17 @@ def project(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tup
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    h_0 = d_0 - u_2_0  # from C to S_i
-    h_1 = d_1 - u_2_1
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
-    delta = t - b_22  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
     u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
-    b_32 = u_12 * g.k[12]  # (1.13), that of this row
-    b_33 = t - u_12 * g.k[2]  # v_2^T (e_3 x u_2) / k
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     t1 = 1 / delta
     q = b_33 * t1
-    m_01 = t1 * (b_22 * h_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
+    m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
     t2 = v_1_1 * q
-    m_11 = t1 * (v_1_0 * b_32 - b_22 * h_0)  # A^-1 B in the leg's frame
+    m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0)  # A^-1 B in the leg's frame
     m_12 = v_1_0 * q
     n_00 = x_0 * N_00 + x_1 * N_01 + x_2 * N_02  # N in the leg's frame
     n_01 = g.e_1[0] * N_00 + g.e_1[1] * N_01 + g.e_1[2] * N_02
@@ -550,7 +548,7 @@ def project(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tup
 
 
 def velocity(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, theta_dot: Any) -> tuple[Any, ...]:
-    """Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (18 add, 28
+    """Velocity of the end point of the R(RR-RRR) sub-leg, M theta_dot.  Thesis: (1.9).  (19 add, 30
     multiply, 1 divide, 1 select)"""
     x_0, x_1, x_2 = x
     e_2_0, e_2_1, e_2_2 = e_2
@@ -561,19 +559,18 @@ def velocity(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, theta_dot: An
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    h_0 = d_0 - u_2_0  # from C to S_i
-    h_1 = d_1 - u_2_1
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
-    delta = t - b_22  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
     u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
-    b_32 = u_12 * g.k[12]  # (1.13), that of this row
-    b_33 = t - u_12 * g.k[2]  # v_2^T (e_3 x u_2) / k
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     t1 = d_0 * theta_dot_0
     w_1 = b_22 * theta_dot_1  # B theta_dot
     w_2 = b_32 * theta_dot_1 + b_33 * theta_dot_2
     t2 = 1 / delta
-    v_l_0 = (h_1 * w_1 - v_1_1 * w_2) * t2  # velocity in the leg's frame
-    v_l_1 = t2 * (v_1_0 * w_2 - h_0 * w_1)
+    v_l_0 = (f_1 * w_1 - v_1_1 * w_2) * t2  # velocity in the leg's frame
+    v_l_1 = t2 * (v_1_0 * w_2 - f_0 * w_1)
     return (
         (  # s_dot
             g.e_1[0] * v_l_1 - e_2_0 * t1 + x_0 * v_l_0,
@@ -588,7 +585,7 @@ def velocity(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, theta_dot: An
 
 def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     """Velocity of the end point of the R(RR-RRR) sub-leg and the part of its acceleration that does
-    not depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (80 add, 140
+    not depend on theta_ddot: s_ddot = M theta_ddot + bias, bias = M_dot theta_dot.  (84 add, 146
     multiply, 1 divide, 3 sine cosine, 1 select)"""
     s_0, s_1, s_2 = s
     theta_0, theta_1, theta_2 = theta
@@ -617,18 +614,17 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    h_0 = d_0 - u_2_0  # from C to S_i
-    h_1 = d_1 - u_2_1
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
-    delta = t - b_22  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
     u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
-    b_32 = u_12 * g.k[12]  # (1.13), that of this row
-    b_33 = t - u_12 * g.k[2]  # v_2^T (e_3 x u_2) / k
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     t5 = theta_dot_1 * b_32 + theta_dot_2 * b_33
-    t6 = v_1_0 * t5 - theta_dot_1 * (b_22 * h_0)
+    t6 = v_1_0 * t5 - theta_dot_1 * (b_22 * f_0)
     t7 = 1 / delta
     t8 = g.e_1[0] * t6 * t7
-    t9 = theta_dot_1 * (b_22 * h_1) - v_1_1 * t5
+    t9 = theta_dot_1 * (b_22 * f_1) - v_1_1 * t5
     t10 = t7 * (x_0 * t9)
     s_dot_0 = t8 + t10 - theta_dot_0 * (e_2_0 * d_0)
     t11 = t7 * (g.e_1[1] * t6)
@@ -643,23 +639,24 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
     t18 = g.e_x[1] * t15 + g.e_t[1] * t16
     t19 = g.e_x[2] * t15
     t20 = x_0 * s_dot_0 - arm_0 * t17 + (x_1 * s_dot_1 - arm_1 * t18) + (x_2 * s_dot_2 - arm_2 * t19)
-    t21 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2
-    t22 = g.l_4 * (theta_dot_1 * t2)
-    t23 = g.l_4 * (theta_dot_1 * t1)
-    t24 = g.l_2 * (theta_dot_2 * t4)
-    t25 = g.l_2 * (theta_dot_2 * t3)
-    t26 = t20 + t22
-    t27 = t21 - t23
-    t28 = u_1_0 * t27 - v_1_1 * t22 - (v_1_0 * t23 + u_1_1 * t26)
-    t29 = u_2_0 * t27 - v_1_1 * t24 - (v_1_0 * t25 + u_2_1 * t26)
-    t30 = t29 - t28
-    t31 = u_1_0 * t25 - u_2_1 * t22 - (u_2_0 * t23 - u_1_1 * t24)
-    t32 = theta_dot_1 * (g.k[12] * t31) + theta_dot_2 * (t29 - g.k[2] * t31)
-    t33 = t5 * t26 + v_1_0 * t32 - theta_dot_1 * (h_0 * t28 + b_22 * (t20 + t24))
-    t34 = theta_dot_1 * (h_1 * t28 + b_22 * (t21 - t25)) - (t5 * t27 + v_1_1 * t32)
-    bias_0 = t7 * (g.e_1[0] * t33 - t8 * t30) + t7 * (x_0 * t34 - t9 * t17 - t10 * t30) - theta_dot_0 * (d_0 * (g.e_x[0] * t16 - g.e_t[0] * t15) + e_2_0 * t20)
-    bias_1 = t7 * (g.e_1[1] * t33 - t11 * t30) + t7 * (x_1 * t34 - t9 * t18 - t12 * t30) - theta_dot_0 * (d_0 * (g.e_x[1] * t16 - g.e_t[1] * t15) + e_2_1 * t20)
-    bias_2 = t7 * (g.e_1[2] * t33 - t13 * t30) + t7 * (x_2 * t34 - t9 * t19 - t14 * t30) - theta_dot_0 * (d_0 * (g.e_x[2] * t16) + e_2_2 * t20)
+    t21 = g.l_4 * (theta_dot_1 * t2)
+    t22 = g.l_4 * (theta_dot_1 * t1)
+    t23 = g.l_2 * (theta_dot_2 * t4)
+    t24 = g.l_2 * (theta_dot_2 * t3)
+    t25 = t20 + t21
+    t26 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2 - t22
+    t27 = u_1_0 * t26 - v_1_1 * t21 - (v_1_0 * t22 + u_1_1 * t25)
+    t28 = t23 - t21
+    t29 = t22 - t24
+    t30 = u_1_0 * t24 - u_2_1 * t21 - (u_2_0 * t22 - u_1_1 * t23)
+    t31 = f_1 * t25 + v_1_0 * t29 - (f_0 * t26 + v_1_1 * t28)
+    t32 = theta_dot_2 * (u_2_0 * t26 - v_1_1 * t23 - g.k[2] * t30 - (v_1_0 * t24 + u_2_1 * t25))
+    t33 = theta_dot_1 * (g.k[12] * t30 - t27) + t32
+    t34 = t5 * t25 + v_1_0 * t33 - theta_dot_1 * (f_0 * t27 + b_22 * t28)
+    t35 = theta_dot_1 * (f_1 * t27 + b_22 * t29) - (t5 * t26 + v_1_1 * t33)
+    bias_0 = t7 * (g.e_1[0] * t34 - t8 * t31) + t7 * (x_0 * t35 - t9 * t17 - t10 * t31) - theta_dot_0 * (d_0 * (g.e_x[0] * t16 - g.e_t[0] * t15) + e_2_0 * t20)
+    bias_1 = t7 * (g.e_1[1] * t34 - t11 * t31) + t7 * (x_1 * t35 - t9 * t18 - t12 * t31) - theta_dot_0 * (d_0 * (g.e_x[1] * t16 - g.e_t[1] * t15) + e_2_1 * t20)
+    bias_2 = t7 * (g.e_1[2] * t34 - t13 * t31) + t7 * (x_2 * t35 - t9 * t19 - t14 * t31) - theta_dot_0 * (d_0 * (g.e_x[2] * t16) + e_2_2 * t20)
     return (
         (  # s_dot
             s_dot_0,
@@ -679,7 +676,7 @@ def bias(g: Any, s: Any, theta: Any, theta_dot: Any) -> tuple[Any, ...]:
 
 def rates(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> tuple[Any, ...]:
     """Actuated joint rates of the R(RR-RRR) sub-leg from the velocity of its end point: B^-1 A s_dot.
-    Linear, so it serves accelerations too.  Thesis: (1.9).  (17 add, 28 multiply, 3 divide, 5
+    Linear, so it serves accelerations too.  Thesis: (1.9).  (18 add, 28 multiply, 3 divide, 5
     select)"""
     x_0, x_1, x_2 = x
     e_2_0, e_2_1, e_2_2 = e_2
@@ -690,17 +687,16 @@ def rates(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> t
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    h_0 = d_0 - u_2_0  # from C to S_i
-    h_1 = d_1 - u_2_1
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
     u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
-    b_32 = u_12 * g.k[12]  # (1.13), that of this row
-    b_33 = t - u_12 * g.k[2]  # v_2^T (e_3 x u_2) / k
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
     v_l_0 = x_0 * s_dot_0 + x_1 * s_dot_1 + x_2 * s_dot_2  # velocity in the leg's frame
     v_l_1 = g.e_1[0] * s_dot_0 + g.e_1[1] * s_dot_1 + g.e_1[2] * s_dot_2
     v_l_2 = e_2_0 * s_dot_0 + e_2_1 * s_dot_1 + e_2_2 * s_dot_2
     w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1  # A s_dot
-    w_2 = h_0 * v_l_0 + h_1 * v_l_1
+    w_2 = f_0 * v_l_0 + f_1 * v_l_1
     t1 = 1 / b_22
     regularity_a = np.fmin(np.fmin(np.abs(d_0 * g.k[14]), np.abs(b_22 * g.k[15])), np.abs(g.k[6] * b_33 * g.k[16]))
     return (
@@ -717,7 +713,7 @@ def rates(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, s_dot: Any) -> t
 
 def determinant(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
     """det M_i of the R(RR-RRR) sub-leg and its dimensionless factors: shoulder, elbow, crank, rod.
-    Thesis: 1.4.  (8 add, 14 multiply, 1 divide)"""
+    Thesis: 1.4.  (10 add, 16 multiply, 1 divide)"""
     d_0, d_1 = d
     u_1_0, u_1_1 = u_1
     u_2_0, u_2_1 = u_2
@@ -726,10 +722,11 @@ def determinant(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
     t1 = u_1_0 * v_1_1
     t2 = u_1_1 * v_1_0
     b_22 = t1 - t2  # v_1^T (e_2 x u_1)
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
-    delta = t - b_22  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
     u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
-    b_33 = t - u_12 * g.k[2]  # v_2^T (e_3 x u_2) / k
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     return (
         (  # det_M
             d_0 * (b_33 * (t2 - t1)) / delta,
@@ -745,7 +742,7 @@ def determinant(g: Any, d: Any, u_1: Any, u_2: Any) -> tuple[Any, ...]:
 
 def gram(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[Any, ...]:
     """Squares of M_i of the R(RR-RRR) sub-leg, in its own frame, for the indices: actuators that slide
-    count by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (41 add, 78
+    count by their displacement over `characteristic_length`.  Thesis: 1.8, 4.2.2.  (42 add, 80
     multiply, 1 divide, 1 select)"""
     x_0, x_1, x_2 = x
     e_2_0, e_2_1, e_2_2 = e_2
@@ -756,18 +753,17 @@ def gram(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any) -> tuple[
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    h_0 = d_0 - u_2_0  # from C to S_i
-    h_1 = d_1 - u_2_1
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
-    delta = t - b_22  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
     u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
-    b_32 = u_12 * g.k[12]  # (1.13), that of this row
-    b_33 = t - u_12 * g.k[2]  # v_2^T (e_3 x u_2) / k
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     t1 = 1 / delta
     q = b_33 * t1
-    m_01 = t1 * (b_22 * h_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
+    m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
     t2 = v_1_1 * q
-    m_11 = t1 * (v_1_0 * b_32 - b_22 * h_0)  # A^-1 B in the leg's frame
+    m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0)  # A^-1 B in the leg's frame
     m_12 = v_1_0 * q
     g_00 = m_01 * m_01 + t2 * t2  # M M^T
     g_01 = m_01 * m_11 - t2 * m_12
@@ -901,7 +897,7 @@ def points(g: Any, x: Any, d: Any, u_1: Any, u_2: Any, s: Any) -> tuple[Any, ...
 
 
 def transmission(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any, along: Any) -> tuple[Any, ...]:
-    """Rows of K_n for the R(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (35 add, 60
+    """Rows of K_n for the R(RR-RRR) sub-leg: N M_i, c_i^T M_i.  Thesis: (5.57), (5.59).  (36 add, 62
     multiply, 1 divide, 1 select)"""
     x_0, x_1, x_2 = x
     e_2_0, e_2_1, e_2_2 = e_2
@@ -913,18 +909,17 @@ def transmission(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, N: Any, a
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    h_0 = d_0 - u_2_0  # from C to S_i
-    h_1 = d_1 - u_2_1
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
-    delta = t - b_22  # e_2^T (v_1 x v_2)
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
     u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
-    b_32 = u_12 * g.k[12]  # (1.13), that of this row
-    b_33 = t - u_12 * g.k[2]  # v_2^T (e_3 x u_2) / k
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
+    delta = v_1_0 * f_1 - v_1_1 * f_0  # e_2^T (v_1 x v_2)
     t1 = 1 / delta
     q = b_33 * t1
-    m_01 = t1 * (b_22 * h_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
+    m_01 = t1 * (b_22 * f_1 - v_1_1 * b_32)  # A^-1 B in the leg's frame
     t2 = v_1_1 * q
-    m_11 = t1 * (v_1_0 * b_32 - b_22 * h_0)  # A^-1 B in the leg's frame
+    m_11 = t1 * (v_1_0 * b_32 - b_22 * f_0)  # A^-1 B in the leg's frame
     m_12 = v_1_0 * q
     n_00 = x_0 * N_00 + x_1 * N_01 + x_2 * N_02  # N and c_i in the leg's frame
     n_01 = g.e_1[0] * N_00 + g.e_1[1] * N_01 + g.e_1[2] * N_02
@@ -1084,7 +1079,7 @@ def torques(K_n: Any, line_forces: Any, redundant_forces: Any) -> tuple[Any, ...
 
 def end_force(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, actuator_forces: Any) -> tuple[Any, ...]:
     """Force at the end point of the R(RR-RRR) sub-leg from those of its actuators: g = M_i^-T f.
-    Thesis: (5.36).  (18 add, 33 multiply, 3 divide, 5 select)"""
+    Thesis: (5.36).  (19 add, 33 multiply, 3 divide, 5 select)"""
     x_0, x_1, x_2 = x
     e_2_0, e_2_1, e_2_2 = e_2
     d_0, d_1 = d
@@ -1094,16 +1089,15 @@ def end_force(g: Any, x: Any, e_2: Any, d: Any, u_1: Any, u_2: Any, actuator_for
     v_1_0 = d_0 - u_1_0  # (1.14)
     v_1_1 = d_1 - u_1_1
     b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0  # v_1^T (e_2 x u_1)
-    h_0 = d_0 - u_2_0  # from C to S_i
-    h_1 = d_1 - u_2_1
-    t = u_2_0 * v_1_1 - u_2_1 * v_1_0  # u_2 x v_1
+    f_0 = u_1_0 - u_2_0  # from C to E
+    f_1 = u_1_1 - u_2_1
     u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0  # f x u_1
-    b_32 = u_12 * g.k[12]  # (1.13), that of this row
-    b_33 = t - u_12 * g.k[2]  # v_2^T (e_3 x u_2) / k
+    b_32 = u_12 * g.k[12] - b_22  # (1.13) over k, less k b_22
+    b_33 = u_2_0 * v_1_1 - u_12 * g.k[2] - u_2_1 * v_1_0  # v_2^T (e_3 x u_2) / k
     t1 = 1 / b_22
     t2 = 1 / b_33
-    g_l_0 = v_1_0 * actuator_forces_1 * t1 + actuator_forces_2 * (h_0 - t1 * (v_1_0 * b_32)) * t2  # in the leg's frame
-    g_l_1 = t1 * (v_1_1 * actuator_forces_1) + t2 * (actuator_forces_2 * (h_1 - t1 * (v_1_1 * b_32)))
+    g_l_0 = v_1_0 * actuator_forces_1 * t1 + actuator_forces_2 * (f_0 - t1 * (v_1_0 * b_32)) * t2  # in the leg's frame
+    g_l_1 = t1 * (v_1_1 * actuator_forces_1) + t2 * (actuator_forces_2 * (f_1 - t1 * (v_1_1 * b_32)))
     t3 = actuator_forces_0 / d_0
     regularity_a = np.fmin(np.fmin(np.abs(d_0 * g.k[14]), np.abs(b_22 * g.k[15])), np.abs(g.k[6] * b_33 * g.k[16]))
     return (

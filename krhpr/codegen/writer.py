@@ -120,17 +120,13 @@ class KernelWriter:
             return sp.Matrix(value.rows, value.cols, parts)
         return self._let_scalar(Name(name, "", note), sp.sympify(value))
 
-    def replace(self, expression: Any, value: Any) -> None:
-        """From now on `value`, which equals `expression` and is cheaper, is taken where that is asked for."""
-        self._place[sp.sympify(expression)] = self._convert(value)
-
     def signed_root(self, name: str, sign: Any, square: Any, note: str = "") -> Any:
         """A square root with a sign (+1 or -1), named.  Where its square is asked for it is `square`, which
         need not wait for the root.
         """
         square = self.let(f"{name}2", square)
         found = self._let_scalar(Name(name, "", note), sp.sympify(sign * sp.sqrt(square)))
-        self.replace(found**2, square)
+        self._place[found**2] = self._node(square)
         return found
 
     def inverse_root(self, name: str, square: Any, note: str = "") -> Any:

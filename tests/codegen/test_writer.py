@@ -165,19 +165,6 @@ def test_choices() -> None:
     assert evaluate_kernel(k.kernel(), values, None, RATIONAL)["out"] == [-5, 3, 7, -1, 1]
 
 
-def test_an_expression_is_replaced_where_it_is_asked_for() -> None:
-    k = KernelWriter("replaced", "")
-    x = k.input("x", (3,))
-    known = k.let("known", x[2] - 1)
-    k.replace(x[0] * x[1] - x[2], known)
-    k.output("square", (x[0] * x[1] - x[2]) ** 2)
-    k.output("inverse", 1 / (x[0] * x[1] - x[2]))
-    k.output("product", x[0] * x[1])
-    values = {"x": [Fraction(2), Fraction(3), Fraction(5)]}
-    found = evaluate_kernel(k.kernel(), values, None, RATIONAL)
-    assert found == {"square": [16], "inverse": [Fraction(1, 4)], "product": [6]}
-
-
 def test_an_arctangent_is_one_operation() -> None:
     k = KernelWriter("angle", "")
     x, y = k.input("x", (2,))

@@ -459,7 +459,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_posture_tangent(
 }
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
- * (49 add, 75 multiply, 1 divide) */
+ * (53 add, 81 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_jacobian_tangent(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT M)
@@ -467,19 +467,18 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_jacobian_tangent(
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double h_0 = d[0].v - u_2[0].v;
-    const double h_1 = d[1].v - u_2[1].v;
-    const double t = u_2[0].v * v_1_1 - u_2[1].v * v_1_0;
-    const double delta = t - b_22;
+    const double f_0 = u_1[0].v - u_2[0].v;
+    const double f_1 = u_1[1].v - u_2[1].v;
     const double u_12 = u_1[0].v * u_2[1].v - u_1[1].v * u_2[0].v;
-    const double b_32 = u_12 * g->k[12][i];
-    const double b_33 = t - u_12 * g->k[2][i];
+    const double b_32 = u_12 * g->k[12][i] - b_22;
+    const double b_33 = u_2[0].v * v_1_1 - u_12 * g->k[2][i] - u_2[1].v * v_1_0;
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0;
     const double h1 = 1.0 / delta;
     const double q = b_33 * h1;
-    const double h2 = b_22 * h_1 - v_1_1 * b_32;
+    const double h2 = b_22 * f_1 - v_1_1 * b_32;
     const double m_01 = h1 * h2;
     const double t1 = v_1_1 * q;
-    const double h3 = v_1_0 * b_32 - b_22 * h_0;
+    const double h3 = v_1_0 * b_32 - b_22 * f_0;
     const double m_11 = h1 * h3;
     const double m_12 = v_1_0 * q;
     M[0].v = g->e_t[0][i];
@@ -495,29 +494,31 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_jacobian_tangent(
         const double t2 = d[0].t[k] - u_1[0].t[k];
         const double t3 = d[1].t[k] - u_1[1].t[k];
         const double t4 = v_1_1 * u_1[0].t[k] + u_1[0].v * t3 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t2);
-        const double t5 = v_1_1 * u_2[0].t[k] + u_2[0].v * t3 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t2);
-        const double t6 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
-        const double t7 = g->k[12][i] * t6;
-        const double t8 = h1 * (h1 * (t5 - t4));
-        const double t9 = h1 * (t5 - g->k[2][i] * t6) - b_33 * t8;
-        const double t10 = h1 * (h_1 * t4 + b_22 * (d[1].t[k] - u_2[1].t[k]) - (b_32 * t3 + v_1_1 * t7)) - h2 * t8;
-        const double t11 = q * t3 + v_1_1 * t9;
-        const double t12 = h1 * (b_32 * t2 + v_1_0 * t7 - (h_0 * t4 + b_22 * (d[0].t[k] - u_2[0].t[k]))) - h3 * t8;
-        const double t13 = q * t2 + v_1_0 * t9;
+        const double t5 = u_1[0].t[k] - u_2[0].t[k];
+        const double t6 = u_1[1].t[k] - u_2[1].t[k];
+        const double t7 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
+        const double t8 = g->k[12][i] * t7 - t4;
+        const double t9 = v_1_1 * u_2[0].t[k] + u_2[0].v * t3 - g->k[2][i] * t7 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t2);
+        const double t10 = h1 * (h1 * (f_1 * t2 + v_1_0 * t6 - (f_0 * t3 + v_1_1 * t5)));
+        const double t11 = h1 * t9 - b_33 * t10;
+        const double t12 = h1 * (f_1 * t4 + b_22 * t6 - (b_32 * t3 + v_1_1 * t8)) - h2 * t10;
+        const double t13 = q * t3 + v_1_1 * t11;
+        const double t14 = h1 * (b_32 * t2 + v_1_0 * t8 - (f_0 * t4 + b_22 * t5)) - h3 * t10;
+        const double t15 = q * t2 + v_1_0 * t11;
         M[0].t[k] = 0.0;
-        M[1].t[k] = g->e_1[0][i] * t12 + g->e_x[0][i] * t10;
-        M[2].t[k] = g->e_1[0][i] * t13 - g->e_x[0][i] * t11;
+        M[1].t[k] = g->e_1[0][i] * t14 + g->e_x[0][i] * t12;
+        M[2].t[k] = g->e_1[0][i] * t15 - g->e_x[0][i] * t13;
         M[3].t[k] = 0.0;
-        M[4].t[k] = g->e_1[1][i] * t12 + g->e_x[1][i] * t10;
-        M[5].t[k] = g->e_1[1][i] * t13 - g->e_x[1][i] * t11;
+        M[4].t[k] = g->e_1[1][i] * t14 + g->e_x[1][i] * t12;
+        M[5].t[k] = g->e_1[1][i] * t15 - g->e_x[1][i] * t13;
         M[6].t[k] = 0.0;
-        M[7].t[k] = g->e_1[2][i] * t12 + g->e_x[2][i] * t10;
-        M[8].t[k] = g->e_1[2][i] * t13 - g->e_x[2][i] * t11;
+        M[7].t[k] = g->e_1[2][i] * t14 + g->e_x[2][i] * t12;
+        M[8].t[k] = g->e_1[2][i] * t15 - g->e_x[2][i] * t13;
     }
 }
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
- * (73 add, 107 multiply, 1 divide) */
+ * (77 add, 113 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_project_tangent(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
@@ -525,19 +526,18 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_project_tangent(
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double h_0 = d[0].v - u_2[0].v;
-    const double h_1 = d[1].v - u_2[1].v;
-    const double t = u_2[0].v * v_1_1 - u_2[1].v * v_1_0;
-    const double delta = t - b_22;
+    const double f_0 = u_1[0].v - u_2[0].v;
+    const double f_1 = u_1[1].v - u_2[1].v;
     const double u_12 = u_1[0].v * u_2[1].v - u_1[1].v * u_2[0].v;
-    const double b_32 = u_12 * g->k[12][i];
-    const double b_33 = t - u_12 * g->k[2][i];
+    const double b_32 = u_12 * g->k[12][i] - b_22;
+    const double b_33 = u_2[0].v * v_1_1 - u_12 * g->k[2][i] - u_2[1].v * v_1_0;
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0;
     const double h1 = 1.0 / delta;
     const double q = b_33 * h1;
-    const double h2 = b_22 * h_1 - v_1_1 * b_32;
+    const double h2 = b_22 * f_1 - v_1_1 * b_32;
     const double m_01 = h1 * h2;
     const double h4 = v_1_1 * q;
-    const double h3 = v_1_0 * b_32 - b_22 * h_0;
+    const double h3 = v_1_0 * b_32 - b_22 * f_0;
     const double m_11 = h1 * h3;
     const double m_12 = v_1_0 * q;
     const double n_00 = g->e_x[0][i] * N[0].v + g->e_x[1][i] * N[1].v + g->e_x[2][i] * N[2].v;
@@ -556,30 +556,32 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_project_tangent(
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
         const double t3 = v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1);
-        const double t4 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
-        const double t5 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
-        const double t6 = g->k[12][i] * t5;
-        const double t7 = h1 * (h1 * (t4 - t3));
-        const double t8 = h1 * (t4 - g->k[2][i] * t5) - b_33 * t7;
-        const double t9 = h1 * (h_1 * t3 + b_22 * (d[1].t[k] - u_2[1].t[k]) - (b_32 * t2 + v_1_1 * t6)) - h2 * t7;
-        const double t10 = q * t2 + v_1_1 * t8;
-        const double t11 = h1 * (b_32 * t1 + v_1_0 * t6 - (h_0 * t3 + b_22 * (d[0].t[k] - u_2[0].t[k]))) - h3 * t7;
-        const double t12 = q * t1 + v_1_0 * t8;
-        const double t13 = g->e_x[0][i] * N[0].t[k] + g->e_x[1][i] * N[1].t[k] + g->e_x[2][i] * N[2].t[k];
-        const double t14 = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k] + g->e_1[2][i] * N[2].t[k];
-        const double t15 = g->e_x[0][i] * N[3].t[k] + g->e_x[1][i] * N[4].t[k] + g->e_x[2][i] * N[5].t[k];
-        const double t16 = g->e_1[0][i] * N[3].t[k] + g->e_1[1][i] * N[4].t[k] + g->e_1[2][i] * N[5].t[k];
+        const double t4 = u_1[0].t[k] - u_2[0].t[k];
+        const double t5 = u_1[1].t[k] - u_2[1].t[k];
+        const double t6 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
+        const double t7 = g->k[12][i] * t6 - t3;
+        const double t8 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - g->k[2][i] * t6 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
+        const double t9 = h1 * (h1 * (f_1 * t1 + v_1_0 * t5 - (f_0 * t2 + v_1_1 * t4)));
+        const double t10 = h1 * t8 - b_33 * t9;
+        const double t11 = h1 * (f_1 * t3 + b_22 * t5 - (b_32 * t2 + v_1_1 * t7)) - h2 * t9;
+        const double t12 = q * t2 + v_1_1 * t10;
+        const double t13 = h1 * (b_32 * t1 + v_1_0 * t7 - (f_0 * t3 + b_22 * t4)) - h3 * t9;
+        const double t14 = q * t1 + v_1_0 * t10;
+        const double t15 = g->e_x[0][i] * N[0].t[k] + g->e_x[1][i] * N[1].t[k] + g->e_x[2][i] * N[2].t[k];
+        const double t16 = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k] + g->e_1[2][i] * N[2].t[k];
+        const double t17 = g->e_x[0][i] * N[3].t[k] + g->e_x[1][i] * N[4].t[k] + g->e_x[2][i] * N[5].t[k];
+        const double t18 = g->e_1[0][i] * N[3].t[k] + g->e_1[1][i] * N[4].t[k] + g->e_1[2][i] * N[5].t[k];
         K[0].t[k] = g->e_t[0][i] * N[0].t[k] + g->e_t[1][i] * N[1].t[k];
-        K[1].t[k] = n_00 * t9 + m_01 * t13 + (n_01 * t11 + m_11 * t14);
-        K[2].t[k] = n_01 * t12 + m_12 * t14 - (n_00 * t10 + h4 * t13);
+        K[1].t[k] = n_00 * t11 + m_01 * t15 + (n_01 * t13 + m_11 * t16);
+        K[2].t[k] = n_01 * t14 + m_12 * t16 - (n_00 * t12 + h4 * t15);
         K[3].t[k] = g->e_t[0][i] * N[3].t[k] + g->e_t[1][i] * N[4].t[k];
-        K[4].t[k] = n_10 * t9 + m_01 * t15 + (n_11 * t11 + m_11 * t16);
-        K[5].t[k] = n_11 * t12 + m_12 * t16 - (n_10 * t10 + h4 * t15);
+        K[4].t[k] = n_10 * t11 + m_01 * t17 + (n_11 * t13 + m_11 * t18);
+        K[5].t[k] = n_11 * t14 + m_12 * t18 - (n_10 * t12 + h4 * t17);
     }
 }
 
-/* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (49 add,
- * 67 multiply, 1 divide) */
+/* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (53 add,
+ * 73 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_velocity_tangent(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *theta_dot, krhpr_dual *KRHPR_RESTRICT s_dot)
@@ -587,19 +589,18 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_velocity_tangent(
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double h_0 = d[0].v - u_2[0].v;
-    const double h_1 = d[1].v - u_2[1].v;
-    const double t = u_2[0].v * v_1_1 - u_2[1].v * v_1_0;
-    const double delta = t - b_22;
+    const double f_0 = u_1[0].v - u_2[0].v;
+    const double f_1 = u_1[1].v - u_2[1].v;
     const double u_12 = u_1[0].v * u_2[1].v - u_1[1].v * u_2[0].v;
-    const double b_32 = u_12 * g->k[12][i];
-    const double b_33 = t - u_12 * g->k[2][i];
+    const double b_32 = u_12 * g->k[12][i] - b_22;
+    const double b_33 = u_2[0].v * v_1_1 - u_12 * g->k[2][i] - u_2[1].v * v_1_0;
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0;
     const double w_1 = b_22 * theta_dot[1].v;
     const double w_2 = b_32 * theta_dot[1].v + b_33 * theta_dot[2].v;
-    const double h2 = h_1 * w_1 - v_1_1 * w_2;
+    const double h2 = f_1 * w_1 - v_1_1 * w_2;
     const double h1 = 1.0 / delta;
     const double v_l_0 = h2 * h1;
-    const double h3 = v_1_0 * w_2 - h_0 * w_1;
+    const double h3 = v_1_0 * w_2 - f_0 * w_1;
     const double v_l_1 = h1 * h3;
     s_dot[0].v = g->e_1[0][i] * v_l_1 + g->e_t[0][i] * theta_dot[0].v + g->e_x[0][i] * v_l_0;
     s_dot[1].v = g->e_1[1][i] * v_l_1 + g->e_t[1][i] * theta_dot[0].v + g->e_x[1][i] * v_l_0;
@@ -608,20 +609,22 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_velocity_tangent(
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
         const double t3 = v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1);
-        const double t4 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
-        const double t5 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
-        const double t6 = theta_dot[1].v * t3 + b_22 * theta_dot[1].t[k];
-        const double t7 = theta_dot[1].v * (g->k[12][i] * t5) + b_32 * theta_dot[1].t[k] + (theta_dot[2].v * (t4 - g->k[2][i] * t5) + b_33 * theta_dot[2].t[k]);
-        const double t8 = h1 * (h1 * (t4 - t3));
-        const double t9 = h1 * (w_1 * (d[1].t[k] - u_2[1].t[k]) + h_1 * t6 - (w_2 * t2 + v_1_1 * t7)) - h2 * t8;
-        const double t10 = h1 * (w_2 * t1 + v_1_0 * t7 - (w_1 * (d[0].t[k] - u_2[0].t[k]) + h_0 * t6)) - h3 * t8;
-        s_dot[0].t[k] = g->e_1[0][i] * t10 + g->e_t[0][i] * theta_dot[0].t[k] + g->e_x[0][i] * t9;
-        s_dot[1].t[k] = g->e_1[1][i] * t10 + g->e_t[1][i] * theta_dot[0].t[k] + g->e_x[1][i] * t9;
-        s_dot[2].t[k] = g->e_1[2][i] * t10 + g->e_x[2][i] * t9;
+        const double t4 = u_1[0].t[k] - u_2[0].t[k];
+        const double t5 = u_1[1].t[k] - u_2[1].t[k];
+        const double t6 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
+        const double t7 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - g->k[2][i] * t6 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
+        const double t8 = theta_dot[1].v * t3 + b_22 * theta_dot[1].t[k];
+        const double t9 = theta_dot[1].v * (g->k[12][i] * t6 - t3) + b_32 * theta_dot[1].t[k] + (theta_dot[2].v * t7 + b_33 * theta_dot[2].t[k]);
+        const double t10 = h1 * (h1 * (f_1 * t1 + v_1_0 * t5 - (f_0 * t2 + v_1_1 * t4)));
+        const double t11 = h1 * (w_1 * t5 + f_1 * t8 - (w_2 * t2 + v_1_1 * t9)) - h2 * t10;
+        const double t12 = h1 * (w_2 * t1 + v_1_0 * t9 - (w_1 * t4 + f_0 * t8)) - h3 * t10;
+        s_dot[0].t[k] = g->e_1[0][i] * t12 + g->e_t[0][i] * theta_dot[0].t[k] + g->e_x[0][i] * t11;
+        s_dot[1].t[k] = g->e_1[1][i] * t12 + g->e_t[1][i] * theta_dot[0].t[k] + g->e_x[1][i] * t11;
+        s_dot[2].t[k] = g->e_1[2][i] * t12 + g->e_x[2][i] * t11;
     }
 }
 
-/* `bias` with the derivatives of its outputs along directions of its inputs.  (175 add, 262 multiply, 1
+/* `bias` with the derivatives of its outputs along directions of its inputs.  (189 add, 280 multiply, 1
  * divide, 2 sine cosine) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_bias_tangent(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
@@ -641,24 +644,23 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_bias_tangent(
     const double v_1_0 = d_0 - u_1_0;
     const double v_1_1 = d_1 - u_1_1;
     const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0;
-    const double h_0 = d_0 - u_2_0;
-    const double h_1 = d_1 - u_2_1;
-    const double t = u_2_0 * v_1_1 - u_2_1 * v_1_0;
-    const double delta = t - b_22;
+    const double f_0 = u_1_0 - u_2_0;
+    const double f_1 = u_1_1 - u_2_1;
     const double u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0;
-    const double b_32 = u_12 * g->k[12][i];
-    const double b_33 = t - u_12 * g->k[2][i];
+    const double b_32 = u_12 * g->k[12][i] - b_22;
+    const double b_33 = u_2_0 * v_1_1 - u_12 * g->k[2][i] - u_2_1 * v_1_0;
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0;
     const double h5 = theta_dot[1].v * b_32 + theta_dot[2].v * b_33;
-    const double h6 = b_22 * h_0;
+    const double h6 = b_22 * f_0;
     const double t1 = v_1_0 * h5 - theta_dot[1].v * h6;
     const double h8 = g->e_1[0][i] * t1;
     const double h7 = 1.0 / delta;
-    const double h28 = h8 * h7;
-    const double h9 = b_22 * h_1;
+    const double h29 = h8 * h7;
+    const double h9 = b_22 * f_1;
     const double t2 = theta_dot[1].v * h9 - v_1_1 * h5;
     const double h10 = g->e_x[0][i] * t2;
     const double h32 = h7 * h10;
-    const double s_dot_0 = g->e_t[0][i] * theta_dot[0].v + h28 + h32;
+    const double s_dot_0 = g->e_t[0][i] * theta_dot[0].v + h29 + h32;
     const double h11 = g->e_1[1][i] * t1;
     const double h34 = h7 * h11;
     const double h12 = g->e_x[1][i] * t2;
@@ -669,100 +671,95 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_bias_tangent(
     const double h14 = g->e_x[2][i] * t2;
     const double h40 = h7 * h14;
     const double s_dot_2 = h38 + h40;
-    const double t3 = g->e_x[0][i] * s_dot_0 + g->e_x[1][i] * s_dot_1 + g->e_x[2][i] * s_dot_2;
-    const double t4 = g->e_1[0][i] * s_dot_0 + g->e_1[1][i] * s_dot_1 + g->e_1[2][i] * s_dot_2;
     const double h15 = g->l_4[i] * (theta_dot[1].v * h1);
     const double h17 = g->l_4[i] * (theta_dot[1].v * h2);
-    const double h19 = g->l_2[i] * (theta_dot[2].v * h3);
-    const double h20 = g->l_2[i] * (theta_dot[2].v * h4);
-    const double h18 = t3 + h15;
-    const double h16 = t4 - h17;
-    const double h24 = u_1_0 * h16 - v_1_1 * h15 - (v_1_0 * h17 + u_1_1 * h18);
-    const double h25 = t3 + h19;
-    const double h30 = t4 - h20;
-    const double t5 = u_2_0 * h16 - v_1_1 * h19 - (v_1_0 * h20 + u_2_1 * h18);
-    const double h27 = t5 - h24;
-    const double t6 = u_1_0 * h20 - u_2_1 * h15 - (u_2_0 * h17 - u_1_1 * h19);
-    const double h21 = g->k[12][i] * t6;
-    const double h22 = t5 - g->k[2][i] * t6;
-    const double h23 = theta_dot[1].v * h21 + theta_dot[2].v * h22;
-    const double h26 = h_0 * h24 + b_22 * h25;
-    const double t7 = h5 * h18 + v_1_0 * h23 - theta_dot[1].v * h26;
-    const double h29 = g->e_1[0][i] * t7 - h28 * h27;
-    const double h31 = h_1 * h24 + b_22 * h30;
-    const double t8 = theta_dot[1].v * h31 - (h5 * h16 + v_1_1 * h23);
-    const double h33 = g->e_x[0][i] * t8 - h32 * h27;
-    const double h35 = g->e_1[1][i] * t7 - h34 * h27;
-    const double h37 = g->e_x[1][i] * t8 - h36 * h27;
-    const double h39 = g->e_1[2][i] * t7 - h38 * h27;
-    const double h41 = g->e_x[2][i] * t8 - h40 * h27;
+    const double h20 = g->l_2[i] * (theta_dot[2].v * h3);
+    const double h19 = g->l_2[i] * (theta_dot[2].v * h4);
+    const double h18 = g->e_x[0][i] * s_dot_0 + g->e_x[1][i] * s_dot_1 + g->e_x[2][i] * s_dot_2 + h15;
+    const double h16 = g->e_1[0][i] * s_dot_0 + g->e_1[1][i] * s_dot_1 + g->e_1[2][i] * s_dot_2 - h17;
+    const double h26 = u_1_0 * h16 - v_1_1 * h15 - (v_1_0 * h17 + u_1_1 * h18);
+    const double h22 = h20 - h15;
+    const double h21 = h17 - h19;
+    const double t3 = u_1_0 * h19 - u_2_1 * h15 - (u_2_0 * h17 - u_1_1 * h20);
+    const double h23 = g->k[12][i] * t3 - h26;
+    const double h24 = u_2_0 * h16 - v_1_1 * h20 - g->k[2][i] * t3 - (v_1_0 * h19 + u_2_1 * h18);
+    const double h28 = f_1 * h18 + v_1_0 * h21 - (f_0 * h16 + v_1_1 * h22);
+    const double h25 = theta_dot[1].v * h23 + theta_dot[2].v * h24;
+    const double h27 = f_0 * h26 + b_22 * h22;
+    const double t4 = h5 * h18 + v_1_0 * h25 - theta_dot[1].v * h27;
+    const double h30 = g->e_1[0][i] * t4 - h29 * h28;
+    const double h31 = f_1 * h26 + b_22 * h21;
+    const double t5 = theta_dot[1].v * h31 - (h5 * h16 + v_1_1 * h25);
+    const double h33 = g->e_x[0][i] * t5 - h32 * h28;
+    const double h35 = g->e_1[1][i] * t4 - h34 * h28;
+    const double h37 = g->e_x[1][i] * t5 - h36 * h28;
+    const double h39 = g->e_1[2][i] * t4 - h38 * h28;
+    const double h41 = g->e_x[2][i] * t5 - h40 * h28;
     s_dot[0].v = s_dot_0;
     s_dot[1].v = s_dot_1;
     s_dot[2].v = s_dot_2;
-    bias[0].v = h7 * h29 + h7 * h33;
+    bias[0].v = h7 * h30 + h7 * h33;
     bias[1].v = h7 * h35 + h7 * h37;
     bias[2].v = h7 * h39 + h7 * h41;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t9 = g->e_x[0][i] * s[0].t[k] + g->e_x[1][i] * s[1].t[k] + g->e_x[2][i] * s[2].t[k];
-        const double t10 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k];
-        const double t11 = h1 * theta[1].t[k];
-        const double t12 = h2 * theta[1].t[k];
-        const double t13 = g->l_4[i] * t11;
-        const double t14 = g->l_4[i] * t12;
-        const double t15 = h3 * theta[2].t[k];
-        const double t16 = h4 * theta[2].t[k];
-        const double t17 = g->l_2[i] * t15;
-        const double t18 = g->l_2[i] * t16;
-        const double t19 = t9 + t13;
-        const double t20 = t10 - t14;
-        const double t21 = u_1_0 * t20 - v_1_1 * t13 - (v_1_0 * t14 + u_1_1 * t19);
-        const double t22 = t9 + t17;
-        const double t23 = t10 - t18;
-        const double t24 = u_2_0 * t20 - v_1_1 * t17 - (v_1_0 * t18 + u_2_1 * t19);
-        const double t25 = u_1_0 * t18 - u_2_1 * t13 - (u_2_0 * t14 - u_1_1 * t17);
-        const double t26 = b_32 * theta_dot[1].t[k] + theta_dot[1].v * (g->k[12][i] * t25) + (b_33 * theta_dot[2].t[k] + theta_dot[2].v * (t24 - g->k[2][i] * t25));
-        const double t27 = h5 * t19 + v_1_0 * t26 - (h6 * theta_dot[1].t[k] + theta_dot[1].v * (h_0 * t21 + b_22 * t22));
-        const double t28 = h7 * (h7 * (t24 - t21));
-        const double t29 = h7 * (g->e_1[0][i] * t27) - h8 * t28;
-        const double t30 = h9 * theta_dot[1].t[k] + theta_dot[1].v * (h_1 * t21 + b_22 * t23) - (h5 * t20 + v_1_1 * t26);
-        const double t31 = h7 * (g->e_x[0][i] * t30) - h10 * t28;
-        const double t32 = g->e_t[0][i] * theta_dot[0].t[k] + t29 + t31;
-        const double t33 = h7 * (g->e_1[1][i] * t27) - h11 * t28;
-        const double t34 = h7 * (g->e_x[1][i] * t30) - h12 * t28;
-        const double t35 = g->e_t[1][i] * theta_dot[0].t[k] + t33 + t34;
-        const double t36 = h7 * (g->e_1[2][i] * t27) - h13 * t28;
-        const double t37 = h7 * (g->e_x[2][i] * t30) - h14 * t28;
-        const double t38 = t36 + t37;
-        const double t39 = g->e_x[0][i] * t32 + g->e_x[1][i] * t35 + g->e_x[2][i] * t38;
-        const double t40 = g->e_1[0][i] * t32 + g->e_1[1][i] * t35 + g->e_1[2][i] * t38;
-        const double t41 = g->l_4[i] * (h1 * theta_dot[1].t[k] + theta_dot[1].v * t12);
-        const double t42 = g->l_4[i] * (h2 * theta_dot[1].t[k] - theta_dot[1].v * t11);
-        const double t43 = g->l_2[i] * (h3 * theta_dot[2].t[k] + theta_dot[2].v * t16);
-        const double t44 = g->l_2[i] * (h4 * theta_dot[2].t[k] - theta_dot[2].v * t15);
-        const double t45 = t39 + t41;
-        const double t46 = t40 - t42;
-        const double t47 = u_1_0 * t46 - h16 * t13 - (h15 * t20 + v_1_1 * t41) - (h17 * t19 + v_1_0 * t42 + (h18 * t14 + u_1_1 * t45));
-        const double t48 = u_2_0 * t46 - h16 * t17 - (h19 * t20 + v_1_1 * t43) - (h20 * t19 + v_1_0 * t44 + (h18 * t18 + u_2_1 * t45));
-        const double t49 = t48 - t47;
-        const double t50 = u_1_0 * t44 - h20 * t13 - (h15 * t18 + u_2_1 * t41) - (u_2_0 * t42 - h17 * t17 - (h19 * t14 + u_1_1 * t43));
-        const double t51 = h21 * theta_dot[1].t[k] + theta_dot[1].v * (g->k[12][i] * t50) + (h22 * theta_dot[2].t[k] + theta_dot[2].v * (t48 - g->k[2][i] * t50));
-        const double t52 = h26 * theta_dot[1].t[k] + theta_dot[1].v * (h24 * t22 + h_0 * t47 + (h25 * t21 + b_22 * (t39 + t43)));
-        const double t53 = h18 * t26 + h5 * t45 + (h23 * t19 + v_1_0 * t51) - t52;
-        const double t54 = h31 * theta_dot[1].t[k] + theta_dot[1].v * (h24 * t23 + h_1 * t47 + (h30 * t21 + b_22 * (t40 - t44)));
-        const double t55 = t54 - (h16 * t26 + h5 * t46 + (h23 * t20 + v_1_1 * t51));
-        const double t56 = h7 * (g->e_1[0][i] * t53 - (h27 * t29 + h28 * t49)) - h29 * t28 + (h7 * (g->e_x[0][i] * t55 - (h27 * t31 + h32 * t49)) - h33 * t28);
-        const double t57 = h7 * (g->e_1[1][i] * t53 - (h27 * t33 + h34 * t49)) - h35 * t28 + (h7 * (g->e_x[1][i] * t55 - (h27 * t34 + h36 * t49)) - h37 * t28);
-        const double t58 = h7 * (g->e_1[2][i] * t53 - (h27 * t36 + h38 * t49)) - h39 * t28 + (h7 * (g->e_x[2][i] * t55 - (h27 * t37 + h40 * t49)) - h41 * t28);
-        s_dot[0].t[k] = t32;
-        s_dot[1].t[k] = t35;
-        s_dot[2].t[k] = t38;
-        bias[0].t[k] = t56;
-        bias[1].t[k] = t57;
-        bias[2].t[k] = t58;
+        const double t6 = h1 * theta[1].t[k];
+        const double t7 = h2 * theta[1].t[k];
+        const double t8 = g->l_4[i] * t6;
+        const double t9 = g->l_4[i] * t7;
+        const double t10 = h3 * theta[2].t[k];
+        const double t11 = h4 * theta[2].t[k];
+        const double t12 = g->l_2[i] * t10;
+        const double t13 = g->l_2[i] * t11;
+        const double t14 = g->e_x[0][i] * s[0].t[k] + g->e_x[1][i] * s[1].t[k] + g->e_x[2][i] * s[2].t[k] + t8;
+        const double t15 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k] - t9;
+        const double t16 = u_1_0 * t15 - v_1_1 * t8 - (v_1_0 * t9 + u_1_1 * t14);
+        const double t17 = t12 - t8;
+        const double t18 = t9 - t13;
+        const double t19 = u_1_0 * t13 - u_2_1 * t8 - (u_2_0 * t9 - u_1_1 * t12);
+        const double t20 = theta_dot[2].v * (u_2_0 * t15 - v_1_1 * t12 - g->k[2][i] * t19 - (v_1_0 * t13 + u_2_1 * t14));
+        const double t21 = b_32 * theta_dot[1].t[k] + theta_dot[1].v * (g->k[12][i] * t19 - t16) + (b_33 * theta_dot[2].t[k] + t20);
+        const double t22 = h5 * t14 + v_1_0 * t21 - (h6 * theta_dot[1].t[k] + theta_dot[1].v * (f_0 * t16 + b_22 * t17));
+        const double t23 = h7 * (h7 * (f_1 * t14 + v_1_0 * t18 - (f_0 * t15 + v_1_1 * t17)));
+        const double t24 = h7 * (g->e_1[0][i] * t22) - h8 * t23;
+        const double t25 = h9 * theta_dot[1].t[k] + theta_dot[1].v * (f_1 * t16 + b_22 * t18) - (h5 * t15 + v_1_1 * t21);
+        const double t26 = h7 * (g->e_x[0][i] * t25) - h10 * t23;
+        const double t27 = g->e_t[0][i] * theta_dot[0].t[k] + t24 + t26;
+        const double t28 = h7 * (g->e_1[1][i] * t22) - h11 * t23;
+        const double t29 = h7 * (g->e_x[1][i] * t25) - h12 * t23;
+        const double t30 = g->e_t[1][i] * theta_dot[0].t[k] + t28 + t29;
+        const double t31 = h7 * (g->e_1[2][i] * t22) - h13 * t23;
+        const double t32 = h7 * (g->e_x[2][i] * t25) - h14 * t23;
+        const double t33 = t31 + t32;
+        const double t34 = g->l_4[i] * (h1 * theta_dot[1].t[k] + theta_dot[1].v * t7);
+        const double t35 = g->l_4[i] * (h2 * theta_dot[1].t[k] - theta_dot[1].v * t6);
+        const double t36 = g->l_2[i] * (h3 * theta_dot[2].t[k] + theta_dot[2].v * t11);
+        const double t37 = g->l_2[i] * (h4 * theta_dot[2].t[k] - theta_dot[2].v * t10);
+        const double t38 = g->e_x[0][i] * t27 + g->e_x[1][i] * t30 + g->e_x[2][i] * t33 + t34;
+        const double t39 = g->e_1[0][i] * t27 + g->e_1[1][i] * t30 + g->e_1[2][i] * t33 - t35;
+        const double t40 = u_1_0 * t39 - h16 * t8 - (h15 * t15 + v_1_1 * t34) - (h17 * t14 + v_1_0 * t35 + (h18 * t9 + u_1_1 * t38));
+        const double t41 = t36 - t34;
+        const double t42 = t35 - t37;
+        const double t43 = u_1_0 * t37 - h19 * t8 - (h15 * t13 + u_2_1 * t34) - (u_2_0 * t35 - h17 * t12 - (h20 * t9 + u_1_1 * t36));
+        const double t44 = u_2_0 * t39 - h16 * t12 - (h20 * t15 + v_1_1 * t36) - g->k[2][i] * t43 - (h19 * t14 + v_1_0 * t37 + (h18 * t13 + u_2_1 * t38));
+        const double t45 = h18 * t18 + f_1 * t38 + (h21 * t14 + v_1_0 * t42) - (h16 * t17 + f_0 * t39 + (h22 * t15 + v_1_1 * t41));
+        const double t46 = h23 * theta_dot[1].t[k] + theta_dot[1].v * (g->k[12][i] * t43 - t40) + (h24 * theta_dot[2].t[k] + theta_dot[2].v * t44);
+        const double t47 = h27 * theta_dot[1].t[k] + theta_dot[1].v * (h26 * t17 + f_0 * t40 + (h22 * t16 + b_22 * t41));
+        const double t48 = h18 * t21 + h5 * t38 + (h25 * t14 + v_1_0 * t46) - t47;
+        const double t49 = h31 * theta_dot[1].t[k] + theta_dot[1].v * (h26 * t18 + f_1 * t40 + (h21 * t16 + b_22 * t42));
+        const double t50 = t49 - (h16 * t21 + h5 * t39 + (h25 * t15 + v_1_1 * t46));
+        const double t51 = h7 * (g->e_1[0][i] * t48 - (h28 * t24 + h29 * t45)) - h30 * t23 + (h7 * (g->e_x[0][i] * t50 - (h28 * t26 + h32 * t45)) - h33 * t23);
+        const double t52 = h7 * (g->e_1[1][i] * t48 - (h28 * t28 + h34 * t45)) - h35 * t23 + (h7 * (g->e_x[1][i] * t50 - (h28 * t29 + h36 * t45)) - h37 * t23);
+        const double t53 = h7 * (g->e_1[2][i] * t48 - (h28 * t31 + h38 * t45)) - h39 * t23 + (h7 * (g->e_x[2][i] * t50 - (h28 * t32 + h40 * t45)) - h41 * t23);
+        s_dot[0].t[k] = t27;
+        s_dot[1].t[k] = t30;
+        s_dot[2].t[k] = t33;
+        bias[0].t[k] = t51;
+        bias[1].t[k] = t52;
+        bias[2].t[k] = t53;
     }
 }
 
-/* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (46 add, 63
+/* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (48 add, 63
  * multiply, 3 divide) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_rates_tangent(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
@@ -771,17 +768,16 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_rates_tangent(
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double h_0 = d[0].v - u_2[0].v;
-    const double h_1 = d[1].v - u_2[1].v;
-    const double t = u_2[0].v * v_1_1 - u_2[1].v * v_1_0;
+    const double f_0 = u_1[0].v - u_2[0].v;
+    const double f_1 = u_1[1].v - u_2[1].v;
     const double u_12 = u_1[0].v * u_2[1].v - u_1[1].v * u_2[0].v;
-    const double b_32 = u_12 * g->k[12][i];
-    const double b_33 = t - u_12 * g->k[2][i];
+    const double b_32 = u_12 * g->k[12][i] - b_22;
+    const double b_33 = u_2[0].v * v_1_1 - u_12 * g->k[2][i] - u_2[1].v * v_1_0;
     const double v_l_0 = g->e_x[0][i] * s_dot[0].v + g->e_x[1][i] * s_dot[1].v + g->e_x[2][i] * s_dot[2].v;
     const double v_l_1 = g->e_1[0][i] * s_dot[0].v + g->e_1[1][i] * s_dot[1].v + g->e_1[2][i] * s_dot[2].v;
     const double v_l_2 = g->e_t[0][i] * s_dot[0].v + g->e_t[1][i] * s_dot[1].v;
     const double w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1;
-    const double w_2 = h_0 * v_l_0 + h_1 * v_l_1;
+    const double w_2 = f_0 * v_l_0 + f_1 * v_l_1;
     const double h1 = 1.0 / b_22;
     const double h2 = b_32 * w_1;
     const double theta_dot_2 = (w_2 - h1 * h2) / b_33;
@@ -792,23 +788,23 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_rates_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
-        const double t3 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
-        const double t4 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1) - g->k[2][i] * t3;
-        const double t5 = g->e_x[0][i] * s_dot[0].t[k] + g->e_x[1][i] * s_dot[1].t[k] + g->e_x[2][i] * s_dot[2].t[k];
-        const double t6 = g->e_1[0][i] * s_dot[0].t[k] + g->e_1[1][i] * s_dot[1].t[k] + g->e_1[2][i] * s_dot[2].t[k];
-        const double t7 = v_l_0 * t1 + v_1_0 * t5 + (v_l_1 * t2 + v_1_1 * t6);
-        const double t8 = v_l_0 * (d[0].t[k] - u_2[0].t[k]) + h_0 * t5 + (v_l_1 * (d[1].t[k] - u_2[1].t[k]) + h_1 * t6);
-        const double t9 = h1 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
-        const double t10 = h1 * t9;
-        const double t11 = t8 - (h1 * (w_1 * (g->k[12][i] * t3) + b_32 * t7) - h2 * t10) - theta_dot_2 * t4;
+        const double t3 = v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1);
+        const double t4 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
+        const double t5 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - g->k[2][i] * t4 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
+        const double t6 = g->e_x[0][i] * s_dot[0].t[k] + g->e_x[1][i] * s_dot[1].t[k] + g->e_x[2][i] * s_dot[2].t[k];
+        const double t7 = g->e_1[0][i] * s_dot[0].t[k] + g->e_1[1][i] * s_dot[1].t[k] + g->e_1[2][i] * s_dot[2].t[k];
+        const double t8 = v_l_0 * t1 + v_1_0 * t6 + (v_l_1 * t2 + v_1_1 * t7);
+        const double t9 = v_l_0 * (u_1[0].t[k] - u_2[0].t[k]) + f_0 * t6 + (v_l_1 * (u_1[1].t[k] - u_2[1].t[k]) + f_1 * t7);
+        const double t10 = h1 * (h1 * t3);
+        const double t11 = t9 - (h1 * (w_1 * (g->k[12][i] * t4 - t3) + b_32 * t8) - h2 * t10) - theta_dot_2 * t5;
         theta_dot[0].t[k] = g->e_t[0][i] * s_dot[0].t[k] + g->e_t[1][i] * s_dot[1].t[k];
-        theta_dot[1].t[k] = h1 * t7 - w_1 * t10;
+        theta_dot[1].t[k] = h1 * t8 - w_1 * t10;
         theta_dot[2].t[k] = h3 * t11;
     }
 }
 
-/* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (22 add,
- * 33 multiply, 2 divide) */
+/* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (28 add,
+ * 39 multiply, 2 divide) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_determinant_tangent(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
@@ -816,10 +812,11 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_determinant_tangent(
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double t = u_2[0].v * v_1_1 - u_2[1].v * v_1_0;
-    const double delta = t - b_22;
+    const double f_0 = u_1[0].v - u_2[0].v;
+    const double f_1 = u_1[1].v - u_2[1].v;
     const double u_12 = u_1[0].v * u_2[1].v - u_1[1].v * u_2[0].v;
-    const double b_33 = t - u_12 * g->k[2][i];
+    const double b_33 = u_2[0].v * v_1_1 - u_12 * g->k[2][i] - u_2[1].v * v_1_0;
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0;
     const double det_M_a = b_22 * b_33 / delta;
     const double h1 = 1.0 / delta;
     det_M[0].v = det_M_a;
@@ -830,19 +827,18 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_determinant_tangent(
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
         const double t3 = v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1);
-        const double t4 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
-        const double t5 = t4 - t3;
-        const double t6 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
-        const double t7 = t4 - g->k[2][i] * t6;
-        det_M[0].t[k] = h1 * (b_33 * t3 + b_22 * t7 - det_M_a * t5);
+        const double t4 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
+        const double t5 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - g->k[2][i] * t4 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
+        const double t6 = f_1 * t1 + v_1_0 * (u_1[1].t[k] - u_2[1].t[k]) - (f_0 * t2 + v_1_1 * (u_1[0].t[k] - u_2[0].t[k]));
+        det_M[0].t[k] = h1 * (b_33 * t3 + b_22 * t5 - det_M_a * t6);
         factors[0].t[k] = g->k[14][i] * t3;
-        factors[1].t[k] = g->k[15][i] * (g->k[6][i] * t7);
-        factors[2].t[k] = g->k[13][i] * t5;
+        factors[1].t[k] = g->k[15][i] * (g->k[6][i] * t5);
+        factors[2].t[k] = g->k[13][i] * t6;
     }
 }
 
-/* `gram` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.  (135
- * add, 192 multiply, 1 divide) */
+/* `gram` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.  (139
+ * add, 198 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_gram_tangent(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *characteristic_length, const krhpr_dual *N,
@@ -852,19 +848,18 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_gram_tangent(
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double h_0 = d[0].v - u_2[0].v;
-    const double h_1 = d[1].v - u_2[1].v;
-    const double t = u_2[0].v * v_1_1 - u_2[1].v * v_1_0;
-    const double delta = t - b_22;
+    const double f_0 = u_1[0].v - u_2[0].v;
+    const double f_1 = u_1[1].v - u_2[1].v;
     const double u_12 = u_1[0].v * u_2[1].v - u_1[1].v * u_2[0].v;
-    const double b_32 = u_12 * g->k[12][i];
-    const double b_33 = t - u_12 * g->k[2][i];
+    const double b_32 = u_12 * g->k[12][i] - b_22;
+    const double b_33 = u_2[0].v * v_1_1 - u_12 * g->k[2][i] - u_2[1].v * v_1_0;
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0;
     const double h1 = 1.0 / delta;
     const double q = b_33 * h1;
-    const double h2 = b_22 * h_1 - v_1_1 * b_32;
+    const double h2 = b_22 * f_1 - v_1_1 * b_32;
     const double m_01 = h1 * h2;
     const double h4 = v_1_1 * q;
-    const double h3 = v_1_0 * b_32 - b_22 * h_0;
+    const double h3 = v_1_0 * b_32 - b_22 * f_0;
     const double m_11 = h1 * h3;
     const double m_12 = v_1_0 * q;
     const double g_00 = m_01 * m_01 + h4 * h4;
@@ -916,73 +911,75 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_gram_tangent(
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
         const double t3 = v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1);
-        const double t4 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
-        const double t5 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
-        const double t6 = g->k[12][i] * t5;
-        const double t7 = h1 * (h1 * (t4 - t3));
-        const double t8 = h1 * (t4 - g->k[2][i] * t5) - b_33 * t7;
-        const double t9 = h1 * (h_1 * t3 + b_22 * (d[1].t[k] - u_2[1].t[k]) - (b_32 * t2 + v_1_1 * t6)) - h2 * t7;
-        const double t10 = q * t2 + v_1_1 * t8;
-        const double t11 = h1 * (b_32 * t1 + v_1_0 * t6 - (h_0 * t3 + b_22 * (d[0].t[k] - u_2[0].t[k]))) - h3 * t7;
-        const double t12 = q * t1 + v_1_0 * t8;
-        const double t13 = m_01 * t9;
-        const double t14 = h4 * t10;
-        const double t15 = m_11 * t9 + m_01 * t11 - (m_12 * t10 + h4 * t12);
-        const double t16 = m_11 * t11;
-        const double t17 = m_12 * t12;
-        const double t18 = characteristic_length[0].v * characteristic_length[0].t[k];
-        const double t19 = g->e_x[0][i] * N[0].t[k] + g->e_x[1][i] * N[1].t[k] + g->e_x[2][i] * N[2].t[k];
-        const double t20 = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k] + g->e_1[2][i] * N[2].t[k];
-        const double t21 = g->e_x[0][i] * N[3].t[k] + g->e_x[1][i] * N[4].t[k] + g->e_x[2][i] * N[5].t[k];
-        const double t22 = g->e_1[0][i] * N[3].t[k] + g->e_1[1][i] * N[4].t[k] + g->e_1[2][i] * N[5].t[k];
-        const double t23 = characteristic_length[0].v * (g->e_t[0][i] * N[0].t[k] + g->e_t[1][i] * N[1].t[k]);
-        const double t24 = n_02 * characteristic_length[0].t[k] + t23;
-        const double t25 = n_00 * t9 + m_01 * t19 + (n_01 * t11 + m_11 * t20);
-        const double t26 = n_01 * t12 + m_12 * t20 - (n_00 * t10 + h4 * t19);
-        const double t27 = characteristic_length[0].v * (g->e_t[0][i] * N[3].t[k] + g->e_t[1][i] * N[4].t[k]);
-        const double t28 = n_12 * characteristic_length[0].t[k] + t27;
-        const double t29 = n_10 * t9 + m_01 * t21 + (n_11 * t11 + m_11 * t22);
-        const double t30 = n_11 * t12 + m_12 * t22 - (n_10 * t10 + h4 * t21);
-        const double t31 = characteristic_length[0].v * t12 + m_12 * characteristic_length[0].t[k];
-        const double t32 = characteristic_length[0].v * t11 + m_11 * characteristic_length[0].t[k];
-        const double t33 = characteristic_length[0].v * t10 + h4 * characteristic_length[0].t[k];
-        const double t34 = characteristic_length[0].v * t9 + m_01 * characteristic_length[0].t[k];
-        const double t35 = c_01 * t31;
-        const double t36 = h5 * t32;
-        const double t37 = c_11 * t31 + c_01 * t33 - (c_12 * t32 + h5 * t34);
-        const double t38 = c_11 * t33;
-        const double t39 = c_12 * t34;
-        const double t40 = c_20 * (m_12 * t9 + m_01 * t12 + (m_11 * t10 + h4 * t11));
-        const double t41 = det_M * (c_01 * t9 + m_01 * t31 + (h5 * t10 + h4 * t32));
-        const double t42 = k_00 * t24;
-        const double t43 = k_01 * t25;
-        const double t44 = k_02 * t26;
-        const double t45 = k_10 * t24 + k_00 * t28 + (k_11 * t25 + k_01 * t29) + (k_12 * t26 + k_02 * t30);
-        const double t46 = k_10 * t28;
-        const double t47 = k_11 * t29;
-        const double t48 = k_12 * t30;
-        gram[0].t[k] = t13 + t13 + (t14 + t14);
-        gram[1].t[k] = t15;
+        const double t4 = u_1[0].t[k] - u_2[0].t[k];
+        const double t5 = u_1[1].t[k] - u_2[1].t[k];
+        const double t6 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
+        const double t7 = g->k[12][i] * t6 - t3;
+        const double t8 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - g->k[2][i] * t6 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
+        const double t9 = h1 * (h1 * (f_1 * t1 + v_1_0 * t5 - (f_0 * t2 + v_1_1 * t4)));
+        const double t10 = h1 * t8 - b_33 * t9;
+        const double t11 = h1 * (f_1 * t3 + b_22 * t5 - (b_32 * t2 + v_1_1 * t7)) - h2 * t9;
+        const double t12 = q * t2 + v_1_1 * t10;
+        const double t13 = h1 * (b_32 * t1 + v_1_0 * t7 - (f_0 * t3 + b_22 * t4)) - h3 * t9;
+        const double t14 = q * t1 + v_1_0 * t10;
+        const double t15 = m_01 * t11;
+        const double t16 = h4 * t12;
+        const double t17 = m_11 * t11 + m_01 * t13 - (m_12 * t12 + h4 * t14);
+        const double t18 = m_11 * t13;
+        const double t19 = m_12 * t14;
+        const double t20 = characteristic_length[0].v * characteristic_length[0].t[k];
+        const double t21 = g->e_x[0][i] * N[0].t[k] + g->e_x[1][i] * N[1].t[k] + g->e_x[2][i] * N[2].t[k];
+        const double t22 = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k] + g->e_1[2][i] * N[2].t[k];
+        const double t23 = g->e_x[0][i] * N[3].t[k] + g->e_x[1][i] * N[4].t[k] + g->e_x[2][i] * N[5].t[k];
+        const double t24 = g->e_1[0][i] * N[3].t[k] + g->e_1[1][i] * N[4].t[k] + g->e_1[2][i] * N[5].t[k];
+        const double t25 = characteristic_length[0].v * (g->e_t[0][i] * N[0].t[k] + g->e_t[1][i] * N[1].t[k]);
+        const double t26 = n_02 * characteristic_length[0].t[k] + t25;
+        const double t27 = n_00 * t11 + m_01 * t21 + (n_01 * t13 + m_11 * t22);
+        const double t28 = n_01 * t14 + m_12 * t22 - (n_00 * t12 + h4 * t21);
+        const double t29 = characteristic_length[0].v * (g->e_t[0][i] * N[3].t[k] + g->e_t[1][i] * N[4].t[k]);
+        const double t30 = n_12 * characteristic_length[0].t[k] + t29;
+        const double t31 = n_10 * t11 + m_01 * t23 + (n_11 * t13 + m_11 * t24);
+        const double t32 = n_11 * t14 + m_12 * t24 - (n_10 * t12 + h4 * t23);
+        const double t33 = characteristic_length[0].v * t14 + m_12 * characteristic_length[0].t[k];
+        const double t34 = characteristic_length[0].v * t13 + m_11 * characteristic_length[0].t[k];
+        const double t35 = characteristic_length[0].v * t12 + h4 * characteristic_length[0].t[k];
+        const double t36 = characteristic_length[0].v * t11 + m_01 * characteristic_length[0].t[k];
+        const double t37 = c_01 * t33;
+        const double t38 = h5 * t34;
+        const double t39 = c_11 * t33 + c_01 * t35 - (c_12 * t34 + h5 * t36);
+        const double t40 = c_11 * t35;
+        const double t41 = c_12 * t36;
+        const double t42 = c_20 * (m_12 * t11 + m_01 * t14 + (m_11 * t12 + h4 * t13));
+        const double t43 = det_M * (c_01 * t11 + m_01 * t33 + (h5 * t12 + h4 * t34));
+        const double t44 = k_00 * t26;
+        const double t45 = k_01 * t27;
+        const double t46 = k_02 * t28;
+        const double t47 = k_10 * t26 + k_00 * t30 + (k_11 * t27 + k_01 * t31) + (k_12 * t28 + k_02 * t32);
+        const double t48 = k_10 * t30;
+        const double t49 = k_11 * t31;
+        const double t50 = k_12 * t32;
+        gram[0].t[k] = t15 + t15 + (t16 + t16);
+        gram[1].t[k] = t17;
         gram[2].t[k] = 0.0;
-        gram[3].t[k] = t15;
-        gram[4].t[k] = t16 + t16 + (t17 + t17);
+        gram[3].t[k] = t17;
+        gram[4].t[k] = t18 + t18 + (t19 + t19);
         gram[5].t[k] = 0.0;
         gram[6].t[k] = 0.0;
         gram[7].t[k] = 0.0;
-        gram[8].t[k] = t18 + t18;
-        cofactors[0].t[k] = t35 + t35 + (t36 + t36);
-        cofactors[1].t[k] = t37;
+        gram[8].t[k] = t20 + t20;
+        cofactors[0].t[k] = t37 + t37 + (t38 + t38);
+        cofactors[1].t[k] = t39;
         cofactors[2].t[k] = 0.0;
-        cofactors[3].t[k] = t37;
-        cofactors[4].t[k] = t38 + t38 + (t39 + t39);
+        cofactors[3].t[k] = t39;
+        cofactors[4].t[k] = t40 + t40 + (t41 + t41);
         cofactors[5].t[k] = 0.0;
         cofactors[6].t[k] = 0.0;
         cofactors[7].t[k] = 0.0;
-        cofactors[8].t[k] = t40 + t40;
-        square[0].t[k] = t41 + t41;
-        reach[0].t[k] = t42 + t42 + (t43 + t43) + (t44 + t44);
-        reach[1].t[k] = t45;
-        reach[2].t[k] = t46 + t46 + (t47 + t47) + (t48 + t48);
+        cofactors[8].t[k] = t42 + t42;
+        square[0].t[k] = t43 + t43;
+        reach[0].t[k] = t44 + t44 + (t45 + t45) + (t46 + t46);
+        reach[1].t[k] = t47;
+        reach[2].t[k] = t48 + t48 + (t49 + t49) + (t50 + t50);
     }
 }
 
@@ -1114,7 +1111,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_points_tangent(
 }
 
 /* `transmission` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.57),
- * (5.59).  (91 add, 135 multiply, 1 divide) */
+ * (5.59).  (95 add, 141 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_transmission_tangent(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *N, const krhpr_dual *along, krhpr_dual *KRHPR_RESTRICT K_n)
@@ -1122,19 +1119,18 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_transmission_tangent(
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double h_0 = d[0].v - u_2[0].v;
-    const double h_1 = d[1].v - u_2[1].v;
-    const double t = u_2[0].v * v_1_1 - u_2[1].v * v_1_0;
-    const double delta = t - b_22;
+    const double f_0 = u_1[0].v - u_2[0].v;
+    const double f_1 = u_1[1].v - u_2[1].v;
     const double u_12 = u_1[0].v * u_2[1].v - u_1[1].v * u_2[0].v;
-    const double b_32 = u_12 * g->k[12][i];
-    const double b_33 = t - u_12 * g->k[2][i];
+    const double b_32 = u_12 * g->k[12][i] - b_22;
+    const double b_33 = u_2[0].v * v_1_1 - u_12 * g->k[2][i] - u_2[1].v * v_1_0;
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0;
     const double h1 = 1.0 / delta;
     const double q = b_33 * h1;
-    const double h2 = b_22 * h_1 - v_1_1 * b_32;
+    const double h2 = b_22 * f_1 - v_1_1 * b_32;
     const double m_01 = h1 * h2;
     const double h4 = v_1_1 * q;
-    const double h3 = v_1_0 * b_32 - b_22 * h_0;
+    const double h3 = v_1_0 * b_32 - b_22 * f_0;
     const double m_11 = h1 * h3;
     const double m_12 = v_1_0 * q;
     const double n_00 = g->e_x[0][i] * N[0].v + g->e_x[1][i] * N[1].v + g->e_x[2][i] * N[2].v;
@@ -1159,30 +1155,32 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_transmission_tangent(
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
         const double t3 = v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1);
-        const double t4 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
-        const double t5 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
-        const double t6 = g->k[12][i] * t5;
-        const double t7 = h1 * (h1 * (t4 - t3));
-        const double t8 = h1 * (t4 - g->k[2][i] * t5) - b_33 * t7;
-        const double t9 = h1 * (h_1 * t3 + b_22 * (d[1].t[k] - u_2[1].t[k]) - (b_32 * t2 + v_1_1 * t6)) - h2 * t7;
-        const double t10 = q * t2 + v_1_1 * t8;
-        const double t11 = h1 * (b_32 * t1 + v_1_0 * t6 - (h_0 * t3 + b_22 * (d[0].t[k] - u_2[0].t[k]))) - h3 * t7;
-        const double t12 = q * t1 + v_1_0 * t8;
-        const double t13 = g->e_x[0][i] * N[0].t[k] + g->e_x[1][i] * N[1].t[k] + g->e_x[2][i] * N[2].t[k];
-        const double t14 = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k] + g->e_1[2][i] * N[2].t[k];
-        const double t15 = g->e_x[0][i] * N[3].t[k] + g->e_x[1][i] * N[4].t[k] + g->e_x[2][i] * N[5].t[k];
-        const double t16 = g->e_1[0][i] * N[3].t[k] + g->e_1[1][i] * N[4].t[k] + g->e_1[2][i] * N[5].t[k];
-        const double t17 = g->e_x[0][i] * along[0].t[k] + g->e_x[1][i] * along[1].t[k] + g->e_x[2][i] * along[2].t[k];
-        const double t18 = g->e_1[0][i] * along[0].t[k] + g->e_1[1][i] * along[1].t[k] + g->e_1[2][i] * along[2].t[k];
+        const double t4 = u_1[0].t[k] - u_2[0].t[k];
+        const double t5 = u_1[1].t[k] - u_2[1].t[k];
+        const double t6 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
+        const double t7 = g->k[12][i] * t6 - t3;
+        const double t8 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - g->k[2][i] * t6 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
+        const double t9 = h1 * (h1 * (f_1 * t1 + v_1_0 * t5 - (f_0 * t2 + v_1_1 * t4)));
+        const double t10 = h1 * t8 - b_33 * t9;
+        const double t11 = h1 * (f_1 * t3 + b_22 * t5 - (b_32 * t2 + v_1_1 * t7)) - h2 * t9;
+        const double t12 = q * t2 + v_1_1 * t10;
+        const double t13 = h1 * (b_32 * t1 + v_1_0 * t7 - (f_0 * t3 + b_22 * t4)) - h3 * t9;
+        const double t14 = q * t1 + v_1_0 * t10;
+        const double t15 = g->e_x[0][i] * N[0].t[k] + g->e_x[1][i] * N[1].t[k] + g->e_x[2][i] * N[2].t[k];
+        const double t16 = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k] + g->e_1[2][i] * N[2].t[k];
+        const double t17 = g->e_x[0][i] * N[3].t[k] + g->e_x[1][i] * N[4].t[k] + g->e_x[2][i] * N[5].t[k];
+        const double t18 = g->e_1[0][i] * N[3].t[k] + g->e_1[1][i] * N[4].t[k] + g->e_1[2][i] * N[5].t[k];
+        const double t19 = g->e_x[0][i] * along[0].t[k] + g->e_x[1][i] * along[1].t[k] + g->e_x[2][i] * along[2].t[k];
+        const double t20 = g->e_1[0][i] * along[0].t[k] + g->e_1[1][i] * along[1].t[k] + g->e_1[2][i] * along[2].t[k];
         K_n[0].t[k] = g->e_t[0][i] * N[0].t[k] + g->e_t[1][i] * N[1].t[k];
-        K_n[1].t[k] = n_00 * t9 + m_01 * t13 + (n_01 * t11 + m_11 * t14);
-        K_n[2].t[k] = n_01 * t12 + m_12 * t14 - (n_00 * t10 + h4 * t13);
+        K_n[1].t[k] = n_00 * t11 + m_01 * t15 + (n_01 * t13 + m_11 * t16);
+        K_n[2].t[k] = n_01 * t14 + m_12 * t16 - (n_00 * t12 + h4 * t15);
         K_n[3].t[k] = g->e_t[0][i] * N[3].t[k] + g->e_t[1][i] * N[4].t[k];
-        K_n[4].t[k] = n_10 * t9 + m_01 * t15 + (n_11 * t11 + m_11 * t16);
-        K_n[5].t[k] = n_11 * t12 + m_12 * t16 - (n_10 * t10 + h4 * t15);
+        K_n[4].t[k] = n_10 * t11 + m_01 * t17 + (n_11 * t13 + m_11 * t18);
+        K_n[5].t[k] = n_11 * t14 + m_12 * t18 - (n_10 * t12 + h4 * t17);
         K_n[6].t[k] = g->e_t[0][i] * along[0].t[k] + g->e_t[1][i] * along[1].t[k];
-        K_n[7].t[k] = n_20 * t9 + m_01 * t17 + (n_21 * t11 + m_11 * t18);
-        K_n[8].t[k] = n_21 * t12 + m_12 * t18 - (n_20 * t10 + h4 * t17);
+        K_n[7].t[k] = n_20 * t11 + m_01 * t19 + (n_21 * t13 + m_11 * t20);
+        K_n[8].t[k] = n_21 * t14 + m_12 * t20 - (n_20 * t12 + h4 * t19);
     }
 }
 
@@ -1440,7 +1438,7 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_torques_tangent(
     }
 }
 
-/* `end_force` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.36).  (52
+/* `end_force` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.36).  (54
  * add, 78 multiply, 2 divide) */
 KRHPR_STATIC void krhpr_subleg_p_fivebar_end_force_tangent(
     const krhpr_subleg_p_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
@@ -1449,22 +1447,21 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_end_force_tangent(
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double h_0 = d[0].v - u_2[0].v;
-    const double h_1 = d[1].v - u_2[1].v;
-    const double t = u_2[0].v * v_1_1 - u_2[1].v * v_1_0;
+    const double f_0 = u_1[0].v - u_2[0].v;
+    const double f_1 = u_1[1].v - u_2[1].v;
     const double u_12 = u_1[0].v * u_2[1].v - u_1[1].v * u_2[0].v;
-    const double b_32 = u_12 * g->k[12][i];
-    const double b_33 = t - u_12 * g->k[2][i];
+    const double b_32 = u_12 * g->k[12][i] - b_22;
+    const double b_33 = u_2[0].v * v_1_1 - u_12 * g->k[2][i] - u_2[1].v * v_1_0;
     const double h2 = v_1_0 * actuator_forces[1].v;
     const double h1 = 1.0 / b_22;
     const double h3 = v_1_0 * b_32;
-    const double h4 = h_0 - h1 * h3;
+    const double h4 = f_0 - h1 * h3;
     const double h6 = actuator_forces[2].v * h4;
     const double h5 = 1.0 / b_33;
     const double g_l_0 = h2 * h1 + h6 * h5;
     const double h7 = v_1_1 * actuator_forces[1].v;
     const double h8 = v_1_1 * b_32;
-    const double h9 = h_1 - h1 * h8;
+    const double h9 = f_1 - h1 * h8;
     const double h10 = actuator_forces[2].v * h9;
     const double g_l_1 = h1 * h7 + h5 * h10;
     const double end_force_0 = g->e_t[0][i] * actuator_forces[0].v + g->e_1[0][i] * g_l_1 + g->e_x[0][i] * g_l_0;
@@ -1475,15 +1472,15 @@ KRHPR_STATIC void krhpr_subleg_p_fivebar_end_force_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
-        const double t3 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
-        const double t4 = g->k[12][i] * t3;
-        const double t5 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1) - g->k[2][i] * t3;
-        const double t6 = h1 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
-        const double t7 = h1 * t6;
-        const double t8 = actuator_forces[2].v * (d[0].t[k] - u_2[0].t[k] - (h1 * (b_32 * t1 + v_1_0 * t4) - h3 * t7));
-        const double t9 = h5 * (h5 * t5);
+        const double t3 = v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1);
+        const double t4 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
+        const double t5 = g->k[12][i] * t4 - t3;
+        const double t6 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - g->k[2][i] * t4 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
+        const double t7 = h1 * (h1 * t3);
+        const double t8 = actuator_forces[2].v * (u_1[0].t[k] - u_2[0].t[k] - (h1 * (b_32 * t1 + v_1_0 * t5) - h3 * t7));
+        const double t9 = h5 * (h5 * t6);
         const double t10 = h1 * (actuator_forces[1].v * t1 + v_1_0 * actuator_forces[1].t[k]) - h2 * t7 + (h5 * (h4 * actuator_forces[2].t[k] + t8) - h6 * t9);
-        const double t11 = actuator_forces[2].v * (d[1].t[k] - u_2[1].t[k] - (h1 * (b_32 * t2 + v_1_1 * t4) - h8 * t7));
+        const double t11 = actuator_forces[2].v * (u_1[1].t[k] - u_2[1].t[k] - (h1 * (b_32 * t2 + v_1_1 * t5) - h8 * t7));
         const double t12 = h1 * (actuator_forces[1].v * t2 + v_1_1 * actuator_forces[1].t[k]) - h7 * t7 + (h5 * (h9 * actuator_forces[2].t[k] + t11) - h10 * t9);
         const double t13 = g->e_t[0][i] * actuator_forces[0].t[k] + g->e_1[0][i] * t12 + g->e_x[0][i] * t10;
         const double t14 = g->e_t[1][i] * actuator_forces[0].t[k] + g->e_1[1][i] * t12 + g->e_x[1][i] * t10;

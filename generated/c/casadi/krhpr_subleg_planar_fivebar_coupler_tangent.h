@@ -414,7 +414,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_posture_tangent(
 }
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
- * (49 add, 63 multiply, 1 divide) */
+ * (47 add, 63 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_jacobian_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT M)
@@ -422,20 +422,17 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_jacobian_tangent(
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double h_0 = d[0].v - g->o_12[0][i] - u_2[0].v;
-    const double h_1 = d[1].v - g->o_12[1][i] - u_2[1].v;
-    const double t = u_2[0].v * v_1_1 - u_2[1].v * v_1_0;
-    const double f_0 = h_0 - v_1_0;
-    const double f_1 = h_1 - v_1_1;
-    const double b_32 = g->k[12][i] * (u_1[1].v * f_0 - u_1[0].v * f_1);
-    const double b_33 = t + g->k[2][i] * (u_2[0].v * f_1 - u_2[1].v * f_0);
-    const double delta = v_1_0 * h_1 - v_1_1 * h_0;
+    const double f_0 = u_1[0].v - g->o_12[0][i] - u_2[0].v;
+    const double f_1 = u_1[1].v - g->o_12[1][i] - u_2[1].v;
+    const double b_32 = g->k[12][i] * (u_1[1].v * f_0 - u_1[0].v * f_1) - b_22;
+    const double b_33 = u_2[0].v * v_1_1 + g->k[2][i] * (u_2[0].v * f_1 - u_2[1].v * f_0) - u_2[1].v * v_1_0;
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0;
     const double h1 = 1.0 / delta;
     const double q = b_33 * h1;
-    const double h2 = b_22 * h_1 - v_1_1 * b_32;
+    const double h2 = b_22 * f_1 - v_1_1 * b_32;
     const double m_00 = h1 * h2;
     const double m_01 = -v_1_1 * q;
-    const double h3 = v_1_0 * b_32 - b_22 * h_0;
+    const double h3 = v_1_0 * b_32 - b_22 * f_0;
     const double m_10 = h1 * h3;
     const double m_11 = v_1_0 * q;
     M[0].v = m_00;
@@ -446,24 +443,23 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_jacobian_tangent(
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
         const double t3 = v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1);
-        const double t4 = d[0].t[k] - u_2[0].t[k];
-        const double t5 = d[1].t[k] - u_2[1].t[k];
-        const double t6 = t4 - t1;
-        const double t7 = t5 - t2;
-        const double t8 = g->k[12][i] * (f_0 * u_1[1].t[k] + u_1[1].v * t6 - (f_1 * u_1[0].t[k] + u_1[0].v * t7));
-        const double t9 = g->k[2][i] * (f_1 * u_2[0].t[k] + u_2[0].v * t7 - (f_0 * u_2[1].t[k] + u_2[1].v * t6));
-        const double t10 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1) + t9;
-        const double t11 = h1 * (h1 * (h_1 * t1 + v_1_0 * t5 - (h_0 * t2 + v_1_1 * t4)));
-        const double t12 = h1 * t10 - b_33 * t11;
-        M[0].t[k] = h1 * (h_1 * t3 + b_22 * t5 - (b_32 * t2 + v_1_1 * t8)) - h2 * t11;
-        M[1].t[k] = -(q * t2 + v_1_1 * t12);
-        M[2].t[k] = h1 * (b_32 * t1 + v_1_0 * t8 - (h_0 * t3 + b_22 * t4)) - h3 * t11;
-        M[3].t[k] = q * t1 + v_1_0 * t12;
+        const double t4 = u_1[0].t[k] - u_2[0].t[k];
+        const double t5 = u_1[1].t[k] - u_2[1].t[k];
+        const double t6 = g->k[12][i] * (f_0 * u_1[1].t[k] + u_1[1].v * t4 - (f_1 * u_1[0].t[k] + u_1[0].v * t5));
+        const double t7 = t6 - t3;
+        const double t8 = g->k[2][i] * (f_1 * u_2[0].t[k] + u_2[0].v * t5 - (f_0 * u_2[1].t[k] + u_2[1].v * t4));
+        const double t9 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 + t8 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
+        const double t10 = h1 * (h1 * (f_1 * t1 + v_1_0 * t5 - (f_0 * t2 + v_1_1 * t4)));
+        const double t11 = h1 * t9 - b_33 * t10;
+        M[0].t[k] = h1 * (f_1 * t3 + b_22 * t5 - (b_32 * t2 + v_1_1 * t7)) - h2 * t10;
+        M[1].t[k] = -(q * t2 + v_1_1 * t11);
+        M[2].t[k] = h1 * (b_32 * t1 + v_1_0 * t7 - (f_0 * t3 + b_22 * t4)) - h3 * t10;
+        M[3].t[k] = q * t1 + v_1_0 * t11;
     }
 }
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
- * (57 add, 75 multiply, 1 divide) */
+ * (55 add, 75 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_project_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *N, krhpr_dual *KRHPR_RESTRICT K)
@@ -471,20 +467,17 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_project_tangent(
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double h_0 = d[0].v - g->o_12[0][i] - u_2[0].v;
-    const double h_1 = d[1].v - g->o_12[1][i] - u_2[1].v;
-    const double t = u_2[0].v * v_1_1 - u_2[1].v * v_1_0;
-    const double f_0 = h_0 - v_1_0;
-    const double f_1 = h_1 - v_1_1;
-    const double b_32 = g->k[12][i] * (u_1[1].v * f_0 - u_1[0].v * f_1);
-    const double b_33 = t + g->k[2][i] * (u_2[0].v * f_1 - u_2[1].v * f_0);
-    const double delta = v_1_0 * h_1 - v_1_1 * h_0;
+    const double f_0 = u_1[0].v - g->o_12[0][i] - u_2[0].v;
+    const double f_1 = u_1[1].v - g->o_12[1][i] - u_2[1].v;
+    const double b_32 = g->k[12][i] * (u_1[1].v * f_0 - u_1[0].v * f_1) - b_22;
+    const double b_33 = u_2[0].v * v_1_1 + g->k[2][i] * (u_2[0].v * f_1 - u_2[1].v * f_0) - u_2[1].v * v_1_0;
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0;
     const double h1 = 1.0 / delta;
     const double q = b_33 * h1;
-    const double h2 = b_22 * h_1 - v_1_1 * b_32;
+    const double h2 = b_22 * f_1 - v_1_1 * b_32;
     const double m_00 = h1 * h2;
     const double h4 = v_1_1 * q;
-    const double h3 = v_1_0 * b_32 - b_22 * h_0;
+    const double h3 = v_1_0 * b_32 - b_22 * f_0;
     const double m_10 = h1 * h3;
     const double m_11 = v_1_0 * q;
     K[0].v = N[0].v * m_00 + N[1].v * m_10;
@@ -493,24 +486,23 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_project_tangent(
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
         const double t3 = v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1);
-        const double t4 = d[0].t[k] - u_2[0].t[k];
-        const double t5 = d[1].t[k] - u_2[1].t[k];
-        const double t6 = t4 - t1;
-        const double t7 = t5 - t2;
-        const double t8 = g->k[12][i] * (f_0 * u_1[1].t[k] + u_1[1].v * t6 - (f_1 * u_1[0].t[k] + u_1[0].v * t7));
-        const double t9 = g->k[2][i] * (f_1 * u_2[0].t[k] + u_2[0].v * t7 - (f_0 * u_2[1].t[k] + u_2[1].v * t6));
-        const double t10 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1) + t9;
-        const double t11 = h1 * (h1 * (h_1 * t1 + v_1_0 * t5 - (h_0 * t2 + v_1_1 * t4)));
-        const double t12 = h1 * t10 - b_33 * t11;
-        const double t13 = m_00 * N[0].t[k] + N[0].v * (h1 * (h_1 * t3 + b_22 * t5 - (b_32 * t2 + v_1_1 * t8)) - h2 * t11);
-        const double t14 = m_10 * N[1].t[k] + N[1].v * (h1 * (b_32 * t1 + v_1_0 * t8 - (h_0 * t3 + b_22 * t4)) - h3 * t11);
-        const double t15 = m_11 * N[1].t[k] + N[1].v * (q * t1 + v_1_0 * t12) - (h4 * N[0].t[k] + N[0].v * (q * t2 + v_1_1 * t12));
-        K[0].t[k] = t13 + t14;
-        K[1].t[k] = t15;
+        const double t4 = u_1[0].t[k] - u_2[0].t[k];
+        const double t5 = u_1[1].t[k] - u_2[1].t[k];
+        const double t6 = g->k[12][i] * (f_0 * u_1[1].t[k] + u_1[1].v * t4 - (f_1 * u_1[0].t[k] + u_1[0].v * t5));
+        const double t7 = t6 - t3;
+        const double t8 = g->k[2][i] * (f_1 * u_2[0].t[k] + u_2[0].v * t5 - (f_0 * u_2[1].t[k] + u_2[1].v * t4));
+        const double t9 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 + t8 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
+        const double t10 = h1 * (h1 * (f_1 * t1 + v_1_0 * t5 - (f_0 * t2 + v_1_1 * t4)));
+        const double t11 = h1 * t9 - b_33 * t10;
+        const double t12 = m_00 * N[0].t[k] + N[0].v * (h1 * (f_1 * t3 + b_22 * t5 - (b_32 * t2 + v_1_1 * t7)) - h2 * t10);
+        const double t13 = m_10 * N[1].t[k] + N[1].v * (h1 * (b_32 * t1 + v_1_0 * t7 - (f_0 * t3 + b_22 * t4)) - h3 * t10);
+        const double t14 = m_11 * N[1].t[k] + N[1].v * (q * t1 + v_1_0 * t11) - (h4 * N[0].t[k] + N[0].v * (q * t2 + v_1_1 * t11));
+        K[0].t[k] = t12 + t13;
+        K[1].t[k] = t14;
     }
 }
 
-/* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (51 add,
+/* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (49 add,
  * 63 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_velocity_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
@@ -519,43 +511,38 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_velocity_tangent(
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double h_0 = d[0].v - g->o_12[0][i] - u_2[0].v;
-    const double h_1 = d[1].v - g->o_12[1][i] - u_2[1].v;
-    const double t = u_2[0].v * v_1_1 - u_2[1].v * v_1_0;
-    const double f_0 = h_0 - v_1_0;
-    const double f_1 = h_1 - v_1_1;
-    const double b_32 = g->k[12][i] * (u_1[1].v * f_0 - u_1[0].v * f_1);
-    const double b_33 = t + g->k[2][i] * (u_2[0].v * f_1 - u_2[1].v * f_0);
-    const double delta = v_1_0 * h_1 - v_1_1 * h_0;
+    const double f_0 = u_1[0].v - g->o_12[0][i] - u_2[0].v;
+    const double f_1 = u_1[1].v - g->o_12[1][i] - u_2[1].v;
+    const double b_32 = g->k[12][i] * (u_1[1].v * f_0 - u_1[0].v * f_1) - b_22;
+    const double b_33 = u_2[0].v * v_1_1 + g->k[2][i] * (u_2[0].v * f_1 - u_2[1].v * f_0) - u_2[1].v * v_1_0;
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0;
     const double w_0 = b_22 * theta_dot[0].v;
     const double w_1 = b_32 * theta_dot[0].v + b_33 * theta_dot[1].v;
-    const double h2 = h_1 * w_0 - v_1_1 * w_1;
+    const double h2 = f_1 * w_0 - v_1_1 * w_1;
     const double h1 = 1.0 / delta;
     const double v_l_0 = h2 * h1;
-    const double h3 = v_1_0 * w_1 - h_0 * w_0;
+    const double h3 = v_1_0 * w_1 - f_0 * w_0;
     const double v_l_1 = h1 * h3;
     s_dot[0].v = v_l_0;
     s_dot[1].v = v_l_1;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
-        const double t3 = d[0].t[k] - u_2[0].t[k];
-        const double t4 = d[1].t[k] - u_2[1].t[k];
-        const double t5 = t3 - t1;
-        const double t6 = t4 - t2;
-        const double t7 = g->k[12][i] * (f_0 * u_1[1].t[k] + u_1[1].v * t5 - (f_1 * u_1[0].t[k] + u_1[0].v * t6));
-        const double t8 = g->k[2][i] * (f_1 * u_2[0].t[k] + u_2[0].v * t6 - (f_0 * u_2[1].t[k] + u_2[1].v * t5));
-        const double t9 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1) + t8;
-        const double t10 = theta_dot[0].v * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
-        const double t11 = t10 + b_22 * theta_dot[0].t[k];
-        const double t12 = theta_dot[0].v * t7 + b_32 * theta_dot[0].t[k] + (theta_dot[1].v * t9 + b_33 * theta_dot[1].t[k]);
-        const double t13 = h1 * (h1 * (h_1 * t1 + v_1_0 * t4 - (h_0 * t2 + v_1_1 * t3)));
-        s_dot[0].t[k] = h1 * (w_0 * t4 + h_1 * t11 - (w_1 * t2 + v_1_1 * t12)) - h2 * t13;
-        s_dot[1].t[k] = h1 * (w_1 * t1 + v_1_0 * t12 - (w_0 * t3 + h_0 * t11)) - h3 * t13;
+        const double t3 = v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1);
+        const double t4 = u_1[0].t[k] - u_2[0].t[k];
+        const double t5 = u_1[1].t[k] - u_2[1].t[k];
+        const double t6 = g->k[12][i] * (f_0 * u_1[1].t[k] + u_1[1].v * t4 - (f_1 * u_1[0].t[k] + u_1[0].v * t5));
+        const double t7 = g->k[2][i] * (f_1 * u_2[0].t[k] + u_2[0].v * t5 - (f_0 * u_2[1].t[k] + u_2[1].v * t4));
+        const double t8 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 + t7 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
+        const double t9 = theta_dot[0].v * t3 + b_22 * theta_dot[0].t[k];
+        const double t10 = theta_dot[0].v * (t6 - t3) + b_32 * theta_dot[0].t[k] + (theta_dot[1].v * t8 + b_33 * theta_dot[1].t[k]);
+        const double t11 = h1 * (h1 * (f_1 * t1 + v_1_0 * t5 - (f_0 * t2 + v_1_1 * t4)));
+        s_dot[0].t[k] = h1 * (w_0 * t5 + f_1 * t9 - (w_1 * t2 + v_1_1 * t10)) - h2 * t11;
+        s_dot[1].t[k] = h1 * (w_1 * t1 + v_1_0 * t10 - (w_0 * t4 + f_0 * t9)) - h3 * t11;
     }
 }
 
-/* `bias` with the derivatives of its outputs along directions of its inputs.  (156 add, 210 multiply, 1
+/* `bias` with the derivatives of its outputs along directions of its inputs.  (152 add, 210 multiply, 1
  * divide, 2 sine cosine) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_bias_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *s,
@@ -573,97 +560,89 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_bias_tangent(
     const double v_1_0 = d_0 - u_1_0;
     const double v_1_1 = d_1 - u_1_1;
     const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0;
-    const double h_0 = d_0 - g->o_12[0][i] - u_2_0;
-    const double h_1 = d_1 - g->o_12[1][i] - u_2_1;
-    const double t = u_2_0 * v_1_1 - u_2_1 * v_1_0;
-    const double f_0 = h_0 - v_1_0;
-    const double f_1 = h_1 - v_1_1;
-    const double b_32 = g->k[12][i] * (u_1_1 * f_0 - u_1_0 * f_1);
-    const double b_33 = t + g->k[2][i] * (u_2_0 * f_1 - u_2_1 * f_0);
-    const double delta = v_1_0 * h_1 - v_1_1 * h_0;
-    const double h5 = b_22 * h_1;
+    const double f_0 = u_1_0 - g->o_12[0][i] - u_2_0;
+    const double f_1 = u_1_1 - g->o_12[1][i] - u_2_1;
+    const double b_32 = g->k[12][i] * (u_1_1 * f_0 - u_1_0 * f_1) - b_22;
+    const double b_33 = u_2_0 * v_1_1 + g->k[2][i] * (u_2_0 * f_1 - u_2_1 * f_0) - u_2_1 * v_1_0;
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0;
+    const double h5 = b_22 * f_1;
     const double h6 = theta_dot[0].v * b_32 + theta_dot[1].v * b_33;
     const double h8 = theta_dot[0].v * h5 - v_1_1 * h6;
     const double h7 = 1.0 / delta;
     const double s_dot_0 = h8 * h7;
-    const double h9 = b_22 * h_0;
+    const double h9 = b_22 * f_0;
     const double h10 = v_1_0 * h6 - theta_dot[0].v * h9;
     const double s_dot_1 = h7 * h10;
     const double h11 = g->l_4[i] * (theta_dot[0].v * h1);
     const double h13 = g->l_4[i] * (theta_dot[0].v * h2);
-    const double h15 = g->l_2[i] * (theta_dot[1].v * h3);
-    const double h16 = g->l_2[i] * (theta_dot[1].v * h4);
+    const double h17 = g->l_2[i] * (theta_dot[1].v * h3);
+    const double h18 = g->l_2[i] * (theta_dot[1].v * h4);
     const double h14 = s_dot_0 + h11;
     const double h12 = s_dot_1 - h13;
-    const double h21 = u_1_0 * h12 - v_1_1 * h11 - (v_1_0 * h13 + u_1_1 * h14);
-    const double h20 = s_dot_0 + h15;
-    const double h19 = s_dot_1 - h16;
-    const double h17 = h20 - h14;
-    const double h18 = h19 - h12;
-    const double h23 = g->k[12][i] * (f_0 * h13 + u_1_1 * h17 - (u_1_0 * h18 - f_1 * h11));
-    const double h24 = u_2_0 * h12 - v_1_1 * h15 - (v_1_0 * h16 + u_2_1 * h14) + g->k[2][i] * (u_2_0 * h18 - f_1 * h15 - (f_0 * h16 + u_2_1 * h17));
-    const double h26 = h_1 * h14 + v_1_0 * h19 - (h_0 * h12 + v_1_1 * h20);
-    const double h22 = h_1 * h21 + b_22 * h19;
-    const double h25 = theta_dot[0].v * h23 + theta_dot[1].v * h24;
-    const double h27 = theta_dot[0].v * h22 - (h6 * h12 + v_1_1 * h25) - s_dot_0 * h26;
-    const double h28 = h_0 * h21 + b_22 * h20;
-    const double h29 = h6 * h14 + v_1_0 * h25 - theta_dot[0].v * h28 - s_dot_1 * h26;
+    const double h19 = u_1_0 * h12 - v_1_1 * h11 - (v_1_0 * h13 + u_1_1 * h14);
+    const double h15 = h17 - h11;
+    const double h16 = h13 - h18;
+    const double h21 = g->k[12][i] * (f_0 * h13 + u_1_1 * h15 - (u_1_0 * h16 - f_1 * h11)) - h19;
+    const double t1 = u_2_0 * h12 - v_1_1 * h17 + g->k[2][i] * (u_2_0 * h16 - f_1 * h17 - (f_0 * h18 + u_2_1 * h15));
+    const double h22 = t1 - (v_1_0 * h18 + u_2_1 * h14);
+    const double h24 = f_1 * h14 + v_1_0 * h16 - (f_0 * h12 + v_1_1 * h15);
+    const double h20 = f_1 * h19 + b_22 * h16;
+    const double h23 = theta_dot[0].v * h21 + theta_dot[1].v * h22;
+    const double h25 = theta_dot[0].v * h20 - (h6 * h12 + v_1_1 * h23) - s_dot_0 * h24;
+    const double h26 = f_0 * h19 + b_22 * h15;
+    const double h27 = h6 * h14 + v_1_0 * h23 - theta_dot[0].v * h26 - s_dot_1 * h24;
     s_dot[0].v = s_dot_0;
     s_dot[1].v = s_dot_1;
-    bias[0].v = h7 * h27;
-    bias[1].v = h7 * h29;
+    bias[0].v = h7 * h25;
+    bias[1].v = h7 * h27;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t1 = h1 * theta[0].t[k];
-        const double t2 = h2 * theta[0].t[k];
-        const double t3 = g->l_4[i] * t1;
+        const double t2 = h1 * theta[0].t[k];
+        const double t3 = h2 * theta[0].t[k];
         const double t4 = g->l_4[i] * t2;
-        const double t5 = h3 * theta[1].t[k];
-        const double t6 = h4 * theta[1].t[k];
-        const double t7 = g->l_2[i] * t5;
+        const double t5 = g->l_4[i] * t3;
+        const double t6 = h3 * theta[1].t[k];
+        const double t7 = h4 * theta[1].t[k];
         const double t8 = g->l_2[i] * t6;
-        const double t9 = s[0].t[k] + t3;
-        const double t10 = s[1].t[k] - t4;
-        const double t11 = u_1_0 * t10 - v_1_1 * t3 - (v_1_0 * t4 + u_1_1 * t9);
-        const double t12 = s[0].t[k] + t7;
-        const double t13 = s[1].t[k] - t8;
-        const double t14 = t12 - t9;
-        const double t15 = t13 - t10;
-        const double t16 = u_2_0 * t10 - v_1_1 * t7 - (v_1_0 * t8 + u_2_1 * t9) + g->k[2][i] * (u_2_0 * t15 - f_1 * t7 - (f_0 * t8 + u_2_1 * t14));
-        const double t17 = theta_dot[0].v * (g->k[12][i] * (f_0 * t4 + u_1_1 * t14 - (u_1_0 * t15 - f_1 * t3)));
-        const double t18 = b_32 * theta_dot[0].t[k] + t17 + (b_33 * theta_dot[1].t[k] + theta_dot[1].v * t16);
-        const double t19 = h5 * theta_dot[0].t[k] + theta_dot[0].v * (h_1 * t11 + b_22 * t13) - (h6 * t10 + v_1_1 * t18);
-        const double t20 = h7 * (h7 * (h_1 * t9 + v_1_0 * t13 - (h_0 * t10 + v_1_1 * t12)));
-        const double t21 = h7 * t19 - h8 * t20;
-        const double t22 = h6 * t9 + v_1_0 * t18 - (h9 * theta_dot[0].t[k] + theta_dot[0].v * (h_0 * t11 + b_22 * t12));
-        const double t23 = h7 * t22 - h10 * t20;
-        const double t24 = g->l_4[i] * (h1 * theta_dot[0].t[k] + theta_dot[0].v * t2);
-        const double t25 = g->l_4[i] * (h2 * theta_dot[0].t[k] - theta_dot[0].v * t1);
-        const double t26 = g->l_2[i] * (h3 * theta_dot[1].t[k] + theta_dot[1].v * t6);
-        const double t27 = g->l_2[i] * (h4 * theta_dot[1].t[k] - theta_dot[1].v * t5);
-        const double t28 = t21 + t24;
-        const double t29 = t23 - t25;
-        const double t30 = u_1_0 * t29 - h12 * t3 - (h11 * t10 + v_1_1 * t24) - (h13 * t9 + v_1_0 * t25 + (h14 * t4 + u_1_1 * t28));
-        const double t31 = t21 + t26;
-        const double t32 = t23 - t27;
-        const double t33 = u_2_0 * t29 - h12 * t7 - (h15 * t10 + v_1_1 * t26) - (h16 * t9 + v_1_0 * t27 + (h14 * t8 + u_2_1 * t28));
-        const double t34 = t31 - t28;
-        const double t35 = t32 - t29;
-        const double t36 = h13 * t14 + f_0 * t25 + (h17 * t4 + u_1_1 * t34) - (u_1_0 * t35 - h18 * t3 - (h11 * t15 + f_1 * t24));
-        const double t37 = u_2_0 * t35 - h18 * t7 - (h15 * t15 + f_1 * t26) - (h16 * t14 + f_0 * t27 + (h17 * t8 + u_2_1 * t34));
-        const double t38 = h14 * t13 + h_1 * t28 + (h19 * t9 + v_1_0 * t32) - (h12 * t12 + h_0 * t29 + (h20 * t10 + v_1_1 * t31));
-        const double t39 = h22 * theta_dot[0].t[k] + theta_dot[0].v * (h21 * t13 + h_1 * t30 + (h19 * t11 + b_22 * t32));
-        const double t40 = h23 * theta_dot[0].t[k] + theta_dot[0].v * (g->k[12][i] * t36) + (h24 * theta_dot[1].t[k] + theta_dot[1].v * (t33 + g->k[2][i] * t37));
-        const double t41 = t39 - (h12 * t18 + h6 * t29 + (h25 * t10 + v_1_1 * t40)) - (h26 * t21 + s_dot_0 * t38);
-        const double t42 = h28 * theta_dot[0].t[k] + theta_dot[0].v * (h21 * t12 + h_0 * t30 + (h20 * t11 + b_22 * t31));
-        const double t43 = h14 * t18 + h6 * t28 + (h25 * t9 + v_1_0 * t40) - t42 - (h26 * t23 + s_dot_1 * t38);
-        s_dot[0].t[k] = t21;
-        s_dot[1].t[k] = t23;
-        bias[0].t[k] = h7 * t41 - h27 * t20;
-        bias[1].t[k] = h7 * t43 - h29 * t20;
+        const double t9 = g->l_2[i] * t7;
+        const double t10 = s[0].t[k] + t4;
+        const double t11 = s[1].t[k] - t5;
+        const double t12 = u_1_0 * t11 - v_1_1 * t4 - (v_1_0 * t5 + u_1_1 * t10);
+        const double t13 = t8 - t4;
+        const double t14 = t5 - t9;
+        const double t15 = u_2_0 * t11 - v_1_1 * t8 + g->k[2][i] * (u_2_0 * t14 - f_1 * t8 - (f_0 * t9 + u_2_1 * t13));
+        const double t16 = theta_dot[0].v * (g->k[12][i] * (f_0 * t5 + u_1_1 * t13 - (u_1_0 * t14 - f_1 * t4)) - t12);
+        const double t17 = b_32 * theta_dot[0].t[k] + t16 + (b_33 * theta_dot[1].t[k] + theta_dot[1].v * (t15 - (v_1_0 * t9 + u_2_1 * t10)));
+        const double t18 = h5 * theta_dot[0].t[k] + theta_dot[0].v * (f_1 * t12 + b_22 * t14) - (h6 * t11 + v_1_1 * t17);
+        const double t19 = h7 * (h7 * (f_1 * t10 + v_1_0 * t14 - (f_0 * t11 + v_1_1 * t13)));
+        const double t20 = h7 * t18 - h8 * t19;
+        const double t21 = h6 * t10 + v_1_0 * t17 - (h9 * theta_dot[0].t[k] + theta_dot[0].v * (f_0 * t12 + b_22 * t13));
+        const double t22 = h7 * t21 - h10 * t19;
+        const double t23 = g->l_4[i] * (h1 * theta_dot[0].t[k] + theta_dot[0].v * t3);
+        const double t24 = g->l_4[i] * (h2 * theta_dot[0].t[k] - theta_dot[0].v * t2);
+        const double t25 = g->l_2[i] * (h3 * theta_dot[1].t[k] + theta_dot[1].v * t7);
+        const double t26 = g->l_2[i] * (h4 * theta_dot[1].t[k] - theta_dot[1].v * t6);
+        const double t27 = t20 + t23;
+        const double t28 = t22 - t24;
+        const double t29 = u_1_0 * t28 - h12 * t4 - (h11 * t11 + v_1_1 * t23) - (h13 * t10 + v_1_0 * t24 + (h14 * t5 + u_1_1 * t27));
+        const double t30 = t25 - t23;
+        const double t31 = t24 - t26;
+        const double t32 = h13 * t13 + f_0 * t24 + (h15 * t5 + u_1_1 * t30) - (u_1_0 * t31 - h16 * t4 - (h11 * t14 + f_1 * t23));
+        const double t33 = u_2_0 * t31 - h16 * t8 - (h17 * t14 + f_1 * t25) - (h18 * t13 + f_0 * t26 + (h15 * t9 + u_2_1 * t30));
+        const double t34 = u_2_0 * t28 - h12 * t8 - (h17 * t11 + v_1_1 * t25) + g->k[2][i] * t33 - (h18 * t10 + v_1_0 * t26 + (h14 * t9 + u_2_1 * t27));
+        const double t35 = h14 * t14 + f_1 * t27 + (h16 * t10 + v_1_0 * t31) - (h12 * t13 + f_0 * t28 + (h15 * t11 + v_1_1 * t30));
+        const double t36 = h20 * theta_dot[0].t[k] + theta_dot[0].v * (h19 * t14 + f_1 * t29 + (h16 * t12 + b_22 * t31));
+        const double t37 = h21 * theta_dot[0].t[k] + theta_dot[0].v * (g->k[12][i] * t32 - t29) + (h22 * theta_dot[1].t[k] + theta_dot[1].v * t34);
+        const double t38 = t36 - (h12 * t17 + h6 * t28 + (h23 * t11 + v_1_1 * t37)) - (h24 * t20 + s_dot_0 * t35);
+        const double t39 = h26 * theta_dot[0].t[k] + theta_dot[0].v * (h19 * t13 + f_0 * t29 + (h15 * t12 + b_22 * t30));
+        const double t40 = h14 * t17 + h6 * t27 + (h23 * t10 + v_1_0 * t37) - t39 - (h24 * t22 + s_dot_1 * t35);
+        s_dot[0].t[k] = t20;
+        s_dot[1].t[k] = t22;
+        bias[0].t[k] = h7 * t38 - h25 * t19;
+        bias[1].t[k] = h7 * t40 - h27 * t19;
     }
 }
 
-/* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (46 add, 53
+/* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (44 add, 53
  * multiply, 3 divide) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_rates_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
@@ -672,15 +651,12 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_rates_tangent(
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double h_0 = d[0].v - g->o_12[0][i] - u_2[0].v;
-    const double h_1 = d[1].v - g->o_12[1][i] - u_2[1].v;
-    const double t = u_2[0].v * v_1_1 - u_2[1].v * v_1_0;
-    const double f_0 = h_0 - v_1_0;
-    const double f_1 = h_1 - v_1_1;
-    const double b_32 = g->k[12][i] * (u_1[1].v * f_0 - u_1[0].v * f_1);
-    const double b_33 = t + g->k[2][i] * (u_2[0].v * f_1 - u_2[1].v * f_0);
+    const double f_0 = u_1[0].v - g->o_12[0][i] - u_2[0].v;
+    const double f_1 = u_1[1].v - g->o_12[1][i] - u_2[1].v;
+    const double b_32 = g->k[12][i] * (u_1[1].v * f_0 - u_1[0].v * f_1) - b_22;
+    const double b_33 = u_2[0].v * v_1_1 + g->k[2][i] * (u_2[0].v * f_1 - u_2[1].v * f_0) - u_2[1].v * v_1_0;
     const double w_0 = v_1_0 * s_dot[0].v + v_1_1 * s_dot[1].v;
-    const double w_1 = h_0 * s_dot[0].v + h_1 * s_dot[1].v;
+    const double w_1 = f_0 * s_dot[0].v + f_1 * s_dot[1].v;
     const double h1 = 1.0 / b_22;
     const double h2 = b_32 * w_0;
     const double theta_dot_1 = (w_1 - h1 * h2) / b_33;
@@ -690,23 +666,22 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_rates_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
-        const double t3 = d[0].t[k] - u_2[0].t[k];
-        const double t4 = d[1].t[k] - u_2[1].t[k];
-        const double t5 = t3 - t1;
-        const double t6 = t4 - t2;
-        const double t7 = g->k[12][i] * (f_0 * u_1[1].t[k] + u_1[1].v * t5 - (f_1 * u_1[0].t[k] + u_1[0].v * t6));
-        const double t8 = g->k[2][i] * (f_1 * u_2[0].t[k] + u_2[0].v * t6 - (f_0 * u_2[1].t[k] + u_2[1].v * t5));
-        const double t9 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1) + t8;
-        const double t10 = s_dot[0].v * t1 + v_1_0 * s_dot[0].t[k] + (s_dot[1].v * t2 + v_1_1 * s_dot[1].t[k]);
-        const double t11 = s_dot[0].v * t3 + h_0 * s_dot[0].t[k] + (s_dot[1].v * t4 + h_1 * s_dot[1].t[k]);
-        const double t12 = h1 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
-        const double t13 = h1 * t12;
-        theta_dot[0].t[k] = h1 * t10 - w_0 * t13;
-        theta_dot[1].t[k] = h3 * (t11 - (h1 * (w_0 * t7 + b_32 * t10) - h2 * t13) - theta_dot_1 * t9);
+        const double t3 = v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1);
+        const double t4 = u_1[0].t[k] - u_2[0].t[k];
+        const double t5 = u_1[1].t[k] - u_2[1].t[k];
+        const double t6 = g->k[12][i] * (f_0 * u_1[1].t[k] + u_1[1].v * t4 - (f_1 * u_1[0].t[k] + u_1[0].v * t5));
+        const double t7 = g->k[2][i] * (f_1 * u_2[0].t[k] + u_2[0].v * t5 - (f_0 * u_2[1].t[k] + u_2[1].v * t4));
+        const double t8 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 + t7 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
+        const double t9 = s_dot[0].v * t1 + v_1_0 * s_dot[0].t[k] + (s_dot[1].v * t2 + v_1_1 * s_dot[1].t[k]);
+        const double t10 = s_dot[0].v * t4 + f_0 * s_dot[0].t[k] + (s_dot[1].v * t5 + f_1 * s_dot[1].t[k]);
+        const double t11 = h1 * (h1 * t3);
+        const double t12 = h3 * (t10 - (h1 * (w_0 * (t6 - t3) + b_32 * t9) - h2 * t11) - theta_dot_1 * t8);
+        theta_dot[0].t[k] = h1 * t9 - w_0 * t11;
+        theta_dot[1].t[k] = t12;
     }
 }
 
-/* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (34 add,
+/* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (30 add,
  * 39 multiply, 2 divide) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_determinant_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
@@ -715,13 +690,10 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_determinant_tangent(
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double h_0 = d[0].v - g->o_12[0][i] - u_2[0].v;
-    const double h_1 = d[1].v - g->o_12[1][i] - u_2[1].v;
-    const double t = u_2[0].v * v_1_1 - u_2[1].v * v_1_0;
-    const double f_0 = h_0 - v_1_0;
-    const double f_1 = h_1 - v_1_1;
-    const double b_33 = t + g->k[2][i] * (u_2[0].v * f_1 - u_2[1].v * f_0);
-    const double delta = v_1_0 * h_1 - v_1_1 * h_0;
+    const double f_0 = u_1[0].v - g->o_12[0][i] - u_2[0].v;
+    const double f_1 = u_1[1].v - g->o_12[1][i] - u_2[1].v;
+    const double b_33 = u_2[0].v * v_1_1 + g->k[2][i] * (u_2[0].v * f_1 - u_2[1].v * f_0) - u_2[1].v * v_1_0;
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0;
     const double det_M_a = b_22 * b_33 / delta;
     const double h1 = 1.0 / delta;
     det_M[0].v = det_M_a;
@@ -732,11 +704,11 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_determinant_tangent(
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
         const double t3 = v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1);
-        const double t4 = d[0].t[k] - u_2[0].t[k];
-        const double t5 = d[1].t[k] - u_2[1].t[k];
-        const double t6 = f_1 * u_2[0].t[k] + u_2[0].v * (t5 - t2) - (f_0 * u_2[1].t[k] + u_2[1].v * (t4 - t1));
-        const double t7 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1) + g->k[2][i] * t6;
-        const double t8 = h_1 * t1 + v_1_0 * t5 - (h_0 * t2 + v_1_1 * t4);
+        const double t4 = u_1[0].t[k] - u_2[0].t[k];
+        const double t5 = u_1[1].t[k] - u_2[1].t[k];
+        const double t6 = g->k[2][i] * (f_1 * u_2[0].t[k] + u_2[0].v * t5 - (f_0 * u_2[1].t[k] + u_2[1].v * t4));
+        const double t7 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 + t6 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
+        const double t8 = f_1 * t1 + v_1_0 * t5 - (f_0 * t2 + v_1_1 * t4);
         det_M[0].t[k] = h1 * (b_33 * t3 + b_22 * t7 - det_M_a * t8);
         factors[0].t[k] = g->k[14][i] * t3;
         factors[1].t[k] = g->k[15][i] * (g->k[6][i] * t7);
@@ -744,7 +716,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_determinant_tangent(
     }
 }
 
-/* `gram` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.  (80 add,
+/* `gram` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.  (78 add,
  * 101 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_gram_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
@@ -754,20 +726,17 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_gram_tangent(
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double h_0 = d[0].v - g->o_12[0][i] - u_2[0].v;
-    const double h_1 = d[1].v - g->o_12[1][i] - u_2[1].v;
-    const double t = u_2[0].v * v_1_1 - u_2[1].v * v_1_0;
-    const double f_0 = h_0 - v_1_0;
-    const double f_1 = h_1 - v_1_1;
-    const double b_32 = g->k[12][i] * (u_1[1].v * f_0 - u_1[0].v * f_1);
-    const double b_33 = t + g->k[2][i] * (u_2[0].v * f_1 - u_2[1].v * f_0);
-    const double delta = v_1_0 * h_1 - v_1_1 * h_0;
+    const double f_0 = u_1[0].v - g->o_12[0][i] - u_2[0].v;
+    const double f_1 = u_1[1].v - g->o_12[1][i] - u_2[1].v;
+    const double b_32 = g->k[12][i] * (u_1[1].v * f_0 - u_1[0].v * f_1) - b_22;
+    const double b_33 = u_2[0].v * v_1_1 + g->k[2][i] * (u_2[0].v * f_1 - u_2[1].v * f_0) - u_2[1].v * v_1_0;
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0;
     const double h1 = 1.0 / delta;
     const double q = b_33 * h1;
-    const double h2 = b_22 * h_1 - v_1_1 * b_32;
+    const double h2 = b_22 * f_1 - v_1_1 * b_32;
     const double m_00 = h1 * h2;
     const double c_10 = v_1_1 * q;
-    const double h3 = v_1_0 * b_32 - b_22 * h_0;
+    const double h3 = v_1_0 * b_32 - b_22 * f_0;
     const double m_10 = h1 * h3;
     const double m_11 = v_1_0 * q;
     const double g_00 = m_00 * m_00 + c_10 * c_10;
@@ -793,42 +762,41 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_gram_tangent(
         const double t3 = d[0].t[k] - u_1[0].t[k];
         const double t4 = d[1].t[k] - u_1[1].t[k];
         const double t5 = v_1_1 * u_1[0].t[k] + u_1[0].v * t4 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t3);
-        const double t6 = d[0].t[k] - u_2[0].t[k];
-        const double t7 = d[1].t[k] - u_2[1].t[k];
-        const double t8 = t6 - t3;
-        const double t9 = t7 - t4;
-        const double t10 = g->k[12][i] * (f_0 * u_1[1].t[k] + u_1[1].v * t8 - (f_1 * u_1[0].t[k] + u_1[0].v * t9));
-        const double t11 = g->k[2][i] * (f_1 * u_2[0].t[k] + u_2[0].v * t9 - (f_0 * u_2[1].t[k] + u_2[1].v * t8));
-        const double t12 = v_1_1 * u_2[0].t[k] + u_2[0].v * t4 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t3) + t11;
-        const double t13 = h1 * (h1 * (h_1 * t3 + v_1_0 * t7 - (h_0 * t4 + v_1_1 * t6)));
-        const double t14 = h1 * t12 - b_33 * t13;
-        const double t15 = h1 * (h_1 * t5 + b_22 * t7 - (b_32 * t4 + v_1_1 * t10)) - h2 * t13;
-        const double t16 = q * t4 + v_1_1 * t14;
-        const double t17 = h1 * (b_32 * t3 + v_1_0 * t10 - (h_0 * t5 + b_22 * t6)) - h3 * t13;
-        const double t18 = q * t3 + v_1_0 * t14;
-        const double t19 = m_00 * t15;
-        const double t20 = c_10 * t16;
-        const double t21 = t19 + t19 + (t20 + t20);
-        const double t22 = m_10 * t15 + m_00 * t17;
-        const double t23 = m_11 * t16 + c_10 * t18;
-        const double t24 = t22 - t23;
-        const double t25 = m_10 * t17;
-        const double t26 = m_11 * t18;
-        const double t27 = t25 + t25 + (t26 + t26);
-        const double t28 = t23 - t22;
-        const double t29 = det_M * (m_10 * t16 + c_10 * t17 + (m_11 * t15 + m_00 * t18));
-        const double t30 = k_00 * (N[0].v * t15 + m_00 * N[0].t[k] + (N[1].v * t17 + m_10 * N[1].t[k]));
-        const double t31 = k_01 * (N[1].v * t18 + m_11 * N[1].t[k] - (N[0].v * t16 + c_10 * N[0].t[k]));
-        gram[0].t[k] = t21;
-        gram[1].t[k] = t24;
-        gram[2].t[k] = t24;
-        gram[3].t[k] = t27;
-        cofactors[0].t[k] = t27;
-        cofactors[1].t[k] = t28;
-        cofactors[2].t[k] = t28;
-        cofactors[3].t[k] = t21;
-        square[0].t[k] = t29 + t29;
-        reach[0].t[k] = t30 + t30 + (t31 + t31);
+        const double t6 = u_1[0].t[k] - u_2[0].t[k];
+        const double t7 = u_1[1].t[k] - u_2[1].t[k];
+        const double t8 = g->k[12][i] * (f_0 * u_1[1].t[k] + u_1[1].v * t6 - (f_1 * u_1[0].t[k] + u_1[0].v * t7));
+        const double t9 = t8 - t5;
+        const double t10 = g->k[2][i] * (f_1 * u_2[0].t[k] + u_2[0].v * t7 - (f_0 * u_2[1].t[k] + u_2[1].v * t6));
+        const double t11 = v_1_1 * u_2[0].t[k] + u_2[0].v * t4 + t10 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t3);
+        const double t12 = h1 * (h1 * (f_1 * t3 + v_1_0 * t7 - (f_0 * t4 + v_1_1 * t6)));
+        const double t13 = h1 * t11 - b_33 * t12;
+        const double t14 = h1 * (f_1 * t5 + b_22 * t7 - (b_32 * t4 + v_1_1 * t9)) - h2 * t12;
+        const double t15 = q * t4 + v_1_1 * t13;
+        const double t16 = h1 * (b_32 * t3 + v_1_0 * t9 - (f_0 * t5 + b_22 * t6)) - h3 * t12;
+        const double t17 = q * t3 + v_1_0 * t13;
+        const double t18 = m_00 * t14;
+        const double t19 = c_10 * t15;
+        const double t20 = t18 + t18 + (t19 + t19);
+        const double t21 = m_10 * t14 + m_00 * t16;
+        const double t22 = m_11 * t15 + c_10 * t17;
+        const double t23 = t21 - t22;
+        const double t24 = m_10 * t16;
+        const double t25 = m_11 * t17;
+        const double t26 = t24 + t24 + (t25 + t25);
+        const double t27 = t22 - t21;
+        const double t28 = det_M * (m_10 * t15 + c_10 * t16 + (m_11 * t14 + m_00 * t17));
+        const double t29 = k_00 * (N[0].v * t14 + m_00 * N[0].t[k] + (N[1].v * t16 + m_10 * N[1].t[k]));
+        const double t30 = k_01 * (N[1].v * t17 + m_11 * N[1].t[k] - (N[0].v * t15 + c_10 * N[0].t[k]));
+        gram[0].t[k] = t20;
+        gram[1].t[k] = t23;
+        gram[2].t[k] = t23;
+        gram[3].t[k] = t26;
+        cofactors[0].t[k] = t26;
+        cofactors[1].t[k] = t27;
+        cofactors[2].t[k] = t27;
+        cofactors[3].t[k] = t20;
+        square[0].t[k] = t28 + t28;
+        reach[0].t[k] = t29 + t29 + (t30 + t30);
     }
 }
 
@@ -910,7 +878,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_points_tangent(
 }
 
 /* `transmission` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.57),
- * (5.59).  (65 add, 87 multiply, 1 divide) */
+ * (5.59).  (63 add, 87 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_transmission_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, const krhpr_dual *N, const krhpr_dual *along, krhpr_dual *KRHPR_RESTRICT K_n)
@@ -918,20 +886,17 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_transmission_tangent(
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double h_0 = d[0].v - g->o_12[0][i] - u_2[0].v;
-    const double h_1 = d[1].v - g->o_12[1][i] - u_2[1].v;
-    const double t = u_2[0].v * v_1_1 - u_2[1].v * v_1_0;
-    const double f_0 = h_0 - v_1_0;
-    const double f_1 = h_1 - v_1_1;
-    const double b_32 = g->k[12][i] * (u_1[1].v * f_0 - u_1[0].v * f_1);
-    const double b_33 = t + g->k[2][i] * (u_2[0].v * f_1 - u_2[1].v * f_0);
-    const double delta = v_1_0 * h_1 - v_1_1 * h_0;
+    const double f_0 = u_1[0].v - g->o_12[0][i] - u_2[0].v;
+    const double f_1 = u_1[1].v - g->o_12[1][i] - u_2[1].v;
+    const double b_32 = g->k[12][i] * (u_1[1].v * f_0 - u_1[0].v * f_1) - b_22;
+    const double b_33 = u_2[0].v * v_1_1 + g->k[2][i] * (u_2[0].v * f_1 - u_2[1].v * f_0) - u_2[1].v * v_1_0;
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0;
     const double h1 = 1.0 / delta;
     const double q = b_33 * h1;
-    const double h2 = b_22 * h_1 - v_1_1 * b_32;
+    const double h2 = b_22 * f_1 - v_1_1 * b_32;
     const double m_00 = h1 * h2;
     const double h4 = v_1_1 * q;
-    const double h3 = v_1_0 * b_32 - b_22 * h_0;
+    const double h3 = v_1_0 * b_32 - b_22 * f_0;
     const double m_10 = h1 * h3;
     const double m_11 = v_1_0 * q;
     K_n[0].v = N[0].v * m_00 + N[1].v * m_10;
@@ -942,25 +907,24 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_transmission_tangent(
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
         const double t3 = v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1);
-        const double t4 = d[0].t[k] - u_2[0].t[k];
-        const double t5 = d[1].t[k] - u_2[1].t[k];
-        const double t6 = t4 - t1;
-        const double t7 = t5 - t2;
-        const double t8 = g->k[12][i] * (f_0 * u_1[1].t[k] + u_1[1].v * t6 - (f_1 * u_1[0].t[k] + u_1[0].v * t7));
-        const double t9 = g->k[2][i] * (f_1 * u_2[0].t[k] + u_2[0].v * t7 - (f_0 * u_2[1].t[k] + u_2[1].v * t6));
-        const double t10 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1) + t9;
-        const double t11 = h1 * (h1 * (h_1 * t1 + v_1_0 * t5 - (h_0 * t2 + v_1_1 * t4)));
-        const double t12 = h1 * t10 - b_33 * t11;
-        const double t13 = h1 * (h_1 * t3 + b_22 * t5 - (b_32 * t2 + v_1_1 * t8)) - h2 * t11;
-        const double t14 = q * t2 + v_1_1 * t12;
-        const double t15 = h1 * (b_32 * t1 + v_1_0 * t8 - (h_0 * t3 + b_22 * t4)) - h3 * t11;
-        const double t16 = q * t1 + v_1_0 * t12;
-        const double t17 = m_00 * along[0].t[k] + along[0].v * t13 + (m_10 * along[1].t[k] + along[1].v * t15);
-        const double t18 = m_11 * along[1].t[k] + along[1].v * t16 - (h4 * along[0].t[k] + along[0].v * t14);
-        K_n[0].t[k] = m_00 * N[0].t[k] + N[0].v * t13 + (m_10 * N[1].t[k] + N[1].v * t15);
-        K_n[1].t[k] = m_11 * N[1].t[k] + N[1].v * t16 - (h4 * N[0].t[k] + N[0].v * t14);
-        K_n[2].t[k] = t17;
-        K_n[3].t[k] = t18;
+        const double t4 = u_1[0].t[k] - u_2[0].t[k];
+        const double t5 = u_1[1].t[k] - u_2[1].t[k];
+        const double t6 = g->k[12][i] * (f_0 * u_1[1].t[k] + u_1[1].v * t4 - (f_1 * u_1[0].t[k] + u_1[0].v * t5));
+        const double t7 = t6 - t3;
+        const double t8 = g->k[2][i] * (f_1 * u_2[0].t[k] + u_2[0].v * t5 - (f_0 * u_2[1].t[k] + u_2[1].v * t4));
+        const double t9 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 + t8 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
+        const double t10 = h1 * (h1 * (f_1 * t1 + v_1_0 * t5 - (f_0 * t2 + v_1_1 * t4)));
+        const double t11 = h1 * t9 - b_33 * t10;
+        const double t12 = h1 * (f_1 * t3 + b_22 * t5 - (b_32 * t2 + v_1_1 * t7)) - h2 * t10;
+        const double t13 = q * t2 + v_1_1 * t11;
+        const double t14 = h1 * (b_32 * t1 + v_1_0 * t7 - (f_0 * t3 + b_22 * t4)) - h3 * t10;
+        const double t15 = q * t1 + v_1_0 * t11;
+        const double t16 = m_00 * along[0].t[k] + along[0].v * t12 + (m_10 * along[1].t[k] + along[1].v * t14);
+        const double t17 = m_11 * along[1].t[k] + along[1].v * t15 - (h4 * along[0].t[k] + along[0].v * t13);
+        K_n[0].t[k] = m_00 * N[0].t[k] + N[0].v * t12 + (m_10 * N[1].t[k] + N[1].v * t14);
+        K_n[1].t[k] = m_11 * N[1].t[k] + N[1].v * t15 - (h4 * N[0].t[k] + N[0].v * t13);
+        K_n[2].t[k] = t16;
+        K_n[3].t[k] = t17;
     }
 }
 
@@ -1083,7 +1047,7 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_torques_tangent(
     }
 }
 
-/* `end_force` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.36).  (52
+/* `end_force` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.36).  (50
  * add, 68 multiply, 2 divide) */
 KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_end_force_tangent(
     const krhpr_subleg_planar_fivebar_coupler_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
@@ -1092,23 +1056,20 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_end_force_tangent(
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double h_0 = d[0].v - g->o_12[0][i] - u_2[0].v;
-    const double h_1 = d[1].v - g->o_12[1][i] - u_2[1].v;
-    const double t = u_2[0].v * v_1_1 - u_2[1].v * v_1_0;
-    const double f_0 = h_0 - v_1_0;
-    const double f_1 = h_1 - v_1_1;
-    const double b_32 = g->k[12][i] * (u_1[1].v * f_0 - u_1[0].v * f_1);
-    const double b_33 = t + g->k[2][i] * (u_2[0].v * f_1 - u_2[1].v * f_0);
+    const double f_0 = u_1[0].v - g->o_12[0][i] - u_2[0].v;
+    const double f_1 = u_1[1].v - g->o_12[1][i] - u_2[1].v;
+    const double b_32 = g->k[12][i] * (u_1[1].v * f_0 - u_1[0].v * f_1) - b_22;
+    const double b_33 = u_2[0].v * v_1_1 + g->k[2][i] * (u_2[0].v * f_1 - u_2[1].v * f_0) - u_2[1].v * v_1_0;
     const double h2 = v_1_0 * actuator_forces[0].v;
     const double h1 = 1.0 / b_22;
     const double h3 = v_1_0 * b_32;
-    const double h4 = h_0 - h1 * h3;
+    const double h4 = f_0 - h1 * h3;
     const double h6 = actuator_forces[1].v * h4;
     const double h5 = 1.0 / b_33;
     const double g_l_0 = h2 * h1 + h6 * h5;
     const double h7 = v_1_1 * actuator_forces[0].v;
     const double h8 = v_1_1 * b_32;
-    const double h9 = h_1 - h1 * h8;
+    const double h9 = f_1 - h1 * h8;
     const double h10 = actuator_forces[1].v * h9;
     const double g_l_1 = h1 * h7 + h5 * h10;
     end_force[0].v = g_l_0;
@@ -1116,22 +1077,21 @@ KRHPR_STATIC void krhpr_subleg_planar_fivebar_coupler_end_force_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
-        const double t3 = d[0].t[k] - u_2[0].t[k];
-        const double t4 = d[1].t[k] - u_2[1].t[k];
-        const double t5 = t3 - t1;
-        const double t6 = t4 - t2;
-        const double t7 = g->k[12][i] * (f_0 * u_1[1].t[k] + u_1[1].v * t5 - (f_1 * u_1[0].t[k] + u_1[0].v * t6));
-        const double t8 = g->k[2][i] * (f_1 * u_2[0].t[k] + u_2[0].v * t6 - (f_0 * u_2[1].t[k] + u_2[1].v * t5));
-        const double t9 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1) + t8;
-        const double t10 = h1 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
-        const double t11 = h1 * t10;
-        const double t12 = h4 * actuator_forces[1].t[k] + actuator_forces[1].v * (t3 - (h1 * (b_32 * t1 + v_1_0 * t7) - h3 * t11));
-        const double t13 = h5 * (h5 * t9);
-        const double t14 = h1 * (actuator_forces[0].v * t1 + v_1_0 * actuator_forces[0].t[k]) - h2 * t11 + (h5 * t12 - h6 * t13);
-        const double t15 = h9 * actuator_forces[1].t[k] + actuator_forces[1].v * (t4 - (h1 * (b_32 * t2 + v_1_1 * t7) - h8 * t11));
-        const double t16 = h1 * (actuator_forces[0].v * t2 + v_1_1 * actuator_forces[0].t[k]) - h7 * t11 + (h5 * t15 - h10 * t13);
-        end_force[0].t[k] = t14;
-        end_force[1].t[k] = t16;
+        const double t3 = v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1);
+        const double t4 = u_1[0].t[k] - u_2[0].t[k];
+        const double t5 = u_1[1].t[k] - u_2[1].t[k];
+        const double t6 = g->k[12][i] * (f_0 * u_1[1].t[k] + u_1[1].v * t4 - (f_1 * u_1[0].t[k] + u_1[0].v * t5));
+        const double t7 = t6 - t3;
+        const double t8 = g->k[2][i] * (f_1 * u_2[0].t[k] + u_2[0].v * t5 - (f_0 * u_2[1].t[k] + u_2[1].v * t4));
+        const double t9 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 + t8 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
+        const double t10 = h1 * (h1 * t3);
+        const double t11 = h4 * actuator_forces[1].t[k] + actuator_forces[1].v * (t4 - (h1 * (b_32 * t1 + v_1_0 * t7) - h3 * t10));
+        const double t12 = h5 * (h5 * t9);
+        const double t13 = h1 * (actuator_forces[0].v * t1 + v_1_0 * actuator_forces[0].t[k]) - h2 * t10 + (h5 * t11 - h6 * t12);
+        const double t14 = h9 * actuator_forces[1].t[k] + actuator_forces[1].v * (t5 - (h1 * (b_32 * t2 + v_1_1 * t7) - h8 * t10));
+        const double t15 = h1 * (actuator_forces[0].v * t2 + v_1_1 * actuator_forces[0].t[k]) - h7 * t10 + (h5 * t14 - h10 * t12);
+        end_force[0].t[k] = t13;
+        end_force[1].t[k] = t15;
     }
 }
 

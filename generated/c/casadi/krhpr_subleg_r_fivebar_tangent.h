@@ -629,7 +629,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_posture_tangent(
 }
 
 /* `jacobian` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.16), (2.15).
- * (58 add, 90 multiply, 1 divide) */
+ * (62 add, 96 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_jacobian_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *d, const krhpr_dual *u_1, const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT M)
@@ -637,19 +637,18 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_jacobian_tangent(
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double h_0 = d[0].v - u_2[0].v;
-    const double h_1 = d[1].v - u_2[1].v;
-    const double t = u_2[0].v * v_1_1 - u_2[1].v * v_1_0;
-    const double delta = t - b_22;
+    const double f_0 = u_1[0].v - u_2[0].v;
+    const double f_1 = u_1[1].v - u_2[1].v;
     const double u_12 = u_1[0].v * u_2[1].v - u_1[1].v * u_2[0].v;
-    const double b_32 = u_12 * g->k[12][i];
-    const double b_33 = t - u_12 * g->k[2][i];
+    const double b_32 = u_12 * g->k[12][i] - b_22;
+    const double b_33 = u_2[0].v * v_1_1 - u_12 * g->k[2][i] - u_2[1].v * v_1_0;
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0;
     const double h1 = 1.0 / delta;
     const double q = b_33 * h1;
-    const double h2 = b_22 * h_1 - v_1_1 * b_32;
+    const double h2 = b_22 * f_1 - v_1_1 * b_32;
     const double m_01 = h1 * h2;
     const double h4 = v_1_1 * q;
-    const double h3 = v_1_0 * b_32 - b_22 * h_0;
+    const double h3 = v_1_0 * b_32 - b_22 * f_0;
     const double m_11 = h1 * h3;
     const double m_12 = v_1_0 * q;
     M[0].v = -e_2[0].v * d[0].v;
@@ -665,29 +664,31 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_jacobian_tangent(
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
         const double t3 = v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1);
-        const double t4 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
-        const double t5 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
-        const double t6 = g->k[12][i] * t5;
-        const double t7 = h1 * (h1 * (t4 - t3));
-        const double t8 = h1 * (t4 - g->k[2][i] * t5) - b_33 * t7;
-        const double t9 = h1 * (h_1 * t3 + b_22 * (d[1].t[k] - u_2[1].t[k]) - (b_32 * t2 + v_1_1 * t6)) - h2 * t7;
-        const double t10 = q * t2 + v_1_1 * t8;
-        const double t11 = h1 * (b_32 * t1 + v_1_0 * t6 - (h_0 * t3 + b_22 * (d[0].t[k] - u_2[0].t[k]))) - h3 * t7;
-        const double t12 = q * t1 + v_1_0 * t8;
+        const double t4 = u_1[0].t[k] - u_2[0].t[k];
+        const double t5 = u_1[1].t[k] - u_2[1].t[k];
+        const double t6 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
+        const double t7 = g->k[12][i] * t6 - t3;
+        const double t8 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - g->k[2][i] * t6 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
+        const double t9 = h1 * (h1 * (f_1 * t1 + v_1_0 * t5 - (f_0 * t2 + v_1_1 * t4)));
+        const double t10 = h1 * t8 - b_33 * t9;
+        const double t11 = h1 * (f_1 * t3 + b_22 * t5 - (b_32 * t2 + v_1_1 * t7)) - h2 * t9;
+        const double t12 = q * t2 + v_1_1 * t10;
+        const double t13 = h1 * (b_32 * t1 + v_1_0 * t7 - (f_0 * t3 + b_22 * t4)) - h3 * t9;
+        const double t14 = q * t1 + v_1_0 * t10;
         M[0].t[k] = -(d[0].v * e_2[0].t[k] + e_2[0].v * d[0].t[k]);
-        M[1].t[k] = g->e_1[0][i] * t11 + (m_01 * x[0].t[k] + x[0].v * t9);
-        M[2].t[k] = g->e_1[0][i] * t12 - (h4 * x[0].t[k] + x[0].v * t10);
+        M[1].t[k] = g->e_1[0][i] * t13 + (m_01 * x[0].t[k] + x[0].v * t11);
+        M[2].t[k] = g->e_1[0][i] * t14 - (h4 * x[0].t[k] + x[0].v * t12);
         M[3].t[k] = -(d[0].v * e_2[1].t[k] + e_2[1].v * d[0].t[k]);
-        M[4].t[k] = g->e_1[1][i] * t11 + (m_01 * x[1].t[k] + x[1].v * t9);
-        M[5].t[k] = g->e_1[1][i] * t12 - (h4 * x[1].t[k] + x[1].v * t10);
+        M[4].t[k] = g->e_1[1][i] * t13 + (m_01 * x[1].t[k] + x[1].v * t11);
+        M[5].t[k] = g->e_1[1][i] * t14 - (h4 * x[1].t[k] + x[1].v * t12);
         M[6].t[k] = -(d[0].v * e_2[2].t[k] + e_2[2].v * d[0].t[k]);
-        M[7].t[k] = g->e_1[2][i] * t11 + (m_01 * x[2].t[k] + x[2].v * t9);
-        M[8].t[k] = g->e_1[2][i] * t12 - (h4 * x[2].t[k] + x[2].v * t10);
+        M[7].t[k] = g->e_1[2][i] * t13 + (m_01 * x[2].t[k] + x[2].v * t11);
+        M[8].t[k] = g->e_1[2][i] * t14 - (h4 * x[2].t[k] + x[2].v * t12);
     }
 }
 
 /* `project` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.8), (1.28).
- * (91 add, 129 multiply, 1 divide) */
+ * (95 add, 135 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_project_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *d, const krhpr_dual *u_1, const krhpr_dual *u_2, const krhpr_dual *N,
@@ -696,19 +697,18 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_project_tangent(
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double h_0 = d[0].v - u_2[0].v;
-    const double h_1 = d[1].v - u_2[1].v;
-    const double t = u_2[0].v * v_1_1 - u_2[1].v * v_1_0;
-    const double delta = t - b_22;
+    const double f_0 = u_1[0].v - u_2[0].v;
+    const double f_1 = u_1[1].v - u_2[1].v;
     const double u_12 = u_1[0].v * u_2[1].v - u_1[1].v * u_2[0].v;
-    const double b_32 = u_12 * g->k[12][i];
-    const double b_33 = t - u_12 * g->k[2][i];
+    const double b_32 = u_12 * g->k[12][i] - b_22;
+    const double b_33 = u_2[0].v * v_1_1 - u_12 * g->k[2][i] - u_2[1].v * v_1_0;
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0;
     const double h1 = 1.0 / delta;
     const double q = b_33 * h1;
-    const double h2 = b_22 * h_1 - v_1_1 * b_32;
+    const double h2 = b_22 * f_1 - v_1_1 * b_32;
     const double m_01 = h1 * h2;
     const double h4 = v_1_1 * q;
-    const double h3 = v_1_0 * b_32 - b_22 * h_0;
+    const double h3 = v_1_0 * b_32 - b_22 * f_0;
     const double m_11 = h1 * h3;
     const double m_12 = v_1_0 * q;
     const double n_00 = x[0].v * N[0].v + x[1].v * N[1].v + x[2].v * N[2].v;
@@ -727,36 +727,38 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_project_tangent(
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
         const double t3 = v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1);
-        const double t4 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
-        const double t5 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
-        const double t6 = g->k[12][i] * t5;
-        const double t7 = h1 * (h1 * (t4 - t3));
-        const double t8 = h1 * (t4 - g->k[2][i] * t5) - b_33 * t7;
-        const double t9 = h1 * (h_1 * t3 + b_22 * (d[1].t[k] - u_2[1].t[k]) - (b_32 * t2 + v_1_1 * t6)) - h2 * t7;
-        const double t10 = q * t2 + v_1_1 * t8;
-        const double t11 = h1 * (b_32 * t1 + v_1_0 * t6 - (h_0 * t3 + b_22 * (d[0].t[k] - u_2[0].t[k]))) - h3 * t7;
-        const double t12 = q * t1 + v_1_0 * t8;
-        const double t13 = N[0].v * x[0].t[k] + x[0].v * N[0].t[k] + (N[1].v * x[1].t[k] + x[1].v * N[1].t[k]);
-        const double t14 = t13 + (N[2].v * x[2].t[k] + x[2].v * N[2].t[k]);
-        const double t15 = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k] + g->e_1[2][i] * N[2].t[k];
-        const double t16 = N[0].v * e_2[0].t[k] + e_2[0].v * N[0].t[k] + (N[1].v * e_2[1].t[k] + e_2[1].v * N[1].t[k]);
-        const double t17 = N[3].v * x[0].t[k] + x[0].v * N[3].t[k] + (N[4].v * x[1].t[k] + x[1].v * N[4].t[k]);
-        const double t18 = t17 + (N[5].v * x[2].t[k] + x[2].v * N[5].t[k]);
-        const double t19 = g->e_1[0][i] * N[3].t[k] + g->e_1[1][i] * N[4].t[k] + g->e_1[2][i] * N[5].t[k];
-        const double t20 = N[3].v * e_2[0].t[k] + e_2[0].v * N[3].t[k] + (N[4].v * e_2[1].t[k] + e_2[1].v * N[4].t[k]);
-        const double t21 = n_02 * d[0].t[k] + d[0].v * (t16 + (N[2].v * e_2[2].t[k] + e_2[2].v * N[2].t[k]));
-        const double t22 = n_12 * d[0].t[k] + d[0].v * (t20 + (N[5].v * e_2[2].t[k] + e_2[2].v * N[5].t[k]));
-        K[0].t[k] = -t21;
-        K[1].t[k] = n_00 * t9 + m_01 * t14 + (n_01 * t11 + m_11 * t15);
-        K[2].t[k] = n_01 * t12 + m_12 * t15 - (n_00 * t10 + h4 * t14);
-        K[3].t[k] = -t22;
-        K[4].t[k] = n_10 * t9 + m_01 * t18 + (n_11 * t11 + m_11 * t19);
-        K[5].t[k] = n_11 * t12 + m_12 * t19 - (n_10 * t10 + h4 * t18);
+        const double t4 = u_1[0].t[k] - u_2[0].t[k];
+        const double t5 = u_1[1].t[k] - u_2[1].t[k];
+        const double t6 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
+        const double t7 = g->k[12][i] * t6 - t3;
+        const double t8 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - g->k[2][i] * t6 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
+        const double t9 = h1 * (h1 * (f_1 * t1 + v_1_0 * t5 - (f_0 * t2 + v_1_1 * t4)));
+        const double t10 = h1 * t8 - b_33 * t9;
+        const double t11 = h1 * (f_1 * t3 + b_22 * t5 - (b_32 * t2 + v_1_1 * t7)) - h2 * t9;
+        const double t12 = q * t2 + v_1_1 * t10;
+        const double t13 = h1 * (b_32 * t1 + v_1_0 * t7 - (f_0 * t3 + b_22 * t4)) - h3 * t9;
+        const double t14 = q * t1 + v_1_0 * t10;
+        const double t15 = N[0].v * x[0].t[k] + x[0].v * N[0].t[k] + (N[1].v * x[1].t[k] + x[1].v * N[1].t[k]);
+        const double t16 = t15 + (N[2].v * x[2].t[k] + x[2].v * N[2].t[k]);
+        const double t17 = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k] + g->e_1[2][i] * N[2].t[k];
+        const double t18 = N[0].v * e_2[0].t[k] + e_2[0].v * N[0].t[k] + (N[1].v * e_2[1].t[k] + e_2[1].v * N[1].t[k]);
+        const double t19 = N[3].v * x[0].t[k] + x[0].v * N[3].t[k] + (N[4].v * x[1].t[k] + x[1].v * N[4].t[k]);
+        const double t20 = t19 + (N[5].v * x[2].t[k] + x[2].v * N[5].t[k]);
+        const double t21 = g->e_1[0][i] * N[3].t[k] + g->e_1[1][i] * N[4].t[k] + g->e_1[2][i] * N[5].t[k];
+        const double t22 = N[3].v * e_2[0].t[k] + e_2[0].v * N[3].t[k] + (N[4].v * e_2[1].t[k] + e_2[1].v * N[4].t[k]);
+        const double t23 = n_02 * d[0].t[k] + d[0].v * (t18 + (N[2].v * e_2[2].t[k] + e_2[2].v * N[2].t[k]));
+        const double t24 = n_12 * d[0].t[k] + d[0].v * (t22 + (N[5].v * e_2[2].t[k] + e_2[2].v * N[5].t[k]));
+        K[0].t[k] = -t23;
+        K[1].t[k] = n_00 * t11 + m_01 * t16 + (n_01 * t13 + m_11 * t17);
+        K[2].t[k] = n_01 * t14 + m_12 * t17 - (n_00 * t12 + h4 * t16);
+        K[3].t[k] = -t24;
+        K[4].t[k] = n_10 * t11 + m_01 * t20 + (n_11 * t13 + m_11 * t21);
+        K[5].t[k] = n_11 * t14 + m_12 * t21 - (n_10 * t12 + h4 * t20);
     }
 }
 
-/* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (58 add,
- * 78 multiply, 1 divide) */
+/* `velocity` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (62 add,
+ * 84 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_velocity_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *d, const krhpr_dual *u_1, const krhpr_dual *u_2, const krhpr_dual *theta_dot,
@@ -765,20 +767,19 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_velocity_tangent(
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double h_0 = d[0].v - u_2[0].v;
-    const double h_1 = d[1].v - u_2[1].v;
-    const double t = u_2[0].v * v_1_1 - u_2[1].v * v_1_0;
-    const double delta = t - b_22;
+    const double f_0 = u_1[0].v - u_2[0].v;
+    const double f_1 = u_1[1].v - u_2[1].v;
     const double u_12 = u_1[0].v * u_2[1].v - u_1[1].v * u_2[0].v;
-    const double b_32 = u_12 * g->k[12][i];
-    const double b_33 = t - u_12 * g->k[2][i];
+    const double b_32 = u_12 * g->k[12][i] - b_22;
+    const double b_33 = u_2[0].v * v_1_1 - u_12 * g->k[2][i] - u_2[1].v * v_1_0;
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0;
     const double h4 = d[0].v * theta_dot[0].v;
     const double w_1 = b_22 * theta_dot[1].v;
     const double w_2 = b_32 * theta_dot[1].v + b_33 * theta_dot[2].v;
-    const double h2 = h_1 * w_1 - v_1_1 * w_2;
+    const double h2 = f_1 * w_1 - v_1_1 * w_2;
     const double h1 = 1.0 / delta;
     const double v_l_0 = h2 * h1;
-    const double h3 = v_1_0 * w_2 - h_0 * w_1;
+    const double h3 = v_1_0 * w_2 - f_0 * w_1;
     const double v_l_1 = h1 * h3;
     s_dot[0].v = g->e_1[0][i] * v_l_1 - e_2[0].v * h4 + x[0].v * v_l_0;
     s_dot[1].v = g->e_1[1][i] * v_l_1 - e_2[1].v * h4 + x[1].v * v_l_0;
@@ -787,24 +788,26 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_velocity_tangent(
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
         const double t3 = v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1);
-        const double t4 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
-        const double t5 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
-        const double t6 = theta_dot[0].v * d[0].t[k] + d[0].v * theta_dot[0].t[k];
-        const double t7 = theta_dot[1].v * t3 + b_22 * theta_dot[1].t[k];
-        const double t8 = theta_dot[1].v * (g->k[12][i] * t5) + b_32 * theta_dot[1].t[k] + (theta_dot[2].v * (t4 - g->k[2][i] * t5) + b_33 * theta_dot[2].t[k]);
-        const double t9 = h1 * (h1 * (t4 - t3));
-        const double t10 = h1 * (w_1 * (d[1].t[k] - u_2[1].t[k]) + h_1 * t7 - (w_2 * t2 + v_1_1 * t8)) - h2 * t9;
-        const double t11 = h1 * (w_2 * t1 + v_1_0 * t8 - (w_1 * (d[0].t[k] - u_2[0].t[k]) + h_0 * t7)) - h3 * t9;
-        const double t12 = g->e_1[0][i] * t11 - (h4 * e_2[0].t[k] + e_2[0].v * t6) + (v_l_0 * x[0].t[k] + x[0].v * t10);
-        const double t13 = g->e_1[1][i] * t11 - (h4 * e_2[1].t[k] + e_2[1].v * t6) + (v_l_0 * x[1].t[k] + x[1].v * t10);
-        const double t14 = g->e_1[2][i] * t11 - (h4 * e_2[2].t[k] + e_2[2].v * t6) + (v_l_0 * x[2].t[k] + x[2].v * t10);
-        s_dot[0].t[k] = t12;
-        s_dot[1].t[k] = t13;
-        s_dot[2].t[k] = t14;
+        const double t4 = u_1[0].t[k] - u_2[0].t[k];
+        const double t5 = u_1[1].t[k] - u_2[1].t[k];
+        const double t6 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
+        const double t7 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - g->k[2][i] * t6 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
+        const double t8 = theta_dot[0].v * d[0].t[k] + d[0].v * theta_dot[0].t[k];
+        const double t9 = theta_dot[1].v * t3 + b_22 * theta_dot[1].t[k];
+        const double t10 = theta_dot[1].v * (g->k[12][i] * t6 - t3) + b_32 * theta_dot[1].t[k] + (theta_dot[2].v * t7 + b_33 * theta_dot[2].t[k]);
+        const double t11 = h1 * (h1 * (f_1 * t1 + v_1_0 * t5 - (f_0 * t2 + v_1_1 * t4)));
+        const double t12 = h1 * (w_1 * t5 + f_1 * t9 - (w_2 * t2 + v_1_1 * t10)) - h2 * t11;
+        const double t13 = h1 * (w_2 * t1 + v_1_0 * t10 - (w_1 * t4 + f_0 * t9)) - h3 * t11;
+        const double t14 = g->e_1[0][i] * t13 - (h4 * e_2[0].t[k] + e_2[0].v * t8) + (v_l_0 * x[0].t[k] + x[0].v * t12);
+        const double t15 = g->e_1[1][i] * t13 - (h4 * e_2[1].t[k] + e_2[1].v * t8) + (v_l_0 * x[1].t[k] + x[1].v * t12);
+        const double t16 = g->e_1[2][i] * t13 - (h4 * e_2[2].t[k] + e_2[2].v * t8) + (v_l_0 * x[2].t[k] + x[2].v * t12);
+        s_dot[0].t[k] = t14;
+        s_dot[1].t[k] = t15;
+        s_dot[2].t[k] = t16;
     }
 }
 
-/* `bias` with the derivatives of its outputs along directions of its inputs.  (252 add, 381 multiply, 1
+/* `bias` with the derivatives of its outputs along directions of its inputs.  (266 add, 399 multiply, 1
  * divide, 3 sine cosine) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_bias_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *s, const krhpr_dual *theta,
@@ -831,25 +834,24 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_bias_tangent(
     const double v_1_0 = d_0 - u_1_0;
     const double v_1_1 = d_1 - u_1_1;
     const double b_22 = u_1_0 * v_1_1 - u_1_1 * v_1_0;
-    const double h_0 = d_0 - u_2_0;
-    const double h_1 = d_1 - u_2_1;
-    const double t = u_2_0 * v_1_1 - u_2_1 * v_1_0;
-    const double delta = t - b_22;
+    const double f_0 = u_1_0 - u_2_0;
+    const double f_1 = u_1_1 - u_2_1;
     const double u_12 = u_1_0 * u_2_1 - u_1_1 * u_2_0;
-    const double b_32 = u_12 * g->k[12][i];
-    const double b_33 = t - u_12 * g->k[2][i];
+    const double b_32 = u_12 * g->k[12][i] - b_22;
+    const double b_33 = u_2_0 * v_1_1 - u_12 * g->k[2][i] - u_2_1 * v_1_0;
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0;
     const double h5 = theta_dot[1].v * b_32 + theta_dot[2].v * b_33;
-    const double h6 = b_22 * h_0;
+    const double h6 = b_22 * f_0;
     const double t1 = v_1_0 * h5 - theta_dot[1].v * h6;
     const double h8 = g->e_1[0][i] * t1;
     const double h7 = 1.0 / delta;
-    const double h35 = h8 * h7;
-    const double h9 = b_22 * h_1;
+    const double h36 = h8 * h7;
+    const double h9 = b_22 * f_1;
     const double h10 = theta_dot[1].v * h9 - v_1_1 * h5;
     const double h11 = x_0 * h10;
     const double h40 = h7 * h11;
     const double h12 = e_2_0 * d_0;
-    const double s_dot_0 = h35 + h40 - theta_dot[0].v * h12;
+    const double s_dot_0 = h36 + h40 - theta_dot[0].v * h12;
     const double h13 = g->e_1[1][i] * t1;
     const double h45 = h7 * h13;
     const double h14 = x_1 * h10;
@@ -871,122 +873,120 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_bias_tangent(
     const double h49 = g->e_x[1][i] * t3 - g->e_t[1][i] * t2;
     const double h55 = g->e_x[2][i] * t3;
     const double h43 = x_0 * s_dot_0 - arm_0 * h19 + (x_1 * s_dot_1 - arm_1 * h20) + (x_2 * s_dot_2 - arm_2 * h21);
-    const double t4 = g->e_1[0][i] * s_dot_0 + g->e_1[1][i] * s_dot_1 + g->e_1[2][i] * s_dot_2;
     const double h22 = g->l_4[i] * (theta_dot[1].v * h1);
     const double h24 = g->l_4[i] * (theta_dot[1].v * h2);
-    const double h26 = g->l_2[i] * (theta_dot[2].v * h3);
-    const double h27 = g->l_2[i] * (theta_dot[2].v * h4);
+    const double h27 = g->l_2[i] * (theta_dot[2].v * h3);
+    const double h26 = g->l_2[i] * (theta_dot[2].v * h4);
     const double h25 = h43 + h22;
-    const double h23 = t4 - h24;
-    const double h31 = u_1_0 * h23 - v_1_1 * h22 - (v_1_0 * h24 + u_1_1 * h25);
-    const double h32 = h43 + h26;
-    const double h37 = t4 - h27;
-    const double t5 = u_2_0 * h23 - v_1_1 * h26 - (v_1_0 * h27 + u_2_1 * h25);
-    const double h34 = t5 - h31;
-    const double t6 = u_1_0 * h27 - u_2_1 * h22 - (u_2_0 * h24 - u_1_1 * h26);
-    const double h28 = g->k[12][i] * t6;
-    const double h29 = t5 - g->k[2][i] * t6;
-    const double h30 = theta_dot[1].v * h28 + theta_dot[2].v * h29;
-    const double h33 = h_0 * h31 + b_22 * h32;
-    const double t7 = h5 * h25 + v_1_0 * h30 - theta_dot[1].v * h33;
-    const double h36 = g->e_1[0][i] * t7 - h35 * h34;
-    const double h38 = h_1 * h31 + b_22 * h37;
-    const double h39 = theta_dot[1].v * h38 - (h5 * h23 + v_1_1 * h30);
-    const double h41 = x_0 * h39 - h10 * h19 - h40 * h34;
+    const double h23 = g->e_1[0][i] * s_dot_0 + g->e_1[1][i] * s_dot_1 + g->e_1[2][i] * s_dot_2 - h24;
+    const double h33 = u_1_0 * h23 - v_1_1 * h22 - (v_1_0 * h24 + u_1_1 * h25);
+    const double h29 = h27 - h22;
+    const double h28 = h24 - h26;
+    const double t4 = u_1_0 * h26 - u_2_1 * h22 - (u_2_0 * h24 - u_1_1 * h27);
+    const double h30 = g->k[12][i] * t4 - h33;
+    const double h31 = u_2_0 * h23 - v_1_1 * h27 - g->k[2][i] * t4 - (v_1_0 * h26 + u_2_1 * h25);
+    const double h35 = f_1 * h25 + v_1_0 * h28 - (f_0 * h23 + v_1_1 * h29);
+    const double h32 = theta_dot[1].v * h30 + theta_dot[2].v * h31;
+    const double h34 = f_0 * h33 + b_22 * h29;
+    const double t5 = h5 * h25 + v_1_0 * h32 - theta_dot[1].v * h34;
+    const double h37 = g->e_1[0][i] * t5 - h36 * h35;
+    const double h38 = f_1 * h33 + b_22 * h28;
+    const double h39 = theta_dot[1].v * h38 - (h5 * h23 + v_1_1 * h32);
+    const double h41 = x_0 * h39 - h10 * h19 - h40 * h35;
     const double h44 = d_0 * h42 + e_2_0 * h43;
-    const double h46 = g->e_1[1][i] * t7 - h45 * h34;
-    const double h48 = x_1 * h39 - h10 * h20 - h47 * h34;
+    const double h46 = g->e_1[1][i] * t5 - h45 * h35;
+    const double h48 = x_1 * h39 - h10 * h20 - h47 * h35;
     const double h50 = d_0 * h49 + e_2_1 * h43;
-    const double h52 = g->e_1[2][i] * t7 - h51 * h34;
-    const double h54 = x_2 * h39 - h10 * h21 - h53 * h34;
+    const double h52 = g->e_1[2][i] * t5 - h51 * h35;
+    const double h54 = x_2 * h39 - h10 * h21 - h53 * h35;
     const double h56 = d_0 * h55 + e_2_2 * h43;
     s_dot[0].v = s_dot_0;
     s_dot[1].v = s_dot_1;
     s_dot[2].v = s_dot_2;
-    bias[0].v = h7 * h36 + h7 * h41 - theta_dot[0].v * h44;
+    bias[0].v = h7 * h37 + h7 * h41 - theta_dot[0].v * h44;
     bias[1].v = h7 * h46 + h7 * h48 - theta_dot[0].v * h50;
     bias[2].v = h7 * h52 + h7 * h54 - theta_dot[0].v * h56;
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
-        const double t8 = sin_1 * theta[0].t[k];
-        const double t9 = cos_1 * theta[0].t[k];
-        const double t10 = g->e_x[0][i] * t8 + g->e_t[0][i] * t9;
-        const double t11 = g->e_x[1][i] * t8 + g->e_t[1][i] * t9;
-        const double t12 = g->e_x[2][i] * t8;
-        const double t13 = g->e_x[0][i] * t9 - g->e_t[0][i] * t8;
-        const double t14 = g->e_x[1][i] * t9 - g->e_t[1][i] * t8;
-        const double t15 = g->e_x[2][i] * t9;
-        const double t16 = x_0 * s[0].t[k] - arm_0 * t10 + (x_1 * s[1].t[k] - arm_1 * t11) + (x_2 * s[2].t[k] - arm_2 * t12);
-        const double t17 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k];
-        const double t18 = h1 * theta[1].t[k];
-        const double t19 = h2 * theta[1].t[k];
-        const double t20 = g->l_4[i] * t18;
-        const double t21 = g->l_4[i] * t19;
-        const double t22 = h3 * theta[2].t[k];
-        const double t23 = h4 * theta[2].t[k];
-        const double t24 = g->l_2[i] * t22;
-        const double t25 = g->l_2[i] * t23;
-        const double t26 = t16 + t20;
-        const double t27 = t17 - t21;
-        const double t28 = u_1_0 * t27 - v_1_1 * t20 - (v_1_0 * t21 + u_1_1 * t26);
-        const double t29 = t16 + t24;
-        const double t30 = t17 - t25;
-        const double t31 = u_2_0 * t27 - v_1_1 * t24 - (v_1_0 * t25 + u_2_1 * t26);
-        const double t32 = u_1_0 * t25 - u_2_1 * t20 - (u_2_0 * t21 - u_1_1 * t24);
-        const double t33 = b_32 * theta_dot[1].t[k] + theta_dot[1].v * (g->k[12][i] * t32) + (b_33 * theta_dot[2].t[k] + theta_dot[2].v * (t31 - g->k[2][i] * t32));
-        const double t34 = h5 * t26 + v_1_0 * t33 - (h6 * theta_dot[1].t[k] + theta_dot[1].v * (h_0 * t28 + b_22 * t29));
-        const double t35 = h7 * (h7 * (t31 - t28));
-        const double t36 = h7 * (g->e_1[0][i] * t34) - h8 * t35;
-        const double t37 = h9 * theta_dot[1].t[k] + theta_dot[1].v * (h_1 * t28 + b_22 * t30) - (h5 * t27 + v_1_1 * t33);
-        const double t38 = h7 * (x_0 * t37 - h10 * t10) - h11 * t35;
-        const double t39 = t36 + t38 - (h12 * theta_dot[0].t[k] + theta_dot[0].v * (d_0 * t13 + e_2_0 * t16));
-        const double t40 = h7 * (g->e_1[1][i] * t34) - h13 * t35;
-        const double t41 = h7 * (x_1 * t37 - h10 * t11) - h14 * t35;
-        const double t42 = t40 + t41 - (h15 * theta_dot[0].t[k] + theta_dot[0].v * (d_0 * t14 + e_2_1 * t16));
-        const double t43 = h7 * (g->e_1[2][i] * t34) - h16 * t35;
-        const double t44 = h7 * (x_2 * t37 - h10 * t12) - h17 * t35;
-        const double t45 = t43 + t44 - (h18 * theta_dot[0].t[k] + theta_dot[0].v * (d_0 * t15 + e_2_2 * t16));
-        const double t46 = sin_1 * theta_dot[0].t[k] + theta_dot[0].v * t9;
-        const double t47 = cos_1 * theta_dot[0].t[k] - theta_dot[0].v * t8;
-        const double t48 = g->e_x[0][i] * t46 + g->e_t[0][i] * t47;
-        const double t49 = g->e_x[1][i] * t46 + g->e_t[1][i] * t47;
-        const double t50 = g->e_x[2][i] * t46;
-        const double t51 = x_0 * t39 - s_dot_0 * t10 - (h19 * s[0].t[k] + arm_0 * t48) + (x_1 * t42 - s_dot_1 * t11 - (h20 * s[1].t[k] + arm_1 * t49));
-        const double t52 = t51 + (x_2 * t45 - s_dot_2 * t12 - (h21 * s[2].t[k] + arm_2 * t50));
-        const double t53 = g->e_1[0][i] * t39 + g->e_1[1][i] * t42 + g->e_1[2][i] * t45;
-        const double t54 = g->l_4[i] * (h1 * theta_dot[1].t[k] + theta_dot[1].v * t19);
-        const double t55 = g->l_4[i] * (h2 * theta_dot[1].t[k] - theta_dot[1].v * t18);
-        const double t56 = g->l_2[i] * (h3 * theta_dot[2].t[k] + theta_dot[2].v * t23);
-        const double t57 = g->l_2[i] * (h4 * theta_dot[2].t[k] - theta_dot[2].v * t22);
-        const double t58 = t52 + t54;
-        const double t59 = t53 - t55;
-        const double t60 = u_1_0 * t59 - h23 * t20 - (h22 * t27 + v_1_1 * t54) - (h24 * t26 + v_1_0 * t55 + (h25 * t21 + u_1_1 * t58));
-        const double t61 = u_2_0 * t59 - h23 * t24 - (h26 * t27 + v_1_1 * t56) - (h27 * t26 + v_1_0 * t57 + (h25 * t25 + u_2_1 * t58));
-        const double t62 = t61 - t60;
-        const double t63 = u_1_0 * t57 - h27 * t20 - (h22 * t25 + u_2_1 * t54) - (u_2_0 * t55 - h24 * t24 - (h26 * t21 + u_1_1 * t56));
-        const double t64 = h28 * theta_dot[1].t[k] + theta_dot[1].v * (g->k[12][i] * t63) + (h29 * theta_dot[2].t[k] + theta_dot[2].v * (t61 - g->k[2][i] * t63));
-        const double t65 = h33 * theta_dot[1].t[k] + theta_dot[1].v * (h31 * t29 + h_0 * t60 + (h32 * t28 + b_22 * (t52 + t56)));
-        const double t66 = h25 * t33 + h5 * t58 + (h30 * t26 + v_1_0 * t64) - t65;
-        const double t67 = h38 * theta_dot[1].t[k] + theta_dot[1].v * (h31 * t30 + h_1 * t60 + (h37 * t28 + b_22 * (t53 - t57)));
-        const double t68 = t67 - (h23 * t33 + h5 * t59 + (h30 * t27 + v_1_1 * t64));
-        const double t69 = h7 * (x_0 * t68 - h39 * t10 - (h19 * t37 + h10 * t48) - (h34 * t38 + h40 * t62));
-        const double t70 = h7 * (g->e_1[0][i] * t66 - (h34 * t36 + h35 * t62)) - h36 * t35 + (t69 - h41 * t35);
-        const double t71 = h42 * t16 + d_0 * (g->e_x[0][i] * t47 - g->e_t[0][i] * t46) + (h43 * t13 + e_2_0 * t52);
-        const double t72 = h7 * (x_1 * t68 - h39 * t11 - (h20 * t37 + h10 * t49) - (h34 * t41 + h47 * t62));
-        const double t73 = h7 * (g->e_1[1][i] * t66 - (h34 * t40 + h45 * t62)) - h46 * t35 + (t72 - h48 * t35);
-        const double t74 = h49 * t16 + d_0 * (g->e_x[1][i] * t47 - g->e_t[1][i] * t46) + (h43 * t14 + e_2_1 * t52);
-        const double t75 = h7 * (x_2 * t68 - h39 * t12 - (h21 * t37 + h10 * t50) - (h34 * t44 + h53 * t62));
-        const double t76 = h7 * (g->e_1[2][i] * t66 - (h34 * t43 + h51 * t62)) - h52 * t35 + (t75 - h54 * t35);
-        const double t77 = theta_dot[0].v * (h55 * t16 + d_0 * (g->e_x[2][i] * t47) + (h43 * t15 + e_2_2 * t52));
-        s_dot[0].t[k] = t39;
-        s_dot[1].t[k] = t42;
-        s_dot[2].t[k] = t45;
-        bias[0].t[k] = t70 - (h44 * theta_dot[0].t[k] + theta_dot[0].v * t71);
-        bias[1].t[k] = t73 - (h50 * theta_dot[0].t[k] + theta_dot[0].v * t74);
-        bias[2].t[k] = t76 - (h56 * theta_dot[0].t[k] + t77);
+        const double t6 = sin_1 * theta[0].t[k];
+        const double t7 = cos_1 * theta[0].t[k];
+        const double t8 = g->e_x[0][i] * t6 + g->e_t[0][i] * t7;
+        const double t9 = g->e_x[1][i] * t6 + g->e_t[1][i] * t7;
+        const double t10 = g->e_x[2][i] * t6;
+        const double t11 = g->e_x[0][i] * t7 - g->e_t[0][i] * t6;
+        const double t12 = g->e_x[1][i] * t7 - g->e_t[1][i] * t6;
+        const double t13 = g->e_x[2][i] * t7;
+        const double t14 = x_0 * s[0].t[k] - arm_0 * t8 + (x_1 * s[1].t[k] - arm_1 * t9) + (x_2 * s[2].t[k] - arm_2 * t10);
+        const double t15 = h1 * theta[1].t[k];
+        const double t16 = h2 * theta[1].t[k];
+        const double t17 = g->l_4[i] * t15;
+        const double t18 = g->l_4[i] * t16;
+        const double t19 = h3 * theta[2].t[k];
+        const double t20 = h4 * theta[2].t[k];
+        const double t21 = g->l_2[i] * t19;
+        const double t22 = g->l_2[i] * t20;
+        const double t23 = t14 + t17;
+        const double t24 = g->e_1[0][i] * s[0].t[k] + g->e_1[1][i] * s[1].t[k] + g->e_1[2][i] * s[2].t[k] - t18;
+        const double t25 = u_1_0 * t24 - v_1_1 * t17 - (v_1_0 * t18 + u_1_1 * t23);
+        const double t26 = t21 - t17;
+        const double t27 = t18 - t22;
+        const double t28 = u_1_0 * t22 - u_2_1 * t17 - (u_2_0 * t18 - u_1_1 * t21);
+        const double t29 = theta_dot[2].v * (u_2_0 * t24 - v_1_1 * t21 - g->k[2][i] * t28 - (v_1_0 * t22 + u_2_1 * t23));
+        const double t30 = b_32 * theta_dot[1].t[k] + theta_dot[1].v * (g->k[12][i] * t28 - t25) + (b_33 * theta_dot[2].t[k] + t29);
+        const double t31 = h5 * t23 + v_1_0 * t30 - (h6 * theta_dot[1].t[k] + theta_dot[1].v * (f_0 * t25 + b_22 * t26));
+        const double t32 = h7 * (h7 * (f_1 * t23 + v_1_0 * t27 - (f_0 * t24 + v_1_1 * t26)));
+        const double t33 = h7 * (g->e_1[0][i] * t31) - h8 * t32;
+        const double t34 = h9 * theta_dot[1].t[k] + theta_dot[1].v * (f_1 * t25 + b_22 * t27) - (h5 * t24 + v_1_1 * t30);
+        const double t35 = h7 * (x_0 * t34 - h10 * t8) - h11 * t32;
+        const double t36 = t33 + t35 - (h12 * theta_dot[0].t[k] + theta_dot[0].v * (d_0 * t11 + e_2_0 * t14));
+        const double t37 = h7 * (g->e_1[1][i] * t31) - h13 * t32;
+        const double t38 = h7 * (x_1 * t34 - h10 * t9) - h14 * t32;
+        const double t39 = t37 + t38 - (h15 * theta_dot[0].t[k] + theta_dot[0].v * (d_0 * t12 + e_2_1 * t14));
+        const double t40 = h7 * (g->e_1[2][i] * t31) - h16 * t32;
+        const double t41 = h7 * (x_2 * t34 - h10 * t10) - h17 * t32;
+        const double t42 = t40 + t41 - (h18 * theta_dot[0].t[k] + theta_dot[0].v * (d_0 * t13 + e_2_2 * t14));
+        const double t43 = sin_1 * theta_dot[0].t[k] + theta_dot[0].v * t7;
+        const double t44 = cos_1 * theta_dot[0].t[k] - theta_dot[0].v * t6;
+        const double t45 = g->e_x[0][i] * t43 + g->e_t[0][i] * t44;
+        const double t46 = g->e_x[1][i] * t43 + g->e_t[1][i] * t44;
+        const double t47 = g->e_x[2][i] * t43;
+        const double t48 = x_0 * t36 - s_dot_0 * t8 - (h19 * s[0].t[k] + arm_0 * t45) + (x_1 * t39 - s_dot_1 * t9 - (h20 * s[1].t[k] + arm_1 * t46));
+        const double t49 = t48 + (x_2 * t42 - s_dot_2 * t10 - (h21 * s[2].t[k] + arm_2 * t47));
+        const double t50 = g->l_4[i] * (h1 * theta_dot[1].t[k] + theta_dot[1].v * t16);
+        const double t51 = g->l_4[i] * (h2 * theta_dot[1].t[k] - theta_dot[1].v * t15);
+        const double t52 = g->l_2[i] * (h3 * theta_dot[2].t[k] + theta_dot[2].v * t20);
+        const double t53 = g->l_2[i] * (h4 * theta_dot[2].t[k] - theta_dot[2].v * t19);
+        const double t54 = t49 + t50;
+        const double t55 = g->e_1[0][i] * t36 + g->e_1[1][i] * t39 + g->e_1[2][i] * t42 - t51;
+        const double t56 = u_1_0 * t55 - h23 * t17 - (h22 * t24 + v_1_1 * t50) - (h24 * t23 + v_1_0 * t51 + (h25 * t18 + u_1_1 * t54));
+        const double t57 = t52 - t50;
+        const double t58 = t51 - t53;
+        const double t59 = u_1_0 * t53 - h26 * t17 - (h22 * t22 + u_2_1 * t50) - (u_2_0 * t51 - h24 * t21 - (h27 * t18 + u_1_1 * t52));
+        const double t60 = u_2_0 * t55 - h23 * t21 - (h27 * t24 + v_1_1 * t52) - g->k[2][i] * t59 - (h26 * t23 + v_1_0 * t53 + (h25 * t22 + u_2_1 * t54));
+        const double t61 = h25 * t27 + f_1 * t54 + (h28 * t23 + v_1_0 * t58) - (h23 * t26 + f_0 * t55 + (h29 * t24 + v_1_1 * t57));
+        const double t62 = h30 * theta_dot[1].t[k] + theta_dot[1].v * (g->k[12][i] * t59 - t56) + (h31 * theta_dot[2].t[k] + theta_dot[2].v * t60);
+        const double t63 = h34 * theta_dot[1].t[k] + theta_dot[1].v * (h33 * t26 + f_0 * t56 + (h29 * t25 + b_22 * t57));
+        const double t64 = h25 * t30 + h5 * t54 + (h32 * t23 + v_1_0 * t62) - t63;
+        const double t65 = h38 * theta_dot[1].t[k] + theta_dot[1].v * (h33 * t27 + f_1 * t56 + (h28 * t25 + b_22 * t58));
+        const double t66 = t65 - (h23 * t30 + h5 * t55 + (h32 * t24 + v_1_1 * t62));
+        const double t67 = h7 * (x_0 * t66 - h39 * t8 - (h19 * t34 + h10 * t45) - (h35 * t35 + h40 * t61));
+        const double t68 = h7 * (g->e_1[0][i] * t64 - (h35 * t33 + h36 * t61)) - h37 * t32 + (t67 - h41 * t32);
+        const double t69 = h42 * t14 + d_0 * (g->e_x[0][i] * t44 - g->e_t[0][i] * t43) + (h43 * t11 + e_2_0 * t49);
+        const double t70 = h7 * (x_1 * t66 - h39 * t9 - (h20 * t34 + h10 * t46) - (h35 * t38 + h47 * t61));
+        const double t71 = h7 * (g->e_1[1][i] * t64 - (h35 * t37 + h45 * t61)) - h46 * t32 + (t70 - h48 * t32);
+        const double t72 = h49 * t14 + d_0 * (g->e_x[1][i] * t44 - g->e_t[1][i] * t43) + (h43 * t12 + e_2_1 * t49);
+        const double t73 = h7 * (x_2 * t66 - h39 * t10 - (h21 * t34 + h10 * t47) - (h35 * t41 + h53 * t61));
+        const double t74 = h7 * (g->e_1[2][i] * t64 - (h35 * t40 + h51 * t61)) - h52 * t32 + (t73 - h54 * t32);
+        const double t75 = theta_dot[0].v * (h55 * t14 + d_0 * (g->e_x[2][i] * t44) + (h43 * t13 + e_2_2 * t49));
+        s_dot[0].t[k] = t36;
+        s_dot[1].t[k] = t39;
+        s_dot[2].t[k] = t42;
+        bias[0].t[k] = t68 - (h44 * theta_dot[0].t[k] + theta_dot[0].v * t69);
+        bias[1].t[k] = t71 - (h50 * theta_dot[0].t[k] + theta_dot[0].v * t72);
+        bias[2].t[k] = t74 - (h56 * theta_dot[0].t[k] + t75);
     }
 }
 
-/* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (55 add, 73
+/* `rates` with the derivatives of its outputs along directions of its inputs.  Thesis: (1.9).  (57 add, 73
  * multiply, 5 divide) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_rates_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
@@ -996,17 +996,16 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_rates_tangent(
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double h_0 = d[0].v - u_2[0].v;
-    const double h_1 = d[1].v - u_2[1].v;
-    const double t = u_2[0].v * v_1_1 - u_2[1].v * v_1_0;
+    const double f_0 = u_1[0].v - u_2[0].v;
+    const double f_1 = u_1[1].v - u_2[1].v;
     const double u_12 = u_1[0].v * u_2[1].v - u_1[1].v * u_2[0].v;
-    const double b_32 = u_12 * g->k[12][i];
-    const double b_33 = t - u_12 * g->k[2][i];
+    const double b_32 = u_12 * g->k[12][i] - b_22;
+    const double b_33 = u_2[0].v * v_1_1 - u_12 * g->k[2][i] - u_2[1].v * v_1_0;
     const double v_l_0 = x[0].v * s_dot[0].v + x[1].v * s_dot[1].v + x[2].v * s_dot[2].v;
     const double v_l_1 = g->e_1[0][i] * s_dot[0].v + g->e_1[1][i] * s_dot[1].v + g->e_1[2][i] * s_dot[2].v;
     const double v_l_2 = e_2[0].v * s_dot[0].v + e_2[1].v * s_dot[1].v + e_2[2].v * s_dot[2].v;
     const double w_1 = v_1_0 * v_l_0 + v_1_1 * v_l_1;
-    const double w_2 = h_0 * v_l_0 + h_1 * v_l_1;
+    const double w_2 = f_0 * v_l_0 + f_1 * v_l_1;
     const double h1 = v_l_2 / d[0].v;
     const double h3 = 1.0 / b_22;
     const double h4 = b_32 * w_1;
@@ -1019,26 +1018,26 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_rates_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
-        const double t3 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
-        const double t4 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1) - g->k[2][i] * t3;
-        const double t5 = s_dot[0].v * x[0].t[k] + x[0].v * s_dot[0].t[k] + (s_dot[1].v * x[1].t[k] + x[1].v * s_dot[1].t[k]);
-        const double t6 = t5 + (s_dot[2].v * x[2].t[k] + x[2].v * s_dot[2].t[k]);
-        const double t7 = g->e_1[0][i] * s_dot[0].t[k] + g->e_1[1][i] * s_dot[1].t[k] + g->e_1[2][i] * s_dot[2].t[k];
-        const double t8 = s_dot[0].v * e_2[0].t[k] + e_2[0].v * s_dot[0].t[k] + (s_dot[1].v * e_2[1].t[k] + e_2[1].v * s_dot[1].t[k]);
-        const double t9 = v_l_0 * t1 + v_1_0 * t6 + (v_l_1 * t2 + v_1_1 * t7);
-        const double t10 = v_l_0 * (d[0].t[k] - u_2[0].t[k]) + h_0 * t6 + (v_l_1 * (d[1].t[k] - u_2[1].t[k]) + h_1 * t7);
-        const double t11 = h2 * (t8 + (s_dot[2].v * e_2[2].t[k] + e_2[2].v * s_dot[2].t[k]) - h1 * d[0].t[k]);
-        const double t12 = h3 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
-        const double t13 = h3 * t12;
-        const double t14 = t10 - (h3 * (w_1 * (g->k[12][i] * t3) + b_32 * t9) - h4 * t13) - theta_dot_2 * t4;
-        theta_dot[0].t[k] = -t11;
-        theta_dot[1].t[k] = h3 * t9 - w_1 * t13;
+        const double t3 = v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1);
+        const double t4 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
+        const double t5 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - g->k[2][i] * t4 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
+        const double t6 = s_dot[0].v * x[0].t[k] + x[0].v * s_dot[0].t[k] + (s_dot[1].v * x[1].t[k] + x[1].v * s_dot[1].t[k]);
+        const double t7 = t6 + (s_dot[2].v * x[2].t[k] + x[2].v * s_dot[2].t[k]);
+        const double t8 = g->e_1[0][i] * s_dot[0].t[k] + g->e_1[1][i] * s_dot[1].t[k] + g->e_1[2][i] * s_dot[2].t[k];
+        const double t9 = s_dot[0].v * e_2[0].t[k] + e_2[0].v * s_dot[0].t[k] + (s_dot[1].v * e_2[1].t[k] + e_2[1].v * s_dot[1].t[k]);
+        const double t10 = v_l_0 * t1 + v_1_0 * t7 + (v_l_1 * t2 + v_1_1 * t8);
+        const double t11 = v_l_0 * (u_1[0].t[k] - u_2[0].t[k]) + f_0 * t7 + (v_l_1 * (u_1[1].t[k] - u_2[1].t[k]) + f_1 * t8);
+        const double t12 = h2 * (t9 + (s_dot[2].v * e_2[2].t[k] + e_2[2].v * s_dot[2].t[k]) - h1 * d[0].t[k]);
+        const double t13 = h3 * (h3 * t3);
+        const double t14 = t11 - (h3 * (w_1 * (g->k[12][i] * t4 - t3) + b_32 * t10) - h4 * t13) - theta_dot_2 * t5;
+        theta_dot[0].t[k] = -t12;
+        theta_dot[1].t[k] = h3 * t10 - w_1 * t13;
         theta_dot[2].t[k] = h5 * t14;
     }
 }
 
-/* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (25 add,
- * 38 multiply, 2 divide) */
+/* `determinant` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.4.  (31 add,
+ * 44 multiply, 2 divide) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_determinant_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *d, const krhpr_dual *u_1,
     const krhpr_dual *u_2, krhpr_dual *KRHPR_RESTRICT det_M, krhpr_dual *KRHPR_RESTRICT factors)
@@ -1048,10 +1047,11 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_determinant_tangent(
     const double t1 = u_1[0].v * v_1_1;
     const double t2 = u_1[1].v * v_1_0;
     const double b_22 = t1 - t2;
-    const double t = u_2[0].v * v_1_1 - u_2[1].v * v_1_0;
-    const double delta = t - b_22;
+    const double f_0 = u_1[0].v - u_2[0].v;
+    const double f_1 = u_1[1].v - u_2[1].v;
     const double u_12 = u_1[0].v * u_2[1].v - u_1[1].v * u_2[0].v;
-    const double b_33 = t - u_12 * g->k[2][i];
+    const double b_33 = u_2[0].v * v_1_1 - u_12 * g->k[2][i] - u_2[1].v * v_1_0;
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0;
     const double h1 = t2 - t1;
     const double h2 = b_33 * h1;
     const double det_M_a = d[0].v * h2 / delta;
@@ -1066,21 +1066,19 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_determinant_tangent(
         const double t4 = d[1].t[k] - u_1[1].t[k];
         const double t5 = v_1_1 * u_1[0].t[k] + u_1[0].v * t4;
         const double t6 = v_1_0 * u_1[1].t[k] + u_1[1].v * t3;
-        const double t7 = t5 - t6;
-        const double t8 = v_1_1 * u_2[0].t[k] + u_2[0].v * t4 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t3);
-        const double t9 = t8 - t7;
-        const double t10 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
-        const double t11 = t8 - g->k[2][i] * t10;
-        det_M[0].t[k] = h3 * (h2 * d[0].t[k] + d[0].v * (h1 * t11 + b_33 * (t6 - t5)) - det_M_a * t9);
+        const double t7 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
+        const double t8 = v_1_1 * u_2[0].t[k] + u_2[0].v * t4 - g->k[2][i] * t7 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t3);
+        const double t9 = f_1 * t3 + v_1_0 * (u_1[1].t[k] - u_2[1].t[k]) - (f_0 * t4 + v_1_1 * (u_1[0].t[k] - u_2[0].t[k]));
+        det_M[0].t[k] = h3 * (h2 * d[0].t[k] + d[0].v * (h1 * t8 + b_33 * (t6 - t5)) - det_M_a * t9);
         factors[0].t[k] = g->k[14][i] * d[0].t[k];
-        factors[1].t[k] = g->k[15][i] * t7;
-        factors[2].t[k] = g->k[16][i] * (g->k[6][i] * t11);
+        factors[1].t[k] = g->k[15][i] * (t5 - t6);
+        factors[2].t[k] = g->k[16][i] * (g->k[6][i] * t8);
         factors[3].t[k] = g->k[13][i] * t9;
     }
 }
 
-/* `gram` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.  (151
- * add, 208 multiply, 1 divide) */
+/* `gram` with the derivatives of its outputs along directions of its inputs.  Thesis: 1.8, 4.2.2.  (155
+ * add, 214 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_gram_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *d, const krhpr_dual *u_1, const krhpr_dual *u_2, const krhpr_dual *N,
@@ -1090,19 +1088,18 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_gram_tangent(
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double h_0 = d[0].v - u_2[0].v;
-    const double h_1 = d[1].v - u_2[1].v;
-    const double t = u_2[0].v * v_1_1 - u_2[1].v * v_1_0;
-    const double delta = t - b_22;
+    const double f_0 = u_1[0].v - u_2[0].v;
+    const double f_1 = u_1[1].v - u_2[1].v;
     const double u_12 = u_1[0].v * u_2[1].v - u_1[1].v * u_2[0].v;
-    const double b_32 = u_12 * g->k[12][i];
-    const double b_33 = t - u_12 * g->k[2][i];
+    const double b_32 = u_12 * g->k[12][i] - b_22;
+    const double b_33 = u_2[0].v * v_1_1 - u_12 * g->k[2][i] - u_2[1].v * v_1_0;
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0;
     const double h1 = 1.0 / delta;
     const double q = b_33 * h1;
-    const double h2 = b_22 * h_1 - v_1_1 * b_32;
+    const double h2 = b_22 * f_1 - v_1_1 * b_32;
     const double m_01 = h1 * h2;
     const double h4 = v_1_1 * q;
-    const double h3 = v_1_0 * b_32 - b_22 * h_0;
+    const double h3 = v_1_0 * b_32 - b_22 * f_0;
     const double m_11 = h1 * h3;
     const double m_12 = v_1_0 * q;
     const double g_00 = m_01 * m_01 + h4 * h4;
@@ -1154,74 +1151,76 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_gram_tangent(
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
         const double t3 = v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1);
-        const double t4 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
-        const double t5 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
-        const double t6 = g->k[12][i] * t5;
-        const double t7 = h1 * (h1 * (t4 - t3));
-        const double t8 = h1 * (t4 - g->k[2][i] * t5) - b_33 * t7;
-        const double t9 = h1 * (h_1 * t3 + b_22 * (d[1].t[k] - u_2[1].t[k]) - (b_32 * t2 + v_1_1 * t6)) - h2 * t7;
-        const double t10 = q * t2 + v_1_1 * t8;
-        const double t11 = h1 * (b_32 * t1 + v_1_0 * t6 - (h_0 * t3 + b_22 * (d[0].t[k] - u_2[0].t[k]))) - h3 * t7;
-        const double t12 = q * t1 + v_1_0 * t8;
-        const double t13 = m_01 * t9;
-        const double t14 = h4 * t10;
-        const double t15 = m_11 * t9 + m_01 * t11 - (m_12 * t10 + h4 * t12);
-        const double t16 = m_11 * t11;
-        const double t17 = m_12 * t12;
-        const double t18 = d[0].v * d[0].t[k];
-        const double t19 = N[0].v * x[0].t[k] + x[0].v * N[0].t[k] + (N[1].v * x[1].t[k] + x[1].v * N[1].t[k]);
-        const double t20 = t19 + (N[2].v * x[2].t[k] + x[2].v * N[2].t[k]);
-        const double t21 = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k] + g->e_1[2][i] * N[2].t[k];
-        const double t22 = N[0].v * e_2[0].t[k] + e_2[0].v * N[0].t[k] + (N[1].v * e_2[1].t[k] + e_2[1].v * N[1].t[k]);
-        const double t23 = N[3].v * x[0].t[k] + x[0].v * N[3].t[k] + (N[4].v * x[1].t[k] + x[1].v * N[4].t[k]);
-        const double t24 = t23 + (N[5].v * x[2].t[k] + x[2].v * N[5].t[k]);
-        const double t25 = g->e_1[0][i] * N[3].t[k] + g->e_1[1][i] * N[4].t[k] + g->e_1[2][i] * N[5].t[k];
-        const double t26 = N[3].v * e_2[0].t[k] + e_2[0].v * N[3].t[k] + (N[4].v * e_2[1].t[k] + e_2[1].v * N[4].t[k]);
-        const double t27 = n_02 * d[0].t[k] + d[0].v * (t22 + (N[2].v * e_2[2].t[k] + e_2[2].v * N[2].t[k]));
-        const double t28 = n_00 * t9 + m_01 * t20 + (n_01 * t11 + m_11 * t21);
-        const double t29 = n_01 * t12 + m_12 * t21 - (n_00 * t10 + h4 * t20);
-        const double t30 = n_12 * d[0].t[k] + d[0].v * (t26 + (N[5].v * e_2[2].t[k] + e_2[2].v * N[5].t[k]));
-        const double t31 = n_10 * t9 + m_01 * t24 + (n_11 * t11 + m_11 * t25);
-        const double t32 = n_11 * t12 + m_12 * t25 - (n_10 * t10 + h4 * t24);
-        const double t33 = m_12 * d[0].t[k] + d[0].v * t12;
-        const double t34 = m_11 * d[0].t[k] + d[0].v * t11;
-        const double t35 = h4 * d[0].t[k] + d[0].v * t10;
-        const double t36 = m_01 * d[0].t[k] + d[0].v * t9;
-        const double t37 = h5 * t33;
-        const double t38 = c_02 * t34;
-        const double t39 = h6 * t33 + h5 * t35 - (h7 * t34 + c_02 * t36);
-        const double t40 = h6 * t35;
-        const double t41 = h7 * t36;
-        const double t42 = c_20 * (m_12 * t9 + m_01 * t12 + (m_11 * t10 + h4 * t11));
-        const double t43 = h8 * (h5 * t9 + m_01 * t33 + (c_02 * t10 + h4 * t34));
-        const double t44 = h9 * t27;
-        const double t45 = k_01 * t28;
-        const double t46 = k_02 * t29;
-        const double t47 = h10 * t30;
-        const double t48 = k_11 * t31;
-        const double t49 = k_12 * t32;
-        gram[0].t[k] = t13 + t13 + (t14 + t14);
-        gram[1].t[k] = t15;
+        const double t4 = u_1[0].t[k] - u_2[0].t[k];
+        const double t5 = u_1[1].t[k] - u_2[1].t[k];
+        const double t6 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
+        const double t7 = g->k[12][i] * t6 - t3;
+        const double t8 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - g->k[2][i] * t6 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
+        const double t9 = h1 * (h1 * (f_1 * t1 + v_1_0 * t5 - (f_0 * t2 + v_1_1 * t4)));
+        const double t10 = h1 * t8 - b_33 * t9;
+        const double t11 = h1 * (f_1 * t3 + b_22 * t5 - (b_32 * t2 + v_1_1 * t7)) - h2 * t9;
+        const double t12 = q * t2 + v_1_1 * t10;
+        const double t13 = h1 * (b_32 * t1 + v_1_0 * t7 - (f_0 * t3 + b_22 * t4)) - h3 * t9;
+        const double t14 = q * t1 + v_1_0 * t10;
+        const double t15 = m_01 * t11;
+        const double t16 = h4 * t12;
+        const double t17 = m_11 * t11 + m_01 * t13 - (m_12 * t12 + h4 * t14);
+        const double t18 = m_11 * t13;
+        const double t19 = m_12 * t14;
+        const double t20 = d[0].v * d[0].t[k];
+        const double t21 = N[0].v * x[0].t[k] + x[0].v * N[0].t[k] + (N[1].v * x[1].t[k] + x[1].v * N[1].t[k]);
+        const double t22 = t21 + (N[2].v * x[2].t[k] + x[2].v * N[2].t[k]);
+        const double t23 = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k] + g->e_1[2][i] * N[2].t[k];
+        const double t24 = N[0].v * e_2[0].t[k] + e_2[0].v * N[0].t[k] + (N[1].v * e_2[1].t[k] + e_2[1].v * N[1].t[k]);
+        const double t25 = N[3].v * x[0].t[k] + x[0].v * N[3].t[k] + (N[4].v * x[1].t[k] + x[1].v * N[4].t[k]);
+        const double t26 = t25 + (N[5].v * x[2].t[k] + x[2].v * N[5].t[k]);
+        const double t27 = g->e_1[0][i] * N[3].t[k] + g->e_1[1][i] * N[4].t[k] + g->e_1[2][i] * N[5].t[k];
+        const double t28 = N[3].v * e_2[0].t[k] + e_2[0].v * N[3].t[k] + (N[4].v * e_2[1].t[k] + e_2[1].v * N[4].t[k]);
+        const double t29 = n_02 * d[0].t[k] + d[0].v * (t24 + (N[2].v * e_2[2].t[k] + e_2[2].v * N[2].t[k]));
+        const double t30 = n_00 * t11 + m_01 * t22 + (n_01 * t13 + m_11 * t23);
+        const double t31 = n_01 * t14 + m_12 * t23 - (n_00 * t12 + h4 * t22);
+        const double t32 = n_12 * d[0].t[k] + d[0].v * (t28 + (N[5].v * e_2[2].t[k] + e_2[2].v * N[5].t[k]));
+        const double t33 = n_10 * t11 + m_01 * t26 + (n_11 * t13 + m_11 * t27);
+        const double t34 = n_11 * t14 + m_12 * t27 - (n_10 * t12 + h4 * t26);
+        const double t35 = m_12 * d[0].t[k] + d[0].v * t14;
+        const double t36 = m_11 * d[0].t[k] + d[0].v * t13;
+        const double t37 = h4 * d[0].t[k] + d[0].v * t12;
+        const double t38 = m_01 * d[0].t[k] + d[0].v * t11;
+        const double t39 = h5 * t35;
+        const double t40 = c_02 * t36;
+        const double t41 = h6 * t35 + h5 * t37 - (h7 * t36 + c_02 * t38);
+        const double t42 = h6 * t37;
+        const double t43 = h7 * t38;
+        const double t44 = c_20 * (m_12 * t11 + m_01 * t14 + (m_11 * t12 + h4 * t13));
+        const double t45 = h8 * (h5 * t11 + m_01 * t35 + (c_02 * t12 + h4 * t36));
+        const double t46 = h9 * t29;
+        const double t47 = k_01 * t30;
+        const double t48 = k_02 * t31;
+        const double t49 = h10 * t32;
+        const double t50 = k_11 * t33;
+        const double t51 = k_12 * t34;
+        gram[0].t[k] = t15 + t15 + (t16 + t16);
+        gram[1].t[k] = t17;
         gram[2].t[k] = 0.0;
-        gram[3].t[k] = t15;
-        gram[4].t[k] = t16 + t16 + (t17 + t17);
+        gram[3].t[k] = t17;
+        gram[4].t[k] = t18 + t18 + (t19 + t19);
         gram[5].t[k] = 0.0;
         gram[6].t[k] = 0.0;
         gram[7].t[k] = 0.0;
-        gram[8].t[k] = t18 + t18;
-        cofactors[0].t[k] = t37 + t37 + (t38 + t38);
-        cofactors[1].t[k] = t39;
+        gram[8].t[k] = t20 + t20;
+        cofactors[0].t[k] = t39 + t39 + (t40 + t40);
+        cofactors[1].t[k] = t41;
         cofactors[2].t[k] = 0.0;
-        cofactors[3].t[k] = t39;
-        cofactors[4].t[k] = t40 + t40 + (t41 + t41);
+        cofactors[3].t[k] = t41;
+        cofactors[4].t[k] = t42 + t42 + (t43 + t43);
         cofactors[5].t[k] = 0.0;
         cofactors[6].t[k] = 0.0;
         cofactors[7].t[k] = 0.0;
-        cofactors[8].t[k] = t42 + t42;
-        square[0].t[k] = t43 + t43;
-        reach[0].t[k] = t44 + t44 + (t45 + t45) + (t46 + t46);
-        reach[1].t[k] = h10 * t27 + h9 * t30 + (k_11 * t28 + k_01 * t31) + (k_12 * t29 + k_02 * t32);
-        reach[2].t[k] = t47 + t47 + (t48 + t48) + (t49 + t49);
+        cofactors[8].t[k] = t44 + t44;
+        square[0].t[k] = t45 + t45;
+        reach[0].t[k] = t46 + t46 + (t47 + t47) + (t48 + t48);
+        reach[1].t[k] = h10 * t29 + h9 * t32 + (k_11 * t30 + k_01 * t33) + (k_12 * t31 + k_02 * t34);
+        reach[2].t[k] = t49 + t49 + (t50 + t50) + (t51 + t51);
     }
 }
 
@@ -1342,7 +1341,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_points_tangent(
 }
 
 /* `transmission` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.57),
- * (5.59).  (118 add, 168 multiply, 1 divide) */
+ * (5.59).  (122 add, 174 multiply, 1 divide) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_transmission_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
     const krhpr_dual *d, const krhpr_dual *u_1, const krhpr_dual *u_2, const krhpr_dual *N,
@@ -1351,19 +1350,18 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_transmission_tangent(
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double h_0 = d[0].v - u_2[0].v;
-    const double h_1 = d[1].v - u_2[1].v;
-    const double t = u_2[0].v * v_1_1 - u_2[1].v * v_1_0;
-    const double delta = t - b_22;
+    const double f_0 = u_1[0].v - u_2[0].v;
+    const double f_1 = u_1[1].v - u_2[1].v;
     const double u_12 = u_1[0].v * u_2[1].v - u_1[1].v * u_2[0].v;
-    const double b_32 = u_12 * g->k[12][i];
-    const double b_33 = t - u_12 * g->k[2][i];
+    const double b_32 = u_12 * g->k[12][i] - b_22;
+    const double b_33 = u_2[0].v * v_1_1 - u_12 * g->k[2][i] - u_2[1].v * v_1_0;
+    const double delta = v_1_0 * f_1 - v_1_1 * f_0;
     const double h1 = 1.0 / delta;
     const double q = b_33 * h1;
-    const double h2 = b_22 * h_1 - v_1_1 * b_32;
+    const double h2 = b_22 * f_1 - v_1_1 * b_32;
     const double m_01 = h1 * h2;
     const double h4 = v_1_1 * q;
-    const double h3 = v_1_0 * b_32 - b_22 * h_0;
+    const double h3 = v_1_0 * b_32 - b_22 * f_0;
     const double m_11 = h1 * h3;
     const double m_12 = v_1_0 * q;
     const double n_00 = x[0].v * N[0].v + x[1].v * N[1].v + x[2].v * N[2].v;
@@ -1388,39 +1386,41 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_transmission_tangent(
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
         const double t3 = v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1);
-        const double t4 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
-        const double t5 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
-        const double t6 = g->k[12][i] * t5;
-        const double t7 = h1 * (h1 * (t4 - t3));
-        const double t8 = h1 * (t4 - g->k[2][i] * t5) - b_33 * t7;
-        const double t9 = h1 * (h_1 * t3 + b_22 * (d[1].t[k] - u_2[1].t[k]) - (b_32 * t2 + v_1_1 * t6)) - h2 * t7;
-        const double t10 = q * t2 + v_1_1 * t8;
-        const double t11 = h1 * (b_32 * t1 + v_1_0 * t6 - (h_0 * t3 + b_22 * (d[0].t[k] - u_2[0].t[k]))) - h3 * t7;
-        const double t12 = q * t1 + v_1_0 * t8;
-        const double t13 = N[0].v * x[0].t[k] + x[0].v * N[0].t[k] + (N[1].v * x[1].t[k] + x[1].v * N[1].t[k]);
-        const double t14 = t13 + (N[2].v * x[2].t[k] + x[2].v * N[2].t[k]);
-        const double t15 = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k] + g->e_1[2][i] * N[2].t[k];
-        const double t16 = N[0].v * e_2[0].t[k] + e_2[0].v * N[0].t[k] + (N[1].v * e_2[1].t[k] + e_2[1].v * N[1].t[k]);
-        const double t17 = N[3].v * x[0].t[k] + x[0].v * N[3].t[k] + (N[4].v * x[1].t[k] + x[1].v * N[4].t[k]);
-        const double t18 = t17 + (N[5].v * x[2].t[k] + x[2].v * N[5].t[k]);
-        const double t19 = g->e_1[0][i] * N[3].t[k] + g->e_1[1][i] * N[4].t[k] + g->e_1[2][i] * N[5].t[k];
-        const double t20 = N[3].v * e_2[0].t[k] + e_2[0].v * N[3].t[k] + (N[4].v * e_2[1].t[k] + e_2[1].v * N[4].t[k]);
-        const double t21 = along[0].v * x[0].t[k] + x[0].v * along[0].t[k] + (along[1].v * x[1].t[k] + x[1].v * along[1].t[k]);
-        const double t22 = t21 + (along[2].v * x[2].t[k] + x[2].v * along[2].t[k]);
-        const double t23 = g->e_1[0][i] * along[0].t[k] + g->e_1[1][i] * along[1].t[k] + g->e_1[2][i] * along[2].t[k];
-        const double t24 = along[0].v * e_2[0].t[k] + e_2[0].v * along[0].t[k] + (along[1].v * e_2[1].t[k] + e_2[1].v * along[1].t[k]);
-        const double t25 = n_02 * d[0].t[k] + d[0].v * (t16 + (N[2].v * e_2[2].t[k] + e_2[2].v * N[2].t[k]));
-        const double t26 = n_12 * d[0].t[k] + d[0].v * (t20 + (N[5].v * e_2[2].t[k] + e_2[2].v * N[5].t[k]));
-        const double t27 = n_22 * d[0].t[k] + d[0].v * (t24 + (along[2].v * e_2[2].t[k] + e_2[2].v * along[2].t[k]));
-        K_n[0].t[k] = -t25;
-        K_n[1].t[k] = n_00 * t9 + m_01 * t14 + (n_01 * t11 + m_11 * t15);
-        K_n[2].t[k] = n_01 * t12 + m_12 * t15 - (n_00 * t10 + h4 * t14);
-        K_n[3].t[k] = -t26;
-        K_n[4].t[k] = n_10 * t9 + m_01 * t18 + (n_11 * t11 + m_11 * t19);
-        K_n[5].t[k] = n_11 * t12 + m_12 * t19 - (n_10 * t10 + h4 * t18);
-        K_n[6].t[k] = -t27;
-        K_n[7].t[k] = n_20 * t9 + m_01 * t22 + (n_21 * t11 + m_11 * t23);
-        K_n[8].t[k] = n_21 * t12 + m_12 * t23 - (n_20 * t10 + h4 * t22);
+        const double t4 = u_1[0].t[k] - u_2[0].t[k];
+        const double t5 = u_1[1].t[k] - u_2[1].t[k];
+        const double t6 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
+        const double t7 = g->k[12][i] * t6 - t3;
+        const double t8 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - g->k[2][i] * t6 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
+        const double t9 = h1 * (h1 * (f_1 * t1 + v_1_0 * t5 - (f_0 * t2 + v_1_1 * t4)));
+        const double t10 = h1 * t8 - b_33 * t9;
+        const double t11 = h1 * (f_1 * t3 + b_22 * t5 - (b_32 * t2 + v_1_1 * t7)) - h2 * t9;
+        const double t12 = q * t2 + v_1_1 * t10;
+        const double t13 = h1 * (b_32 * t1 + v_1_0 * t7 - (f_0 * t3 + b_22 * t4)) - h3 * t9;
+        const double t14 = q * t1 + v_1_0 * t10;
+        const double t15 = N[0].v * x[0].t[k] + x[0].v * N[0].t[k] + (N[1].v * x[1].t[k] + x[1].v * N[1].t[k]);
+        const double t16 = t15 + (N[2].v * x[2].t[k] + x[2].v * N[2].t[k]);
+        const double t17 = g->e_1[0][i] * N[0].t[k] + g->e_1[1][i] * N[1].t[k] + g->e_1[2][i] * N[2].t[k];
+        const double t18 = N[0].v * e_2[0].t[k] + e_2[0].v * N[0].t[k] + (N[1].v * e_2[1].t[k] + e_2[1].v * N[1].t[k]);
+        const double t19 = N[3].v * x[0].t[k] + x[0].v * N[3].t[k] + (N[4].v * x[1].t[k] + x[1].v * N[4].t[k]);
+        const double t20 = t19 + (N[5].v * x[2].t[k] + x[2].v * N[5].t[k]);
+        const double t21 = g->e_1[0][i] * N[3].t[k] + g->e_1[1][i] * N[4].t[k] + g->e_1[2][i] * N[5].t[k];
+        const double t22 = N[3].v * e_2[0].t[k] + e_2[0].v * N[3].t[k] + (N[4].v * e_2[1].t[k] + e_2[1].v * N[4].t[k]);
+        const double t23 = along[0].v * x[0].t[k] + x[0].v * along[0].t[k] + (along[1].v * x[1].t[k] + x[1].v * along[1].t[k]);
+        const double t24 = t23 + (along[2].v * x[2].t[k] + x[2].v * along[2].t[k]);
+        const double t25 = g->e_1[0][i] * along[0].t[k] + g->e_1[1][i] * along[1].t[k] + g->e_1[2][i] * along[2].t[k];
+        const double t26 = along[0].v * e_2[0].t[k] + e_2[0].v * along[0].t[k] + (along[1].v * e_2[1].t[k] + e_2[1].v * along[1].t[k]);
+        const double t27 = n_02 * d[0].t[k] + d[0].v * (t18 + (N[2].v * e_2[2].t[k] + e_2[2].v * N[2].t[k]));
+        const double t28 = n_12 * d[0].t[k] + d[0].v * (t22 + (N[5].v * e_2[2].t[k] + e_2[2].v * N[5].t[k]));
+        const double t29 = n_22 * d[0].t[k] + d[0].v * (t26 + (along[2].v * e_2[2].t[k] + e_2[2].v * along[2].t[k]));
+        K_n[0].t[k] = -t27;
+        K_n[1].t[k] = n_00 * t11 + m_01 * t16 + (n_01 * t13 + m_11 * t17);
+        K_n[2].t[k] = n_01 * t14 + m_12 * t17 - (n_00 * t12 + h4 * t16);
+        K_n[3].t[k] = -t28;
+        K_n[4].t[k] = n_10 * t11 + m_01 * t20 + (n_11 * t13 + m_11 * t21);
+        K_n[5].t[k] = n_11 * t14 + m_12 * t21 - (n_10 * t12 + h4 * t20);
+        K_n[6].t[k] = -t29;
+        K_n[7].t[k] = n_20 * t11 + m_01 * t24 + (n_21 * t13 + m_11 * t25);
+        K_n[8].t[k] = n_21 * t14 + m_12 * t25 - (n_20 * t12 + h4 * t24);
     }
 }
 
@@ -1678,7 +1678,7 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_torques_tangent(
     }
 }
 
-/* `end_force` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.36).  (61
+/* `end_force` with the derivatives of its outputs along directions of its inputs.  Thesis: (5.36).  (63
  * add, 88 multiply, 4 divide) */
 KRHPR_STATIC void krhpr_subleg_r_fivebar_end_force_tangent(
     const krhpr_subleg_r_fivebar_geometry *g, int i, const krhpr_dual *x, const krhpr_dual *e_2,
@@ -1688,22 +1688,21 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_end_force_tangent(
     const double v_1_0 = d[0].v - u_1[0].v;
     const double v_1_1 = d[1].v - u_1[1].v;
     const double b_22 = u_1[0].v * v_1_1 - u_1[1].v * v_1_0;
-    const double h_0 = d[0].v - u_2[0].v;
-    const double h_1 = d[1].v - u_2[1].v;
-    const double t = u_2[0].v * v_1_1 - u_2[1].v * v_1_0;
+    const double f_0 = u_1[0].v - u_2[0].v;
+    const double f_1 = u_1[1].v - u_2[1].v;
     const double u_12 = u_1[0].v * u_2[1].v - u_1[1].v * u_2[0].v;
-    const double b_32 = u_12 * g->k[12][i];
-    const double b_33 = t - u_12 * g->k[2][i];
+    const double b_32 = u_12 * g->k[12][i] - b_22;
+    const double b_33 = u_2[0].v * v_1_1 - u_12 * g->k[2][i] - u_2[1].v * v_1_0;
     const double h2 = v_1_0 * actuator_forces[1].v;
     const double h1 = 1.0 / b_22;
     const double h3 = v_1_0 * b_32;
-    const double h4 = h_0 - h1 * h3;
+    const double h4 = f_0 - h1 * h3;
     const double h6 = actuator_forces[2].v * h4;
     const double h5 = 1.0 / b_33;
     const double g_l_0 = h2 * h1 + h6 * h5;
     const double h7 = v_1_1 * actuator_forces[1].v;
     const double h8 = v_1_1 * b_32;
-    const double h9 = h_1 - h1 * h8;
+    const double h9 = f_1 - h1 * h8;
     const double h10 = actuator_forces[2].v * h9;
     const double g_l_1 = h1 * h7 + h5 * h10;
     const double h11 = actuator_forces[0].v / d[0].v;
@@ -1714,15 +1713,15 @@ KRHPR_STATIC void krhpr_subleg_r_fivebar_end_force_tangent(
     for (int k = 0; k < KRHPR_DIRECTIONS; ++k) {
         const double t1 = d[0].t[k] - u_1[0].t[k];
         const double t2 = d[1].t[k] - u_1[1].t[k];
-        const double t3 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
-        const double t4 = g->k[12][i] * t3;
-        const double t5 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1) - g->k[2][i] * t3;
-        const double t6 = h1 * (v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1));
-        const double t7 = h1 * t6;
-        const double t8 = actuator_forces[2].v * (d[0].t[k] - u_2[0].t[k] - (h1 * (b_32 * t1 + v_1_0 * t4) - h3 * t7));
-        const double t9 = h5 * (h5 * t5);
+        const double t3 = v_1_1 * u_1[0].t[k] + u_1[0].v * t2 - (v_1_0 * u_1[1].t[k] + u_1[1].v * t1);
+        const double t4 = u_2[1].v * u_1[0].t[k] + u_1[0].v * u_2[1].t[k] - (u_2[0].v * u_1[1].t[k] + u_1[1].v * u_2[0].t[k]);
+        const double t5 = g->k[12][i] * t4 - t3;
+        const double t6 = v_1_1 * u_2[0].t[k] + u_2[0].v * t2 - g->k[2][i] * t4 - (v_1_0 * u_2[1].t[k] + u_2[1].v * t1);
+        const double t7 = h1 * (h1 * t3);
+        const double t8 = actuator_forces[2].v * (u_1[0].t[k] - u_2[0].t[k] - (h1 * (b_32 * t1 + v_1_0 * t5) - h3 * t7));
+        const double t9 = h5 * (h5 * t6);
         const double t10 = h1 * (actuator_forces[1].v * t1 + v_1_0 * actuator_forces[1].t[k]) - h2 * t7 + (h5 * (h4 * actuator_forces[2].t[k] + t8) - h6 * t9);
-        const double t11 = actuator_forces[2].v * (d[1].t[k] - u_2[1].t[k] - (h1 * (b_32 * t2 + v_1_1 * t4) - h8 * t7));
+        const double t11 = actuator_forces[2].v * (u_1[1].t[k] - u_2[1].t[k] - (h1 * (b_32 * t2 + v_1_1 * t5) - h8 * t7));
         const double t12 = h1 * (actuator_forces[1].v * t2 + v_1_1 * actuator_forces[1].t[k]) - h7 * t7 + (h5 * (h9 * actuator_forces[2].t[k] + t11) - h10 * t9);
         const double t13 = h12 * (actuator_forces[0].t[k] - h11 * d[0].t[k]);
         const double t14 = g->e_1[0][i] * t12 - (h11 * e_2[0].t[k] + e_2[0].v * t13) + (g_l_0 * x[0].t[k] + x[0].v * t10);
